@@ -59,7 +59,7 @@ else:
     integrate.engine_of = lambda *laws, **given: engine_of(*laws, **{**given, "compiled": False})
     integrate.observe = _observe
     prepare_cases = prepare.prepare_cases
-    prepare.prepare_cases = lambda given, **_: prepare_cases(given, compiled=False)
+    prepare.prepare_cases = lambda work, **_: prepare_cases(work, compiled=False)
     from latolato.sweeps import kernels  # imports what was just replaced
 
     kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)

@@ -253,7 +253,7 @@ def test_no_push_is_found_where_nothing_lasts():
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({"push": "kick"}, "push must be one of"),
+        ({"push": "kick"}, "push must be 'initial_"),
         ({"largest_push": -1.0}, "largest_push"),
         ({"scan_points": 0}, "scan_points"),
         ({"sustained_angle": 0.0}, "sustained_angle"),

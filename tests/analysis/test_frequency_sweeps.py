@@ -84,7 +84,7 @@ def test_a_point_without_an_answer_leaves_the_loop_unknown():
 @pytest.mark.parametrize(
     "system, drive, changed, message",
     [
-        (TOY, None, {}, "single period, got none"),
+        (TOY, None, {}, "single period, got 'none'"),
         (TOY, DRIVE, {"frequency_ratio": [2.0, 1.0]}, "frequency_ratio must increase strictly"),
         (TOY, DRIVE, {"duration": 0.0}, r"duration must lie in \(0, inf\)"),
         (TOY, DRIVE, {"least_jump": 0.0}, r"least_jump must lie in \(0, inf\)"),

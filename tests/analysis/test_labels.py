@@ -3,9 +3,11 @@
 from inspect import signature
 
 import numpy as np
+import pytest
 
 import latolato as ll
-from latolato.analysis.registry import labelled
+from latolato.analysis.registry import analyses, labelled
+from latolato.core.errors import InputError
 
 
 def test_labels_carry_units_and_all_parameters() -> None:
@@ -15,20 +17,43 @@ def test_labels_carry_units_and_all_parameters() -> None:
     )
     drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=3.0)
     found = labelled(
-        "example",
+        "growth_rate",
         {"growth_rate": ("frequency_ratio", np.array([0.1, 0.2])), "drive_amplitude": 0.1},
+        {"system": pair, "drive": drive, "position": "hanging", "other": 1},
         coordinates={"frequency_ratio": [1.0, 2.0]},
-        system=pair,
-        drive=drive,
         settings={"order": 2, "is_stable": True, "left_out": None},
     )
     assert found.growth_rate.attrs["units"] == "1/s"
     assert found.frequency_ratio.attrs["units"] == "1"
     assert found.drive_amplitude.shape == ()
-    expected = {"analysis": "example", "system": "ballpair", "drive": "harmonic", "order": 2}
+    expected = {
+        "analysis": "growth_rate",
+        "position": "hanging",
+        "system": "ballpair",
+        "drive": "harmonic",
+        "order": 2,
+    }
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
-    assert "left_out" not in found.attrs
+    assert not {"left_out", "other"} & found.attrs.keys()
+
+
+@pytest.mark.parametrize(
+    "name, argument",
+    [("tongue_edges", "drive_amplitude"), ("response_period", "tolerance"), ("basins", "longest")],
+)
+def test_none_is_an_argument_only_where_it_is_the_default(name, argument) -> None:
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
+    with pytest.raises(InputError, match=f"{argument} must be a .*, got None"):
+        analyses[name](rod, drive, **{argument: None})
+
+
+def test_a_warning_of_an_analysis_points_at_its_caller() -> None:
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    with pytest.warns(RuntimeWarning, match="no drive up to 0.001 length") as warned:
+        ll.analysis.threshold_amplitude(rod, largest_amplitude_ratio=0.001)
+    assert warned[0].filename == __file__
 
 
 def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:

@@ -151,7 +151,7 @@ def test_a_departure_is_asked_of_mirrored_equal_balls_only():
 
 
 def test_other_systems_have_no_mirror_symmetry():
-    with pytest.raises(InputError, match="one-ball model of a LatoLato"):
+    with pytest.raises(InputError, match="must be a LatoLato, whose one-ball model"):
         pair_symmetry(ll.Pendulum(length=1.0, mass=0.8), SHAKE, initial_angle=0.1)
     with pytest.raises(ValueError, match="systems of 2 angles"):
         ll.sweep(

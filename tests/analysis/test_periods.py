@@ -250,7 +250,7 @@ def test_observables_that_mark_differently_many_periods_are_refused():
 @pytest.mark.parametrize(
     "system, drive, options, message",
     [
-        (SINGLE, None, {}, "single period, got none"),
+        (SINGLE, None, {}, "single period, got 'none'"),
         (
             SINGLE,
             ll.FrequencySchedule(drive_amplitude=0.1, times=[0.0, 5.0], drive_frequencies=[6, 5]),
@@ -263,7 +263,7 @@ def test_observables_that_mark_differently_many_periods_are_refused():
             {},
             "only grows",
         ),
-        (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"longest": 0}, "longest must be"),
+        (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"longest": 0}, "longest must lie"),
         (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"angle_tolerance": 0.0}, "angle_toler"),
         (SINGLE, at_ratio(SINGLE, 2.0, 0.1), {"transient_periods": -1}, "trans"),
         (

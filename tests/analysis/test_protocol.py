@@ -37,11 +37,11 @@ def test_one_stage_is_a_steady_drive():
 @pytest.mark.parametrize(
     "changed, message",
     [
-        ({"dwells": []}, "dwells must be one fewer than drive_frequencies, got 0 and 2"),
+        ({"dwells": []}, "dwells must be one fewer than the 2 drive_frequencies"),
         ({"dwells": [0.0]}, r"dwells\[0\] must lie in \(0, inf\) s"),
         ({"drive_frequencies": [20.0, -1.0]}, r"drive_frequencies\[1\] must lie in"),
         ({"ramp": -1.0}, r"ramp must lie in \[0, inf\) s"),
-        ({"drive_frequencies": [], "dwells": []}, "got 0 and 0"),
+        ({"drive_frequencies": [], "dwells": []}, "the 0 drive_frequencies, got"),
     ],
 )
 def test_bad_stages_are_refused(changed, message):

@@ -153,10 +153,10 @@ class TestPairs:
 @pytest.mark.parametrize(
     "drive, changed, message",
     [
-        (None, {}, "single period, got none"),
+        (None, {}, "single period, got 'none'"),
         (ll.Chirp(drive_amplitude=0.1, drive_frequency=1.0, drive_frequency_final=2.0,
-                  sweep_time=3.0), {}, "single period, got chirp"),
-        (DRIVE, {"periods": 8}, "periods must be at least 16"),
+                  sweep_time=3.0), {}, "single period, got 'chirp'"),
+        (DRIVE, {"periods": 8}, r"periods must lie in \[16"),
         (DRIVE, {"trajectories": 5}, "5 trajectories without noise are all the same"),
         (DRIVE, {"frequency_ratio": [0.0]}, "frequency_ratio must lie in"),
         (DRIVE, {"frequency_ratio": []}, "frequency_ratio must hold at least 1 values"),

@@ -114,7 +114,7 @@ def example(
     given |= {"names": names, "noise_strength": noise_strength, "either": either, "check": check}
     example.given = given | {"drive": drive, "most": most, "duration": duration}
     return labelled(
-        "floquet", {"low": low}, quantities={"low": Quantity("1", "", "low")}, system=system
+        "floquet", {"low": low}, {"system": system}, quantities={"low": Quantity("1", "", "low")}
     )
 
 
@@ -232,7 +232,9 @@ def test_what_the_scenario_says_of_the_run_is_handed_on_and_options_replace_it()
 def test_noise_comes_from_the_scenario():
     def noisy(system, drive=None, *, noise_strength: float):
         """Return nothing."""
-        return labelled("floquet", {"a": noise_strength}, quantities={"a": Quantity("1", "", "a")})
+        return labelled(
+            "floquet", {"a": noise_strength}, {}, quantities={"a": Quantity("1", "", "a")}
+        )
 
     Path("noisy.toml").write_text(
         '[system]\nkind = "pendulum"\nlength = 1.0\nmass = 1.0\n[noise]\nnoise_strength = 0.25\n'
@@ -325,6 +327,7 @@ def test_json_knows_no_infinity_and_shortens_long_arrays():
             "which": ("c", np.array(["x", "y", "x"] * 4)),
             "roots": ("d", np.array([1.0 + 2.0j])),
         },
+        {},
         quantities=names,
     )
     told = json.loads(json.dumps(summarise(found), allow_nan=False))["variables"]

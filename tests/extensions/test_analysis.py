@@ -14,6 +14,7 @@ from latolato.app.analyse import routes as app
 from latolato.app.analyse.forms import about_request, forms
 from latolato.app.given import RunRequest
 from latolato.cli.main import app as command_line
+from latolato.core.errors import InputError
 from latolato.figures import analyses as pictures
 
 HERE = Path(__file__).parent
@@ -47,6 +48,20 @@ def test_python_finds_and_draws_it():
     for a, time in zip(found.largest_angle.values, found.swing_time.values, strict=True):
         assert time == pytest.approx(slow * (1.0 + a**2 / 16.0 + 11.0 * a**4 / 3072.0), rel=2e-2)
     assert ll.plot(found).axes[0].get_ylabel().startswith("time of a swing")
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"largest_angle": -1.0}, r"largest_angle must lie in \(0, inf\) rad, got -1"),
+        ({"swings": 0}, "swings must lie in"),
+        ({"swings": 2.5}, "swings must be a whole number"),
+        ({"swings": None}, "swings must be a whole number"),
+    ],
+)
+def test_its_arguments_are_checked_by_their_annotations(options, message):
+    with pytest.raises(InputError, match=message):
+        ll.analysis.swing_time(ll.Pendulum(length=1.0, mass=0.8), **options)
 
 
 def test_the_command_line_asks_it(tmp_path):

@@ -19,8 +19,8 @@ def made(name, module, variables, coordinates=None, settings=None):
     """A dataset as the analysis would label it."""
     home = importlib.import_module(f"latolato.analysis.{module}")
     return labelled(
-        name, variables, coordinates=coordinates, quantities=home.QUANTITIES, system=TOY,
-        drive=SHAKE, settings=settings,
+        name, variables, {"system": TOY, "drive": SHAKE}, coordinates=coordinates,
+        quantities=home.QUANTITIES, settings=settings,
     )  # fmt: skip
 
 

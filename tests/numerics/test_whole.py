@@ -9,10 +9,10 @@ import pytest
 import latolato as ll
 from latolato.numerics.engine.book import allowed_error
 from latolato.numerics.pieces import (
-    allowed_recipe,
-    begin_recipe,
+    ALLOWED,
+    BEGIN,
+    SHAKE,
     piece_of,
-    shake_recipe,
     words_of,
 )
 from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
@@ -51,7 +51,7 @@ def shaken(drive):
     out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=stretch_dtype())
     given = DriveParameters(**example.drive._asdict() | numbers)
     words = np.array(words_of(Shaking(given, out, number), example))
-    piece_of(shake_recipe()).call(words.ctypes.data)
+    piece_of(SHAKE).call(words.ctypes.data)
     return out[: number[0]]
 
 
@@ -83,7 +83,7 @@ def test_a_run_begins_as_pythons_does(name):
     stretches, problem = stretch_records(drive, 10.0), np.zeros(1, dtype=np.int64)
     run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
     words = np.array(words_of(Beginning(case, stretches, run, problem), empty_beginning()))
-    piece_of(begin_recipe()).call(words.ctypes.data)
+    piece_of(BEGIN).call(words.ctypes.data)
     bounds = drive.largest_acceleration, drive.fastest_frequency
     expected, _ = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),
                                 choose_stepper(system))  # fmt: skip
@@ -108,5 +108,5 @@ def test_the_ledgers_allowance_is_that_of_a_run():
     state = run["state"].view(np.recarray)[0]
     for energy, loss, tolerance in ((2.0, 0.1, 1e-6), (1e-3, 50.0, 1e-14), (0.0, 0.0, 1e-3)):
         state.largest_energy, state.impact_loss = energy, loss
-        found = piece_of(allowed_recipe()).call(run.ctypes.data, tolerance)
+        found = piece_of(ALLOWED).call(run.ctypes.data, tolerance)
         assert found == pytest.approx(allowed_error(state, tolerance), rel=1e-15)

@@ -259,7 +259,7 @@ MISTAKES = {
     ),
     "continuation of starts": (
         {"axes": {"initial_angle": [0.4, 0.5]}, "continuation": "initial_angle"},
-        "makes no sense",
+        "is impossible",
     ),
     "continuation with noise": (
         {"continuation": "drive_frequency", "noise": ll.VelocityKicks(noise_strength=0.1)},

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.checks import (
+    AngleTolerance,
+    LongestPeriod,
+    TransientPeriods,
+    check_span,
+    checked_periodic,
+)
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.registry import checked_count
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_contact, walls_of
 
 if TYPE_CHECKING:
@@ -30,7 +34,7 @@ if TYPE_CHECKING:
 
 # The label of starts whose motion was not assigned to an attractor.
 UNRESOLVED = -1
-# More attractors than this are not told apart: the rest stays unresolved.
+# More attractors than this are not distinguished: the rest stays unresolved.
 _MOST_ATTRACTORS = 200
 # Aperiodic motions of fewer starts than this share of all count as unresolved.
 _FEWEST_CHAOTIC = 0.002
@@ -58,14 +62,14 @@ def basins(
     velocity_high: Annotated[float | None, "rad/s"] = None,
     velocity_points: int = 100,
     asymmetry: Annotated[float, "rad"] = 0.0,
-    transient_periods: float = 500.0,
-    longest: int = 16,
-    angle_tolerance: Annotated[float, "rad"] = 1e-4,
-    match_tolerance: Annotated[float, "rad"] = 0.01,
-    chaos_box: Annotated[float, "rad"] = 0.1,
+    transient_periods: TransientPeriods = 500.0,
+    longest: LongestPeriod = 16,
+    angle_tolerance: AngleTolerance = 1e-4,
+    match_tolerance: AngleTolerance = 0.01,
+    chaos_box: AngleTolerance = 0.1,
     entropy_box: int = 5,
     tolerance: float = 1e-6,
-    check_tolerance: Annotated[float | None, "rad"] = None,
+    check_tolerance: Annotated[float | None, "rad", Range(1e-15, 1e-2)] = None,
     rest_speed: float = DEFAULT_REST_SPEED,
     known: xr.Dataset | None = None,
 ) -> xr.Dataset:
@@ -90,7 +94,7 @@ def basins(
         Of two balls, the left one starts at minus the right one's angle minus this [rad], and at
         minus its angular velocity.
     transient_periods : float
-        Drive periods before the motion is looked at, at least 0.
+        Drive periods before the motion is watched, at least 0.
     longest : int
         Longest response period that is distinguished from chaos, 1 to 64 drive periods.
     angle_tolerance : float
@@ -168,14 +172,7 @@ def basins(
     >>> result.status.values, result.basin_fraction.values, result.basin_entropy.item()
     (array(['periodic'], dtype='<U12'), array([1.]), 0.0)
     """
-    law = checked_periodic(system, drive)
-    transient_periods = checked_transient(transient_periods)
-    match_tolerance = checked_number("match_tolerance", match_tolerance, _SIZES, "rad")
-    chaos_box = checked_number("chaos_box", chaos_box, _SIZES, "rad")
-    asymmetry = checked_number("asymmetry", asymmetry, Range(), "rad")
-    entropy_box = checked_count("entropy_box", entropy_box)
-    angle_points = checked_count("angle_points", angle_points)
-    velocity_points = checked_count("velocity_points", velocity_points)
+    drive = checked_periodic(system, drive)
     shape = (angle_points, velocity_points)
     if entropy_box > min(shape):
         raise InputError(
@@ -189,7 +186,6 @@ def basins(
             f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
             "velocity_points"
         )
-    tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
     check_tolerance = _checked_finer(check_tolerance, tolerance)
     if known is not None:
         _check_known(known, system)
@@ -200,9 +196,9 @@ def basins(
     def look(error: float) -> dict[str, NDArray[Any]]:
         return settled_motion(
             system,
-            law,
+            drive,
             _axes(system, angles, velocities, asymmetry),
-            law.drive_frequency,
+            drive.drive_frequency,
             longest=longest,
             angle_tolerance=angle_tolerance,
             transient_periods=transient_periods,
@@ -211,9 +207,9 @@ def basins(
         )
 
     motion, checked = look(tolerance), look(check_tolerance)
-    samples = _samples(motion, system.angles, law.drive_frequency)
+    samples = _samples(motion, system.angles, drive.drive_frequency)
     both, examples = find_attractors(
-        np.concatenate([samples, _samples(checked, system.angles, law.drive_frequency)]),
+        np.concatenate([samples, _samples(checked, system.angles, drive.drive_frequency)]),
         np.concatenate([motion["response_period"], checked["response_period"]]),
         np.concatenate([motion["status"], checked["status"]]),
         match_tolerance=match_tolerance,
@@ -231,53 +227,53 @@ def basins(
     )
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
-        warnings.warn(
+        warn(
             f"{unsettled:.1%} of the starts lead to motion that has not settled after "
             f"{transient_periods:g} drive periods: they belong to no attractor; raise "
-            "transient_periods",
-            RuntimeWarning,
-            stacklevel=2,
+            "transient_periods"
         )
-    counts = np.bincount(labels[labels >= 0], minlength=len(examples))
-    share, low, high = wilson_interval(counts, labels.size)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
-    ball = ("ball",) if system.angles == 2 else ()
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
         "basin": (places, table),
         "uncertain": (places, uncertain.astype(np.int8)),
-        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
-        "basin_fraction": ("attractor", share),
-        "basin_fraction_low": ("attractor", low),
-        "basin_fraction_high": ("attractor", high),
+        **_of_attractors(motion, examples, labels, system.angles),
         "unresolved_fraction": float((labels == UNRESOLVED).mean()),
         "not_settled_fraction": unsettled,
         "uncertain_fraction": float(uncertain.mean()),
         **basin_entropy(table, entropy_box)._asdict(),
     }
-    dims = ("attractor", *ball, "sample")
-    variables["section_angle"] = (dims, wrapped(motion["section_angle"][examples]))
-    variables["section_angular_velocity"] = (dims, motion["section_angular_velocity"][examples])
     return labelled(
         "basins",
         variables,
+        locals(),
         coordinates={
             "initial_angle": angles,
             "initial_angular_velocity": velocities,
             "attractor": numbers,
         },
         quantities=QUANTITIES_HERE | _QUANTITIES,
-        system=system,
-        drive=law,
-        arguments=locals(),
-        settings={
-            "numbers_used": used,
-            "message": doubt if uncertain.any() else None,
-        },
+        settings={"numbers_used": used, "message": doubt if uncertain.any() else None},
     )
 
 
-_SIZES = Range(0.0, 1.0, open_low=True)
+def _of_attractors(
+    motion: Mapping[str, NDArray[Any]], examples: Labels, labels: Labels, balls: int
+) -> dict[str, Any]:
+    """Return the variables over the attractors: their motion and the shares of the starts."""
+    counts = np.bincount(labels[labels >= 0], minlength=len(examples))
+    share, low, high = wilson_interval(counts, labels.size)
+    dims = ("attractor", "ball", "sample") if balls == 2 else ("attractor", "sample")
+    return {
+        **{name: ("attractor", motion[name][examples]) for name in (*_OF_ATTRACTORS, "status")},
+        "basin_fraction": ("attractor", share),
+        "basin_fraction_low": ("attractor", low),
+        "basin_fraction_high": ("attractor", high),
+        "section_angle": (dims, wrapped(motion["section_angle"][examples])),
+        "section_angular_velocity": (dims, motion["section_angular_velocity"][examples]),
+    }
+
+
 _QUANTITIES: dict[str, Quantity] = {
     "basin": Quantity("1", "", "number of the attractor (-1 unresolved)"),
     "attractor": Quantity("1", "", "attractor"),
@@ -296,11 +292,10 @@ _QUANTITIES: dict[str, Quantity] = {
 }
 
 
-def _checked_finer(value: Any, tolerance: float) -> float:
+def _checked_finer(finer: float | None, tolerance: float) -> float:
     """Return the tolerance of the second run [rad]."""
-    if value is None:
+    if finer is None:
         return max(0.1 * tolerance, 1e-15)
-    finer = checked_number("check_tolerance", value, Range(1e-15, 1e-2), "rad")
     if not finer < tolerance:
         raise InputError(
             f"must be below the tolerance of {tolerance:g} rad",
@@ -386,23 +381,17 @@ def _starts(
         low, high = 0.5 * low, 0.5 * high
     least, most = (low, high) if math.isfinite(low) else (-math.pi, math.pi)
     w0 = system.natural_frequency
-    first, last = checked_span(
-        "angle range",
-        least if angles[0] is None else angles[0],
-        most if angles[1] is None else angles[1],
-        "rad",
-    )
+    first = least if angles[0] is None else angles[0]
+    last = most if angles[1] is None else angles[1]
+    check_span("angle range", first, last)
     if first < low - _INSIDE or last > high + _INSIDE:
         raise InputError(
             f"the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
             f"[{first:.6g}, {last:.6g}]: the balls would overlap"
         )
-    slow, fast = checked_span(
-        "velocity range",
-        -_SPEEDS * w0 if velocities[0] is None else velocities[0],
-        _SPEEDS * w0 if velocities[1] is None else velocities[1],
-        "rad/s",
-    )
+    slow = -_SPEEDS * w0 if velocities[0] is None else velocities[0]
+    fast = _SPEEDS * w0 if velocities[1] is None else velocities[1]
+    check_span("velocity range", slow, fast)
 
     def centres(start: float, end: float, count: int) -> Floats:
         return start + (np.arange(count) + 0.5) * (end - start) / count

@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_periodic, checked_span, checked_transient
+from latolato.analysis.checks import (
+    AngleTolerance,
+    LongestPeriod,
+    TransientPeriods,
+    check_span,
+    checked_periodic,
+)
 from latolato.analysis.flow import varied
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
@@ -17,12 +23,11 @@ from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, UnitOf
 from latolato.core.quantities import POSITIVE, Quantity, Range
-from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import SWEEP_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, between_walls, checked_contact, walls_of
 from latolato.sweeps.axes import parameters_of
 
@@ -31,7 +36,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_MOST_POINTS = 100_000
 _KEPT = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
@@ -43,14 +47,14 @@ def bifurcation_diagram(
     parameter: str,
     low: Annotated[float, UnitOf("parameter")],
     high: Annotated[float, UnitOf("parameter")],
-    points: int = 201,
+    points: Annotated[int, Range(2, 100_000)] = 201,
     direction: Literal["both", "up", "down"] = "both",
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    transient_periods: float = 200.0,
-    longest: int = 16,
-    angle_tolerance: Annotated[float, "rad"] = 1e-4,
+    transient_periods: TransientPeriods = 200.0,
+    longest: LongestPeriod = 16,
+    angle_tolerance: AngleTolerance = 1e-4,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -88,7 +92,7 @@ def bifurcation_diagram(
         ``mirror_residual``, ``largest_angle_watched`` and ``status`` as in `response_period` over
         (direction, the parameter). ``is_hysteretic`` [1] over the parameter, if followed both
         ways: 1 where both ways reach motions of different period or largest angle, NaN where
-        that cannot be told: both aperiodic, one not settled or without an answer.
+        that is unknown: both aperiodic, one not settled or without an answer.
 
     Raises
     ------
@@ -122,24 +126,21 @@ def bifurcation_diagram(
     >>> result.status.sel(frequency_ratio=2.4, method="nearest").values
     array(['rest', 'periodic'], dtype='<U12')
     """
-    law = checked_periodic(system, drive)
-    transient_periods = checked_transient(transient_periods)
-    known = {n: p for n, p in parameters_of(system, law).items() if p.owner != "run"}
+    drive = checked_periodic(system, drive)
+    known = {n: p for n, p in parameters_of(system, drive).items() if p.owner != "run"}
     known.pop("drive_phase", None)
     if parameter not in known:
         raise InputError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
     about = known[parameter]
-    first, last = checked_span(parameter, low, high, about.unit)
-    for value in (first, last):
+    check_span(parameter, low, high)
+    for value in (low, high):
         checked_number(parameter, value, about.allowed, about.unit)
-    points = checked_count("points", points, Range(2, _MOST_POINTS))
-    direction = SWEEP_PARAMETERS["direction"].checked(direction)
-    values = np.linspace(first, last, points)
+    values = np.linspace(low, high, points)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
     result = _follow(
         system,
-        law,
+        drive,
         about,
         values,
         ways,
@@ -163,6 +164,7 @@ def bifurcation_diagram(
     return labelled(
         "bifurcation_diagram",
         variables,
+        locals(),
         coordinates={"direction": ways, parameter: values},
         quantities=QUANTITIES_HERE
         | {
@@ -170,9 +172,6 @@ def bifurcation_diagram(
             "direction": Quantity("1", "", "way along the parameter"),
             "is_hysteretic": Quantity("1", "", "both ways differ (1), not (0)"),
         },
-        system=system,
-        drive=law,
-        arguments=locals(),
     )
 
 
@@ -233,7 +232,7 @@ def _follow(
         for number, (place, case) in enumerate(zip(places, of, strict=True)):
             angles = np.atleast_1d(motion["section_angle"][case, ..., -1])
             velocities = np.atleast_1d(motion["section_angular_velocity"][case, ..., -1])
-            if np.isfinite(angles).all():  # a run that failed hands on its start
+            if np.isfinite(angles).all():  # a run that failed passes its start on
                 states[number] = (angles, velocities)
             for name, each in motion.items():
                 shape = (len(ways), count, *each.shape[1:])
@@ -245,7 +244,7 @@ def _follow(
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:
-    """Return where the ways up and down reach different motions, NaN where none can tell."""
+    """Return where the ways up and down reach different motions, NaN where that is unknown."""
     up, down = kept["status"]
     largest = kept["largest_angle_watched"]
     orders = np.nan_to_num(kept["response_period"], nan=math.inf)

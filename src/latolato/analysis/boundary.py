@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# Dimensions along which the left and the right edge are looked for, if there is one of them.
+# Dimensions along which there are a left and a right edge.
 FREQUENCIES = ("frequency_ratio", "drive_frequency")
 # Shares of the plateau between which an edge's width is measured.
 FOOT, SHOULDER = 0.1, 0.9
-# The plateau beside an edge: this share of the main region's points, and at least so many.
+# The plateau beside an edge: this share of the main region's points, and this many at least.
 NEAR, FEWEST = 0.1, 5
 
 
@@ -35,7 +35,7 @@ def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     grid : xarray.Dataset
         A sweep over two parameters; of one over more, take a part with ``grid.sel`` first.
     observable : str
-        The variable that tells unstable (large) from stable (small) motion.
+        The variable that is large for unstable and small for stable motion.
     level : float
         The value on the boundary, in the unit of the observable.
 
@@ -73,8 +73,8 @@ def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     the attribute ``spacing``. A ragged region (chaotic motion, collisions) is cut at its first gap,
     so islands beyond count neither for edges nor for widths. A flank longer than about a fifth of
     the region is measured against a lower plateau, so a soft edge shows less width than it has.
-    NaN (the map ends, a point has no answer, or the observable stays above 0.1 P) says that an edge
-    or a width cannot be told. Contours end at points without an answer.
+    An edge or a width is NaN where it is unknown: the map ends, a point has no answer, or the
+    observable stays above 0.1 P. Contours end at points without an answer.
 
     Examples
     --------
@@ -140,7 +140,9 @@ def _checked(grid: xr.Dataset, observable: str) -> xr.DataArray:
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise InputError(f"boundary needs the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError(
+            "must be the dataset of a sweep", parameter="grid", value=type(grid).__name__
+        )
     known = [str(name) for name in grid.data_vars if name != "status"]
     if observable not in known:
         raise InputError(f"unknown observable '{observable}': {suggest(str(observable), known)}")

@@ -30,7 +30,7 @@ _NEWTON = 8
 _CLOSE = 1e-9
 _ROUNDING = 1e-15  # of angles, which small hops do not get below
 _DIFFERENCE = 1e-6  # of the parameter's range, for its derivative
-# How far beyond the end of a branch the reason is looked for, in lengths of steps.
+# Where, beyond the end of a branch, the reason is searched for, in lengths of steps.
 _BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
 # Steps are as long for motions of this share of a radian and more; smaller bounces set the unit.
 _SMALL = 0.1
@@ -99,7 +99,8 @@ class Branch:
         turned: Any = drive
         phase = math.fmod(turned.drive_phase + math.tau * self.period * self.shift, math.tau)
         drive = replace(turned, drive_phase=phase)
-        return self.flow.with_law(system, drive), self.period * drive_period(drive)
+        flow = replace(self.flow, system=system, drive=drive)
+        return flow, self.period * drive_period(drive)
 
     def place(self, orbit: Orbit, value: float, like: Floats) -> Place:
         """Return a point of the branch that points like a vector."""
@@ -336,7 +337,7 @@ class Branch:
     def _locate(
         self, old: Place, new: Place, length: float, is_before: Callable[[Place], bool]
     ) -> Place:
-        """Return the first point found where a condition no longer holds, by bisection."""
+        """Return the first point where a condition no longer holds, by bisection."""
         low, high, place = 0.0, length, new
         for _ in range(BISECTIONS):
             # Where branches cross Newton's method may fail at one place and not beside it.

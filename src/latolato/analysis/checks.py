@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Range
+from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import checked_number
+from latolato.observables.period import LONGEST
 from latolato.physics.drives import Drive, PeriodicDrive
-from latolato.physics.drives.base import check_increasing, checked_array
+from latolato.physics.drives.base import check_increasing
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_periodic_drive, checked_system
 
 Floats = NDArray[np.float64]
 
-_TRANSIENTS = Range(0.0, 1e7)
+# Drive periods before a motion is watched.
+TransientPeriods = Annotated[float, Range(0.0, 1e7)]
+# The longest response period that is recognised [drive periods].
+LongestPeriod = Annotated[int, Range(1, LONGEST)]
+# A distance at which motions are still taken for one [rad].
+AngleTolerance = Annotated[float, "rad", Range(0.0, 1.0, open_low=True)]
 
 
 def checked_nonlinear(system: System) -> System:
@@ -40,43 +46,16 @@ def checked_periodic(system: System, drive: Drive | None) -> PeriodicDrive:
     return result
 
 
-def checked_transient(transient_periods: Any) -> float:
-    """Return a transient in drive periods."""
-    return checked_number("transient_periods", transient_periods, _TRANSIENTS, "drive periods")
-
-
-def checked_span(name: str, low: Any, high: Any, unit: str) -> tuple[float, float]:
-    """Return two limits of which the second is larger."""
-    first, last = (checked_number(f"{name} limit", each, Range(), unit) for each in (low, high))
-    if not first < last:
+def check_span(name: str, low: float, high: float) -> None:
+    """Raise InputError unless the second limit is larger."""
+    if not low < high:
         raise InputError(
-            f"must go from low to high, got {first:g} to {last:g}",
-            parameter=name,
-            way_out="swap them",
+            "must go from low to high", parameter=name, value=(low, high), way_out="swap them"
         )
-    return first, last
 
 
-def checked_values(
-    name: str,
-    values: Any,
-    allowed: Range = NON_NEGATIVE,
-    *,
-    default: Any = None,
-    quantity: str = "",
-    least: int = 1,
-) -> Floats:
-    """Return numbers along an axis, each of them checked; one number is an axis of one."""
-    values = default if values is None else values
-    several = values if np.ndim(values) else [values]
-    unit = QUANTITIES[quantity or name].unit
-    return np.array(checked_array(name, several, allowed, least, unit=unit))
-
-
-def checked_increasing(
-    name: str, values: Any, allowed: Range, *, default: Any, quantity: str = "", least: int = 1
-) -> Floats:
-    """Return numbers as `checked_values` does, each larger than the one before."""
-    result = checked_values(name, values, allowed, default=default, quantity=quantity, least=least)
+def increasing(name: str, values: Any, default: Floats) -> Floats:
+    """Return values along an axis, each larger than the one before."""
+    result: Floats = default if values is None else values
     check_increasing(name, tuple(result))
     return result

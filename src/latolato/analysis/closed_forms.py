@@ -245,7 +245,7 @@ def zeno_time(
     e = system.restitution
     if e == 1.0:
         raise InputError(
-            "must lie in [0, 1) for impacts to accumulate, got 1", parameter="restitution"
+            "must lie in [0, 1) for impacts to accumulate", parameter="restitution", value=e
         )
     total = _fall_time(bounce)
     if e == 0.0:
@@ -311,9 +311,9 @@ def _bounce(length: float, radius: float, initial_angle: float, gravity: float) 
     top = checked_number("initial_angle", initial_angle, ANY, "rad")
     if not low < top <= high:
         raise InputError(
-            f"must lie above the low wall {low:.6g} rad and not above the high one "
-            f"{high:.6g} rad, got {top:.6g}",
+            f"must lie above the low wall {low:.6g} rad and not above the high one {high:.6g} rad",
             parameter="initial_angle",
+            value=top,
             way_out="a ball at rest on the low wall stays there",
         )
     # sin^2(top/2) - sin^2(low/2) as a product, which keeps its digits.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -12,12 +11,12 @@ import numpy as np
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.multipliers import shorter_period, smallest_period
-from latolato.analysis.orbits import CLOSED, checked_guess, checked_period, find_orbit
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.orbits import CLOSED, PERIODS, checked_guess, find_orbit
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
@@ -49,7 +48,7 @@ def continue_orbit(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    period: int = 1,
+    period: Annotated[int, PERIODS] = 1,
     points: int = 200,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
@@ -104,9 +103,9 @@ def continue_orbit(
     pitchfork if the orbits on both sides of the turning point are images of each other, and at a
     fold otherwise. Bouncing balls that hop by less than 0.1 rad are followed in units of their
     hops. Missed are two special points of the same kind within one step, and branches that are not
-    connected to the first orbit. At grazing the map has a square root: a branch may end there, and
-    says ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
-    branch; the attribute ``message`` says so.
+    connected to the first orbit. At grazing the map has a square root: a branch may end there, with
+    the status ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
+    branch, and the attribute ``message`` mentions it.
 
     Examples
     --------
@@ -120,21 +119,18 @@ def continue_orbit(
     ['period_doubling'] [1.909946]
     """
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
-    begun = value_of(system, flow.drive, parameter)
-    known = parameter_of(system, flow.drive, parameter)
+    drive = flow.drive
+    begun = value_of(system, drive, parameter)
+    known = parameter_of(system, drive, parameter)
     # An end that the parameter itself may not have, such as no drive at all, may be approached.
     closed, unit = replace(known.allowed, open_low=False, open_high=False), known.quantity.unit
-    low = checked_number(f"low ({parameter})", low, closed, unit)
-    high = checked_number(f"high ({parameter})", high, closed, unit)
+    checked_number(f"low ({parameter})", low, closed, unit)
+    checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
         raise InputError(
             f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
             f"[{low:g}, {high:g}]"
         )
-    if direction not in ("up", "down"):
-        raise InputError("must be 'up' or 'down'", parameter="direction", value=direction)
-    period = checked_period(period)
-    points = checked_count("points", points)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     branch = Branch(flow, parameter, (low, high), period)
     first = find_orbit(flow, guess, period)
@@ -155,20 +151,18 @@ def continue_orbit(
             why = specials[-1][0].replace("_", " ") if specials else ""
             near = bool(why) and specials[-1][1].value == places[-1].value
             hint = f", by {why}" if near else ": Newton's method fails with the shortest steps"
-        warnings.warn(f"the branch was {status}{where}{hint}", RuntimeWarning, stacklevel=2)
+        warn(f"the branch was {status}{where}{hint}")
     variables = _variables(branch, places, specials) | {"status": status}
     about = known.quantity
     return labelled(
         "continue_orbit",
         variables,
+        locals(),
         quantities=QUANTITIES
         | {
             parameter: about,
             "special_value": replace(QUANTITIES["special_value"], unit=about.unit),
         },
-        system=flow.system,
-        drive=flow.drive,
-        arguments=locals(),
         settings={"message": message},
     )
 

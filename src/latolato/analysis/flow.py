@@ -1,9 +1,9 @@
-"""The motion over a given time together with what it does to small deviations."""
+"""The motion over a given time, and how it changes small deviations."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Range
+from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
-from latolato.numerics.integrate import TOLERANCES, Start, choose_step, integrate
+from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
@@ -27,26 +27,28 @@ from latolato.simulation.start import (
     checked_system,
     walls_of,
 )
-from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.sweeps.axes import DERIVED, parameters_of, replaced
 
 Floats = NDArray[np.float64]
 
 # Orbits of slower drives last thousands of steps and more.
 SLOWEST_RATIO = 0.01
+# A motion with more contacts is given up.
+_MOST_CONTACTS = 100_000
 # One list for all analyses, so that a kernel is compiled once.
 _WATCHED: tuple[Observable, ...] = (Deviations(), LargestAngle())
 
 
 @dataclass(frozen=True)
 class Passage:
-    """Where a motion led, and how.
+    """Where a motion ends, and what happens on the way.
 
     Attributes
     ----------
     end : ndarray, shape (state,)
         Angle and angular velocity of the right, then of the left ball.
     matrix : ndarray, shape (state, state)
-        By what small deviations of the start are multiplied.
+        Multiplies small deviations of the start.
     spread : float
         Logarithm of the determinant that the laws of motion give the matrix.
     largest_angle : float
@@ -54,7 +56,7 @@ class Passage:
     contact_times, contact_kinds, contact_values
         The contact table as in `latolato.numerics.integrate.Trajectory`.
     grazes : int
-        Contacts that nearly or hardly happened.
+        Contacts that were nearly missed, or nearly happened.
     is_complete : bool
         False where the numbers or the contacts overflowed.
     """
@@ -111,7 +113,7 @@ class Flow:
 
     @property
     def size(self) -> int:
-        """How many numbers the state has."""
+        """Count of the numbers of the state."""
         return 2 * self.system.angles
 
     @property
@@ -119,12 +121,8 @@ class Flow:
         """Contact angles of one ball or contact separations of two [rad]."""
         return walls_of(self.system, self.contact)
 
-    def with_law(self, system: System, drive: Drive) -> Flow:
-        """Return the same for another system and drive."""
-        return replace(self, system=system, drive=drive)
-
-    def follow(self, start: Floats, duration: float, *, limit: int = 100_000) -> Passage:
-        """Return where a start leads in `duration` seconds.
+    def follow(self, start: Floats, duration: float) -> Passage:
+        """Return the motion from a start over `duration` seconds.
 
         Parameters
         ----------
@@ -132,8 +130,6 @@ class Flow:
             Angle and angular velocity of the right, then of the left ball, at time zero.
         duration : float
             Time [s], positive.
-        limit : int
-            Contacts after which the motion is given up.
         """
         numbers = np.asarray(start, dtype=np.float64)
         angles, velocities = numbers[0::2], numbers[1::2]
@@ -149,7 +145,7 @@ class Flow:
                 self.system, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
             ),
             rest_speed=self.rest_speed,
-            contact_limit=limit,
+            contact_limit=_MOST_CONTACTS,
             law=self.contact,
             compiled=self.compiled,
             watched=_WATCHED,
@@ -177,8 +173,8 @@ def checked_flow(
         system,
         periodic_drive(system, drive),
         contact=contact,
-        tolerance=checked_number("tolerance", tolerance, Range(*TOLERANCES), "rad"),
-        rest_speed=checked_number("rest_speed", rest_speed, NON_NEGATIVE, "rad/s"),
+        tolerance=tolerance,
+        rest_speed=rest_speed,
         speed=2.0 * system.natural_frequency,
     )
 
@@ -201,8 +197,9 @@ def periodic_drive(system: System, drive: Drive | None) -> PeriodicDrive:
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(
-            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit, got {ratio:.3g}",
+            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit",
             parameter="drive_frequency",
+            value=ratio,
             way_out="raise drive_frequency",
         )
     return result
@@ -220,11 +217,8 @@ def varied(system: System, drive: Drive, name: str, value: float) -> tuple[Syste
     checked_number(name, value, parameter.allowed, parameter.unit)
     target = value * (_unit_of(system, drive, name) if name in DERIVED else 1.0)
     if parameter.owner == "drive":
-        return system, replace(drive, **{parameter.path[0]: target})
-    if len(parameter.path) == 2:
-        part, inner = parameter.path
-        return replace(system, **{part: replace(getattr(system, part), **{inner: target})}), drive
-    return replace(system, **{parameter.path[0]: target}), drive
+        return system, replaced(drive, {parameter.path: target})
+    return replaced(system, {parameter.path: target}), drive
 
 
 def value_of(system: System, drive: Drive, name: str) -> float:
@@ -245,7 +239,7 @@ def parameter_of(system: System, drive: Drive, name: Any) -> Parameter:
 
 
 def _unit_of(system: System, drive: Any, name: str) -> float:
-    """Return what a derived parameter is multiplied by to give the one that it stands for."""
+    """Return the factor from a derived parameter to the one that it sets."""
     if name == "frequency_ratio":
         return system.natural_frequency
     if name == "amplitude_ratio":

@@ -1,25 +1,24 @@
-"""How the answer to a drive depends on where its frequency came from."""
+"""Hysteresis: how the response depends on the direction in which the frequency is swept."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_increasing, checked_nonlinear, checked_values
+from latolato.analysis.checks import checked_nonlinear, increasing
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import settled_cases
+from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.core.registry import checked_number
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import Pendulum, System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
 from latolato.sweeps import sweep
 
@@ -47,17 +46,27 @@ _QUANTITIES = {
 }
 
 
+class _Sweep(NamedTuple):
+    """What is swept, and with which options of `sweep`."""
+
+    system: System
+    drive: PeriodicDrive
+    amplitudes: Floats
+    ratios: Floats
+    options: dict[str, Any]
+
+
 @analyses.register("hysteresis")
 def hysteresis(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: Sequence[float] | None = None,
-    drive_amplitude: Sequence[float] | None = None,
+    frequency_ratio: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
+    drive_amplitude: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
     duration: float = 60.0,
-    transient: Annotated[float | None, "s"] = None,
-    least_jump: Annotated[float, "rad"] = 0.1,
-    least_motion: Annotated[float, "rad"] = 1e-3,
+    transient: Annotated[float | None, "s", NON_NEGATIVE] = None,
+    least_jump: Annotated[float, "rad", POSITIVE] = 0.1,
+    least_motion: Annotated[float, "rad", NON_NEGATIVE] = 1e-3,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -87,9 +96,9 @@ def hysteresis(
         Change of the largest angle between neighbours, and difference between both ways, that
         counts as a jump [rad].
     least_motion : float
-        A free pendulum whose motion has died down below this is begun again with it at the next
-        frequency [rad], as some disturbance always is there; walls make rest lasting, and nothing
-        is added.
+        A free pendulum whose motion has died down below this starts the next frequency with it
+        [rad], as there is always some disturbance. Nothing is added where there are walls, for
+        balls may stay at rest on them.
     initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
         As for `latolato.sweep`; by default both ways start where the system hangs at rest.
 
@@ -132,14 +141,10 @@ def hysteresis(
     """
     checked_nonlinear(system)
     drive = checked_periodic_drive(drive)
-    swept = np.linspace(*_DEFAULT_RATIOS)
-    ratios = checked_increasing(
-        "frequency_ratio", frequency_ratio, NON_NEGATIVE, default=swept, least=2
-    )
-    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
-    duration = RUN_PARAMETERS["duration"].checked(duration)
-    least_jump = checked_number("least_jump", least_jump, POSITIVE, "rad")
-    least_motion = checked_number("least_motion", least_motion, NON_NEGATIVE, "rad")
+    ratios = increasing("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
+    if len(ratios) < 2:
+        raise InputError("must hold at least 2 values", parameter="frequency_ratio", value=ratios)
+    amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     transient = 0.5 * duration if transient is None else transient
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     options: dict[str, Any] = {
@@ -149,8 +154,9 @@ def hysteresis(
         "contact": contact,
         "rest_speed": rest_speed,
     }
+    swept = _Sweep(system, drive, amplitudes, ratios, options)
     if isinstance(system, Pendulum) and not system.has_contacts:
-        angles, *ends = _stirred(system, drive, amplitudes, ratios, start, least_motion, options)
+        angles, *ends = _stirred(swept, start, least_motion)
     else:
         grid = sweep(
             system,
@@ -167,7 +173,7 @@ def hysteresis(
         angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
         angles = angles.max(axis=-1)
     differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
-    lasting = differ & _lasts(system, drive, amplitudes, ratios, differ, ends, least_jump, options)
+    lasting = differ & _lasts(swept, differ, ends, least_jump)
     rows = [
         _loop(ratios, up, down, least_jump, each)
         for (up, down), each in zip(angles, lasting, strict=True)
@@ -182,29 +188,20 @@ def hysteresis(
     return labelled(
         "hysteresis",
         variables,
+        locals(),
         coordinates={
             "drive_amplitude": amplitudes,
             "direction": ["up", "down"],
             "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings=start,
     )
 
 
-def _stirred(
-    system: System,
-    drive: PeriodicDrive,
-    amplitudes: Floats,
-    ratios: Floats,
-    start: dict[str, Any],
-    least: float,
-    options: dict[str, Any],
-) -> Floats:
+def _stirred(swept: _Sweep, start: dict[str, Any], least: float) -> Floats:
     """Return `_ENDS`, (name, amplitude, direction, ratio), of motions that never die away."""
+    system, drive, amplitudes, ratios, options = swept
     count = len(amplitudes)
     result = np.full((len(_ENDS), count, 2, len(ratios)), math.nan)
     for way, order in enumerate((range(len(ratios)), reversed(range(len(ratios))))):
@@ -236,20 +233,14 @@ def _stirred(
 
 
 def _lasts(
-    system: System,
-    drive: PeriodicDrive,
-    amplitudes: Floats,
-    ratios: Floats,
-    differ: NDArray[np.bool_],
-    ends: Sequence[Floats],
-    least: float,
-    options: Mapping[str, Any],
+    swept: _Sweep, differ: NDArray[np.bool_], ends: Sequence[Floats], least: float
 ) -> NDArray[np.bool_]:
     """Return where both ways still differ when their motions have settled, shape as `differ`.
 
     Each goes on from its end at the frequency it has reached. `ends` are the angles and angular
     velocities there, of shape (amplitude, way, ratio[, ball]).
     """
+    system, drive, amplitudes, ratios, options = swept
     places = np.argwhere(differ)
     if not len(places):
         return differ

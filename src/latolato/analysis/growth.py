@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from latolato.analysis.linear import METHODS, SLOWEST, linearised
+from latolato.analysis.linear import SLOWEST, linearised
 from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.core.registry import checked_choice
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_drive
@@ -72,7 +71,6 @@ def growth_rate(
     """
     is_static = not checked_drive(drive).moves
     problem = linearised(system, None if is_static else drive, position)
-    checked_choice("method", method, METHODS)
     template: Any = problem.template
     w0, zeta = problem.natural_frequency, problem.damping_ratio
     w, amplitude = template.drive_frequency, template.drive_amplitude
@@ -92,13 +90,12 @@ def growth_rate(
         )
     else:
         rate = problem.growth(w, amplitude, method)
+    drive = FixedPivot() if is_static else template
     return labelled(
         "growth_rate",
         {"growth_rate": rate, "largest_multiplier": math.exp(rate * math.tau / w)},
+        locals(),
         quantities={
             "largest_multiplier": Quantity("1", r"|\rho|", "growth in one drive period"),
         },
-        system=system,
-        drive=FixedPivot() if is_static else template,
-        arguments=locals(),
     )

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis.checks import checked_periodic, checked_transient
+from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.core.registry import checked_count
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.run import simulate
@@ -31,7 +30,7 @@ def impact_map(
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
     periods: int = 1000,
-    transient_periods: float = 500.0,
+    transient_periods: TransientPeriods = 500.0,
     tolerance: float = 1e-9,
     rest_speed: float = DEFAULT_REST_SPEED,
     contact_limit: int = 1_000_000,
@@ -82,19 +81,17 @@ def impact_map(
     >>> result.impacts_per_period.item(), result.impact_phase.values.round(2)
     (1.0, array([5.91, 5.91, 5.91]))
     """
-    law = checked_periodic(system, drive)
+    drive = checked_periodic(system, drive)
     if not system.has_contacts:
         raise InputError(
             f"an impact map needs walls, and {type(system).__name__} has none; use LatoLato or "
             "BallPair, or poincare_section"
         )
-    transient_periods = checked_transient(transient_periods)
-    periods = checked_count("periods", periods)
-    period = math.tau / law.drive_frequency
+    period = math.tau / drive.drive_frequency
     begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(
         system,
-        law,
+        drive,
         initial_angle=initial_angle,
         initial_angular_velocity=initial_angular_velocity,
         initial_offset=initial_offset,
@@ -110,7 +107,7 @@ def impact_map(
     after = run["angular_velocity_after"].values
     if system.angles == 2:
         after = after[0] - after[1]
-    phase = (law.drive_frequency * time + law.drive_phase) % math.tau
+    phase = (drive.drive_frequency * time + drive.drive_phase) % math.tau
     status = str(run.attrs["status"])
     if status == "complete" and not time.size:
         status = "no impacts"
@@ -125,6 +122,7 @@ def impact_map(
             "rests": int((late & (kind == "rest")).sum()),
             "status": status,
         },
+        locals(),
         coordinates={"impact": np.arange(time.size)},
         quantities={
             "impact": Quantity("1", "j", "number of the impact"),
@@ -134,7 +132,4 @@ def impact_map(
             "impacts_per_period": Quantity("1", "N_c", "impacts per drive period"),
             "rests": Quantity("1", "", "times that contact became lasting"),
         },
-        system=system,
-        drive=law,
-        arguments=locals(),
     )

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from latolato.analysis.hill import find_peak, find_root
-from latolato.analysis.linear import (
-    acceleration_at,
-    checked_ratio,
-    checked_template,
-    waveform_of,
-)
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.linear import RATIOS, acceleration_at, checked_template, waveform_of
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
@@ -34,14 +28,14 @@ LARGEST_CRANK = 0.999
 _PHASES = 360
 # Bisection ends when this share of the amplitude is left.
 _BISECTION = 1e-11
-# The simulated threshold is looked for within this factor of the computed one.
+# The simulated threshold is searched for within this factor of the computed one.
 _SPREAD = 1.2
 
 
 @analyses.register("self_start")
 def self_start(
     system: System,
-    frequency_ratio: float,
+    frequency_ratio: Annotated[float, RATIOS],
     drive: Drive | None = None,
     *,
     check: bool = False,
@@ -89,8 +83,8 @@ def self_start(
     roughly, so that `check` finds up to 1e-5 more there. Two balls that swing together part earlier
     or later.
 
-    It says that rest ends, not that a large motion follows: for that the paper's toy needs some
-    4 % (e = 1) to 90 % (e = 0.5) more.
+    This is where rest ends; a large motion need not follow. For one the paper's toy needs 4 %
+    (e = 1) to 90 % (e = 0.5) more.
 
     Examples
     --------
@@ -103,7 +97,6 @@ def self_start(
     0.127322
     """
     angles = _resting_angles(system)
-    frequency_ratio = checked_ratio(frequency_ratio)
     template = checked_template(drive)
     w = frequency_ratio * system.natural_frequency
     needed = (system.gravity + _friction(system, angles)) / w**2
@@ -111,12 +104,10 @@ def self_start(
     status = "found"
     if math.isnan(amplitude):
         status = "out of reach"
-        warnings.warn(
+        warn(
             f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
             f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
-            "connecting_rod_length",
-            RuntimeWarning,
-            stacklevel=2,
+            "connecting_rod_length"
         )
     variables: dict[str, Any] = {
         "drive_amplitude": amplitude,
@@ -128,12 +119,11 @@ def self_start(
     return labelled(
         "self_start",
         variables,
+        locals() | {"drive": None},
         quantities={
             "simulated_amplitude": Quantity("m", "A_0", "driving amplitude that lifts in a run"),
             "status": Quantity("1", "", "what was found"),
         },
-        system=system,
-        arguments=locals(),
         settings=waveform_of(template),
     )
 

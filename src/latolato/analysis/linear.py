@@ -27,17 +27,16 @@ from latolato.analysis.waveform import (
 )
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_choice, checked_number, describe
+from latolato.core.registry import describe
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.simulation.start import checked_periodic_drive, checked_system
 
-POSITIONS = ("hanging", "inverted")
-METHODS = ("determinant", "monodromy")
 # What an analysis varies of a drive.
 _SOUGHT = ("drive_amplitude", "drive_frequency")
 # A slower drive would need too many harmonics.
 SLOWEST = 0.01
+RATIOS = Range(low=SLOWEST)
 # A crank closer to its connecting rod than this has too many overtones.
 LARGEST_CRANK = 0.95
 # A stiffness this close to a tongue's tip lies on it.
@@ -87,13 +86,15 @@ class Linear:
         factor = self.side / self.length
         return lambda phase: factor * acceleration(phase)
 
+    @lru_cache(maxsize=256)  # noqa: B019 - problems are small, and this bounds their number
     def coefficients(self, amplitude: float) -> Complexes:
         """Return the Fourier coefficients of `waveform`."""
-        return _coefficients(self, amplitude)
+        return fourier_coefficients(self.waveform(amplitude))
 
+    @lru_cache(maxsize=256)  # noqa: B019
     def harmonics(self, amplitude: float, is_odd: bool, count: int) -> int:
         """Return how many harmonics give the lowest `count` edges of bands."""
-        return _harmonics(self, amplitude, is_odd, count)
+        return enough_harmonics(self.coefficients(amplitude), is_odd, count)
 
     def bands(self, amplitude: float, is_odd: bool, count: int) -> NDArray[np.float64]:
         """Return the lowest edges of bands of the equation without drag, shape (count,)."""
@@ -144,18 +145,6 @@ class Linear:
         return w * rate - zeta * w0
 
 
-@lru_cache(maxsize=256)
-def _coefficients(problem: Linear, amplitude: float) -> Complexes:
-    """Return the Fourier coefficients of a problem's waveform."""
-    return fourier_coefficients(problem.waveform(amplitude))
-
-
-@lru_cache(maxsize=256)
-def _harmonics(problem: Linear, amplitude: float, is_odd: bool, count: int) -> int:
-    """Return the number of harmonics that a problem needs."""
-    return enough_harmonics(problem.coefficients(amplitude), is_odd, count)
-
-
 def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[float], float]:
     """Return y'' [m] of a drive with this amplitude and w = 1, as a function of the phase [rad].
 
@@ -186,11 +175,6 @@ def checked_template(drive: Drive | None) -> PeriodicDrive:
     return checked_periodic_drive(drive)
 
 
-def checked_ratio(frequency_ratio: float) -> float:
-    """Return a frequency ratio that is not too slow."""
-    return checked_number("frequency_ratio", frequency_ratio, Range(low=SLOWEST), "1")
-
-
 def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
     """Return the linearised system.
 
@@ -200,7 +184,6 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
         Where there is no linear stability: a wall or friction at the position.
     """
     checked_system(system)
-    checked_choice("position", position, POSITIONS)
     if position == "inverted" and system.is_linear:
         raise InputError(
             "a Mathieu system is linearised about hanging and has no inverted position; use "
@@ -209,10 +192,11 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     for ball in system.balls:
         if ball.coulomb_damping > 0.0:
             raise InputError(
-                f"must be 0, got {ball.coulomb_damping:g}: dry friction holds the ball near "
-                "the position, whose stability is then no linear question",
+                "must be 0",
                 parameter="coulomb_damping",
-                way_out="simulate with a push instead",
+                value=ball.coulomb_damping,
+                way_out="dry friction holds the ball near the position, whose stability is then no "
+                "linear question: simulate with a push instead",
             )
     ball = system.balls[0]
     if isinstance(system, (LatoLato, BallPair)):
@@ -237,21 +221,24 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
     )
     if any(each.radius > 0.0 for each in system.balls):
         raise InputError(
-            f"balls of radius {max(each.radius for each in system.balls):g} m cannot {where}, for "
-            f"they touch before; {way_out}"
+            f"must be 0 for balls that {where}: others touch before",
+            parameter="radius",
+            value=max(each.radius for each in system.balls),
+            way_out=way_out,
         )
     if system.restitution < 1.0:
         raise InputError(
-            f"must be 1, got {system.restitution:g}: balls that meet at each passage lose "
-            "energy there, which no linear equation tells",
+            "must be 1",
             parameter="restitution",
-            way_out=f"{way_out}",
+            value=system.restitution,
+            way_out="balls that lose energy whenever they meet follow no linear equation: "
+            f"{way_out}",
         )
     rates = {each.damping / each.mass for each in system.balls}
     if len(rates) > 1:
         raise InputError(
-            "the balls must have one drag rate damping/mass, or their meetings mix two different "
-            f"motions; {way_out}"
+            "the balls must have one drag rate damping/mass, or their meetings mix two motions",
+            way_out=way_out,
         )
 
 
@@ -339,7 +326,7 @@ def threshold(problem: Linear, ratio: float, largest: float, order: int | None) 
     tips = [n for n, gap in now.items() if abs(gap) < _ON_TIP * max(1.0, a)]
     for left, right in pairwise([0.0, 0.1 * float(grid[1]), *map(float, grid[1:])]):
         before, now = now, gaps(right)
-        if left == 0.0:  # what is left on a tip is rounding: does its tongue open around it?
+        if left == 0.0:  # on a tip only rounding is left: does its tongue open there?
             before |= {n: 0.0 if now[n] < 0.0 else 1.0 for n in tips}
         candidates = []
         for n in orders:

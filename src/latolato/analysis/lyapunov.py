@@ -10,12 +10,11 @@ import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
-from latolato.core.quantities import Quantity
+from latolato.core.quantities import NON_NEGATIVE, Quantity
 from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_system
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ def lyapunov_spectrum(
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
     duration: float = 1000.0,
-    transient: Annotated[float | None, "s"] = None,
+    transient: Annotated[float | None, "s", NON_NEGATIVE] = None,
     contact: str | None = "exact",
     tolerance: float = 1e-9,
     rest_speed: float = DEFAULT_REST_SPEED,
@@ -93,12 +92,12 @@ def lyapunov_spectrum(
 
     checked_system(system)
     if transient is None:
-        transient = min(100.0, 0.1 * RUN_PARAMETERS["duration"].checked(duration))
-    driven = checked_drive(drive)
+        transient = min(100.0, 0.1 * duration)
+    drive = checked_drive(drive)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset, contact)
     grid = sweep(
         system,
-        driven,
+        drive,
         axes={"case": start_columns(system, start.angles, start.velocities)},
         duration=duration,
         transient=transient,
@@ -128,9 +127,7 @@ def lyapunov_spectrum(
             "sum_rule_residual": residual,
             "status": status,
         },
+        locals(),
         coordinates={"exponent": np.arange(1, len(exponents) + 1)},
         quantities=QUANTITIES,
-        system=system,
-        drive=driven,
-        arguments=locals(),
     )

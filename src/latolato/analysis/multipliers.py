@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -14,13 +13,14 @@ from latolato.analysis.flow import Floats, checked_flow, drive_period
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
+    PERIODS,
     Orbit,
     checked_guess,
-    checked_period,
     find_orbit,
     multipliers_of,
+    scale_of,
 )
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -42,6 +42,10 @@ QUANTITIES = {
     "defect": Quantity("1", "", "what the orbit misses to be closed"),
     "response_period": Quantity("1", "p", "period of the orbit in drive periods"),
 }
+_NUMBERS = (
+    "growth_rate", "determinant", "expected_determinant", "difference_residual",
+    "multiplier_error", "impacts", "turns", "slowest_impact", "response_period",
+)  # fmt: skip
 # A modulus this close to one is neither stable nor unstable.
 _NEUTRAL = 1e-8
 # Beyond this the determinant or the differences contradict the matrix.
@@ -57,7 +61,7 @@ def floquet(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    period: int = 1,
+    period: Annotated[int, PERIODS] = 1,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
     rest_speed: float = DEFAULT_REST_SPEED,
@@ -110,7 +114,7 @@ def floquet(
     guess is followed for 40 and 400 periods first, which leads to attractors. Error of the
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
     found, not always the nearest. It may have a shorter period that fits into `period`:
-    ``response_period`` and the attribute ``message`` say so, and the multipliers are still those
+    ``response_period`` and the attribute ``message`` show it, and the multipliers are still those
     over `period`.
 
     Examples
@@ -123,32 +127,26 @@ def floquet(
     >>> print(f"{result.multipliers.values[0].real:.5f} {result.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    period = checked_period(period)
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
+    drive = flow.drive
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
-        warnings.warn(
+        warn(
             f"no motion of period {period} was found from this start (defect "
-            f"{orbit.defect:.2g}); try a start on the attractor, or another period",
-            RuntimeWarning,
-            stacklevel=2,
+            f"{orbit.defect:.2g}); try a start on the attractor, or another period"
         )
     elif result["status"] in ("grazing", "contradicted"):
-        warnings.warn(
+        warn(
             f"the multipliers are doubtful ({result['status']}): an impact is nearly missed, or "
-            "the determinant or finite differences disagree",
-            RuntimeWarning,
-            stacklevel=2,
+            "the determinant or finite differences disagree"
         )
     return labelled(
         "floquet",
         dimensioned(result, system),
+        locals(),
         quantities=QUANTITIES,
-        system=system,
-        drive=flow.drive,
-        arguments=locals(),
         settings={
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
             "message": shorter_period(result["response_period"], period),
@@ -161,35 +159,27 @@ def shorter_period(smallest: Any, period: int) -> str | None:
     if smallest not in range(1, period):
         return None
     return (
-        f"the motion found repeats after {smallest:g} of {period} drive periods already; another "
+        f"the motion repeats after {smallest:g} of {period} drive periods already; another "
         f"start may lead to one of period {period}, if there is any"
     )
 
 
 def describe_orbit(orbit: Orbit) -> dict[str, object]:
-    """Return everything that `floquet` says of an orbit, checks included."""
+    """Return everything that `floquet` returns for an orbit, checks included."""
     size = orbit.flow.size
     result: dict[str, object] = {
         "multipliers": np.full(size, complex(math.nan, math.nan)),
         "monodromy": np.full((size, size), math.nan),
         "initial_angle": np.full(size // 2, math.nan),
         "initial_angular_velocity": np.full(size // 2, math.nan),
-        "growth_rate": math.nan,
-        "determinant": math.nan,
-        "expected_determinant": math.nan,
-        "difference_residual": math.nan,
-        "multiplier_error": math.nan,
-        "impacts": math.nan,
-        "turns": math.nan,
-        "slowest_impact": math.nan,
-        "response_period": math.nan,
+        **dict.fromkeys(_NUMBERS, math.nan),
         "defect": orbit.defect,
         "status": "not found",
     }
     if not orbit.defect <= CLOSED:
         return result
     matrix, multipliers = orbit.passage.matrix, orbit.multipliers
-    largest = abs(multipliers[0])
+    largest, natural = abs(multipliers[0]), orbit.flow.system.natural_frequency
     expected = math.exp(orbit.passage.spread)
     determinant = float(np.linalg.det(matrix))
     difference = difference_residual(orbit)
@@ -199,7 +189,7 @@ def describe_orbit(orbit: Orbit) -> dict[str, object]:
     scale = max(float(np.max(np.abs(matrix))) ** 2, expected)
     if orbit.rests:
         status = "rest"
-    elif orbit.passage.grazes or orbit.slowest_impact < GRAZING_SPEED * natural(orbit):
+    elif orbit.passage.grazes or orbit.slowest_impact < GRAZING_SPEED * natural:
         status = "grazing"
     elif abs(determinant - expected) > _DETERMINANT_LIMIT * scale or (
         difference > _DIFFERENCE_LIMIT
@@ -243,18 +233,13 @@ def dimensioned(entries: dict[str, object], system: System) -> dict[str, object]
     return variables
 
 
-def natural(orbit: Orbit) -> float:
-    """Return the natural frequency of the orbit's system [rad/s]."""
-    return orbit.flow.system.natural_frequency
-
-
 def difference_residual(orbit: Orbit) -> float:
     """Return how much the matrix differs from central differences, relative to its largest entry.
 
     Measured in radians and natural frequencies. NaN where a start on a wall cannot be moved.
     """
     flow, size = orbit.flow, orbit.flow.size
-    unit = np.array([1.0, natural(orbit)] * (size // 2))
+    unit = scale_of(flow.system)
     low, high = flow.walls
     place = orbit.start[0] if size == 2 else orbit.start[0] - orbit.start[2]
     if place - low < 2.0 * _NUDGE or high - place < 2.0 * _NUDGE:
@@ -276,7 +261,7 @@ def smallest_period(orbit: Orbit) -> int:
     """Return the smallest number of drive periods after which an orbit repeats itself."""
     period = drive_period(orbit.flow.drive)
     count = round(orbit.duration / period)
-    unit = np.array([1.0, natural(orbit)] * (orbit.flow.size // 2))
+    unit = scale_of(orbit.flow.system)
     for divisor in range(1, count):
         if count % divisor:
             continue

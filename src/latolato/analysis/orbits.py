@@ -11,19 +11,18 @@ import numpy as np
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_count
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
 from latolato.simulation.start import between_walls, checked_start
 
-LONGEST = 16  # drive periods of an orbit
+PERIODS = Range(1, 16)  # of the drive, that an orbit lasts
 # An orbit closes to this [rad, and angular velocity over the natural frequency].
 CLOSED = 2e-11
 _MOST_TRIALS = 40
 _HALVINGS = 8
 # The largest change of one iteration, in the same measure.
 _LARGEST_MOVE = 0.2
-# A guess that leads nowhere is followed for so many periods, and tried again.
+# Periods for which a guess without an orbit is followed before it is tried again.
 _SETTLING = (40, 400)
 # An impact this slow, over the natural frequency, is grazing: its matrix is unlimited.
 GRAZING_SPEED = 1e-5
@@ -89,20 +88,15 @@ def multipliers_of(matrix: Floats) -> Floats:
     return np.asarray(result[order])
 
 
-def checked_period(period: Any) -> int:
-    """Return how many drive periods an orbit lasts."""
-    return checked_count("period", period, Range(1, LONGEST))
-
-
 def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
     """Return a start as one array; hanging at rest by default where nothing is in the way."""
     system = flow.system
     if angle is None and offset is None:
         if system.has_contacts and math.isfinite(flow.walls[0]):
             raise InputError(
-                "is needed [rad]: a motion between walls has no natural first guess (a start "
-                "on the attractor, from a run, will do)",
+                "is needed [rad]: a motion between walls has no natural first guess",
                 parameter="initial_angle",
+                way_out="give a start on the attractor, from a run",
             )
         angle = 0.0 if system.angles == 1 else (0.0, 0.0)
     begun = checked_start(system, flow.walls, angle, velocity, offset)
@@ -110,9 +104,9 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
 
 
 def find_orbit(flow: Flow, guess: Floats, period: int, *, settles: bool = True) -> Orbit:
-    """Return the orbit of so many drive periods that is near a guess, or is reached from there.
+    """Return the orbit of `period` drive periods near a guess, or the one it leads to.
 
-    The defect tells whether there is one: it is above `CLOSED` where none was found.
+    Its defect is above `CLOSED` if there is none.
     """
     duration = period * drive_period(flow.drive)
     orbit = shoot(flow, guess, duration)

@@ -8,10 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
+from latolato.analysis.checks import (
+    AngleTolerance,
+    LongestPeriod,
+    TransientPeriods,
+    checked_periodic,
+)
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_cases, wilson_interval
-from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.physics.drives import Drive, Harmonic
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
@@ -27,14 +32,14 @@ def response_period_map(
     system: System,
     drive: Drive | None = None,
     *,
-    drive_amplitude: Sequence[float],
-    frequency_ratio: Sequence[float],
+    drive_amplitude: Annotated[Sequence[float], NON_NEGATIVE],
+    frequency_ratio: Annotated[Sequence[float], POSITIVE],
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    transient_periods: float = 500.0,
-    longest: int = 16,
-    angle_tolerance: Annotated[float, "rad"] = 1e-4,
+    transient_periods: TransientPeriods = 500.0,
+    longest: LongestPeriod = 16,
+    angle_tolerance: AngleTolerance = 1e-4,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -55,7 +60,7 @@ def response_period_map(
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
-        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        Longest response period that is recognised, 1 to 64 drive periods; three times as many
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
@@ -80,7 +85,7 @@ def response_period_map(
     regular grid lie in patches of one motion, so that a share is mostly known better than its
     interval says; it depends on the region and on the start more than on either.
     Frequencies are run by octaves: every cell has at least `transient_periods` of transient, the
-    faster ones up to twice that. What it can miss is said at `response_period`.
+    faster ones up to twice that. See `response_period` for what it can miss.
 
     Examples
     --------
@@ -93,14 +98,12 @@ def response_period_map(
     array([[1., 2.]])
     """
     usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    law = checked_periodic(system, usual if drive is None else drive)
-    transient_periods = checked_transient(transient_periods)
-    amplitudes = checked_values("drive_amplitude", drive_amplitude)
-    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
+    drive = checked_periodic(system, usual if drive is None else drive)
+    amplitudes, ratios = np.array(drive_amplitude), np.array(frequency_ratio)
     amplitude, ratio = np.broadcast_arrays(amplitudes[:, None], ratios)
     motion = settled_cases(
         system,
-        law,
+        drive,
         {"drive_amplitude": amplitude.ravel(), "frequency_ratio": ratio.ravel()},
         ratio.ravel() * system.natural_frequency,
         initial_angle=initial_angle,
@@ -119,11 +122,9 @@ def response_period_map(
         "response_period_map",
         {name: (dims, values) for name, values in result.items()}
         | {name: (("motion",), values) for name, values in shares.items()},
+        locals(),
         coordinates={"drive_amplitude": amplitudes, "frequency_ratio": ratios, "motion": names},
         quantities=QUANTITIES_HERE | _SHARES,
-        system=system,
-        drive=law,
-        arguments=locals(),
     )
 
 

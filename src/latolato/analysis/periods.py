@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-from latolato.analysis.checks import checked_periodic, checked_transient
+from latolato.analysis.checks import (
+    AngleTolerance,
+    LongestPeriod,
+    TransientPeriods,
+    checked_periodic,
+)
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
@@ -27,9 +32,9 @@ def response_period(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    transient_periods: float = 500.0,
-    longest: int = 16,
-    angle_tolerance: Annotated[float, "rad"] = 1e-4,
+    transient_periods: TransientPeriods = 500.0,
+    longest: LongestPeriod = 16,
+    angle_tolerance: AngleTolerance = 1e-4,
     tolerance: float = 1e-8,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -44,7 +49,7 @@ def response_period(
     transient_periods : float
         Drive periods before the motion is watched, at least 0.
     longest : int
-        Longest response period that is looked for, 1 to 64 drive periods; three times as many
+        Longest response period that is recognised, 1 to 64 drive periods; three times as many
         drive periods are watched.
     angle_tolerance : float
         Distance below which two samples agree [rad], in (0, 1].
@@ -115,14 +120,13 @@ def response_period(
     >>> result.response_period.item(), result.status.item(), result.mirror_residual.item() < 1e-4
     (2.0, 'periodic', True)
     """
-    law = checked_periodic(system, drive)
-    transient_periods = checked_transient(transient_periods)
+    drive = checked_periodic(system, drive)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     result = settled_motion(
         system,
-        law,
+        drive,
         {"case": start_columns(system, start.angles, start.velocities)},
-        law.drive_frequency,
+        drive.drive_frequency,
         longest=longest,
         angle_tolerance=angle_tolerance,
         transient_periods=transient_periods,
@@ -136,16 +140,14 @@ def response_period(
     return labelled(
         "response_period",
         variables,
+        locals(),
         quantities=QUANTITIES_HERE,
-        system=system,
-        drive=law,
-        arguments=locals(),
         settings={"message": _message(variables, longest, transient_periods)},
     )
 
 
 def _message(values: dict[str, Any], longest: int, transient_periods: float) -> str | None:
-    """Return what stands in the way of an answer."""
+    """Return why there is no answer, or a doubtful one, and what to try."""
     status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
         return (

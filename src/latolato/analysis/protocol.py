@@ -59,8 +59,9 @@ class Protocol:
         )
         if not stages or len(dwells) != len(stages) - 1:
             raise InputError(
-                f"must be one fewer than drive_frequencies, got {len(dwells)} and {len(stages)}",
+                f"must be one fewer than the {len(stages)} drive_frequencies",
                 parameter="dwells",
+                value=dwells,
                 way_out="the last stage goes on",
             )
         object.__setattr__(self, "drive_frequencies", stages)

@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_increasing, checked_nonlinear
+from latolato.analysis.checks import checked_nonlinear, increasing
 from latolato.analysis.protocol import Protocol
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_columns, start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import (
-    NON_NEGATIVE,
-    POSITIVE,
-    UNIT_INTERVAL,
-    Quantity,
-    Range,
-)
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
+from latolato.core.registry import checked_number
 from latolato.physics.drives import Chirp, Drive, Harmonic, Stretch, drives
 from latolato.physics.drives.stretch import COSINE
 from latolato.physics.pendulum import System
@@ -88,15 +81,15 @@ def shortest_protocol(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: float | None = None,
-    first_frequency_ratio: Sequence[float] | None = None,
-    dwell_time: Sequence[float] | None = None,
-    push: Annotated[Sequence[float] | None, "rad/s"] = None,
-    ramp: float = 0.0,
+    frequency_ratio: Annotated[float | None, POSITIVE] = None,
+    first_frequency_ratio: Annotated[Sequence[float] | None, POSITIVE] = None,
+    dwell_time: Annotated[Sequence[float] | None, POSITIVE] = None,
+    push: Annotated[Sequence[float] | None, "rad/s", POSITIVE] = None,
+    ramp: Annotated[float, NON_NEGATIVE] = 0.0,
     phases: int = 8,
-    required_share: float = 0.5,
-    settling: Annotated[float, "s"] = 40.0,
-    threshold_angle: float | None = None,
+    required_share: Annotated[float, Range(0.0, 1.0, open_low=True)] = 0.5,
+    settling: Annotated[float, "s", POSITIVE] = 40.0,
+    threshold_angle: Annotated[float | None, POSITIVE] = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -111,7 +104,7 @@ def shortest_protocol(
     Parameters
     ----------
     system : System
-        What moves; of two balls the right one is looked at.
+        What moves; of two balls, the right one is analysed.
     drive : Harmonic, FrequencySchedule or another that ends as a cosine
         Its last amplitude is used, and its last frequency is the target where none is given.
     frequency_ratio : float, optional
@@ -180,40 +173,25 @@ def shortest_protocol(
     amplitude, target = _drive_of(system, drive, frequency_ratio)
     low, high, count = _DEFAULT_FIRST
     usual = np.linspace(low * target / w0, high * target / w0, count)
-    first = checked_increasing(
-        "first_frequency_ratio",
-        first_frequency_ratio,
-        POSITIVE,
-        default=usual,
-        quantity="frequency_ratio",
-    )
-    usual = np.linspace(*_DEFAULT_DWELLS)
-    dwells = checked_increasing("dwell_time", dwell_time, POSITIVE, default=usual)
+    first = increasing("first_frequency_ratio", first_frequency_ratio, usual)
+    dwells = increasing("dwell_time", dwell_time, np.linspace(*_DEFAULT_DWELLS))
     largest, count = _DEFAULT_PUSHES
-    usual = np.linspace(0.0, largest * w0, count)[1:]
-    pushes = checked_increasing(
-        "push", push, POSITIVE, default=usual, quantity="initial_angular_velocity"
-    )
+    pushes = increasing("push", push, np.linspace(0.0, largest * w0, count)[1:])
     search = _Search(
         system,
         amplitude,
         target,
-        checked_number("ramp", ramp, NON_NEGATIVE, "s"),
-        np.linspace(0.0, math.tau, checked_count("phases", phases), endpoint=False),
-        checked_number("settling", settling, POSITIVE, "s"),
+        ramp,
+        np.linspace(0.0, math.tau, phases, endpoint=False),
+        settling,
         start_options(system, initial_angle, initial_angular_velocity, initial_offset),
         {"tolerance": tolerance, "contact": contact, "rest_speed": rest_speed},
-    )
-    required_share = checked_number(
-        "required_share", required_share, Range(0.0, UNIT_INTERVAL.high, open_low=True), "1"
     )
     pushed = _pushed(search, [0.0, *pushes])
     rest = float(np.median(pushed[0]))
     above = pushed[pushed > rest + _LEAST_GAP]
     upper = float(np.median(above)) if above.size else math.nan
-    threshold = 0.5 * (rest + upper)
-    if threshold_angle is not None:
-        threshold = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
+    threshold = 0.5 * (rest + upper) if threshold_angle is None else threshold_angle
     shares = np.mean(pushed > threshold, axis=1)
     if math.isnan(threshold):
         shares = np.full(len(pushed), math.nan)
@@ -233,9 +211,7 @@ def shortest_protocol(
             NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
             NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
         }
-        warnings.warn(
-            f"{reason[result['status']]}: nothing to recommend", RuntimeWarning, stacklevel=2
-        )
+        warn(f"{reason[result['status']]}: nothing to recommend")
     enough = [
         speed for speed, share in zip(pushes, shares[1:], strict=True) if share >= required_share
     ]
@@ -256,15 +232,13 @@ def shortest_protocol(
             "upper_angle": upper,
             "threshold_angle": threshold,
         },
+        locals(),
         coordinates={
             "first_frequency_ratio": first,
             "dwell_time": dwells,
             "push": [0.0, *pushes],
         },
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings={**search.start, "frequency_ratio": target / system.natural_frequency},
     )
 
@@ -285,8 +259,7 @@ def _drive_of(
         raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
     amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
-        ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
-        target = ratio * system.natural_frequency
+        target = frequency_ratio * system.natural_frequency
     return amplitude, checked_number("drive_frequency", target, POSITIVE, "rad/s")
 
 
@@ -389,7 +362,7 @@ def _shortest(
 def _share(search: _Search, steps: Protocol, threshold: float) -> float:
     """Return the share of drive phases at which a protocol succeeds in complete runs."""
     end = steps.lead_time + search.settling
-    wanted = []
+    reaches = []
     for phase in search.phases:
         grid = sweep(
             search.system,
@@ -401,5 +374,5 @@ def _share(search: _Search, steps: Protocol, threshold: float) -> float:
             **search.options,
             **search.start,
         )
-        wanted.append(float(grid[_LASTING].values.ravel()[0]) > threshold)
-    return float(np.mean(wanted))
+        reaches.append(float(grid[_LASTING].values.ravel()[0]) > threshold)
+    return float(np.mean(reaches))

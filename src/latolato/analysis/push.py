@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_periodic, checked_transient, checked_values
+from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import hanging_angles, start_columns
 from latolato.analysis.stroboscopic import octaves, run_samples
 from latolato.core.parameters import UnitOf
-from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
-from latolato.core.registry import checked_choice, checked_count, checked_number
+from latolato.core.quantities import POSITIVE, QUANTITIES, Quantity, Range
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-PUSHES = ("initial_angular_velocity", "initial_offset")
 # Periods watched after the transient: three times this.
 _LONGEST = 4
 # Points that a bracket is cut into at each refinement.
@@ -41,14 +39,14 @@ def first_push(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: Sequence[float],
+    frequency_ratio: Annotated[Sequence[float], POSITIVE],
     drive_phase: Sequence[float] = (0.0,),
     push: Literal["initial_angular_velocity", "initial_offset"] = "initial_angular_velocity",
-    largest_push: Annotated[float | None, UnitOf("push")] = None,
+    largest_push: Annotated[float | None, UnitOf("push"), POSITIVE] = None,
     scan_points: int = 100,
-    refinements: int = 3,
-    sustained_angle: Annotated[float, "rad"] = 0.1,
-    transient_periods: float = 300.0,
+    refinements: Annotated[int, Range(0, 12)] = 3,
+    sustained_angle: Annotated[float, "rad", Range(0.0, math.pi, open_low=True)] = 0.1,
+    transient_periods: TransientPeriods = 300.0,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -73,7 +71,7 @@ def first_push(
     scan_points : int
         Pushes tried between none and the largest, at equal distances.
     refinements : int
-        How often the first bracket found is cut into eight, 0 to 12.
+        How often the first bracket is cut into eight, 0 to 12.
     sustained_angle : float
         Motion lasts if, after the transient, it still goes this far beyond its angle at rest
         [rad], in (0, pi].
@@ -106,7 +104,7 @@ def first_push(
     motion dies again, as ``sustained_share`` shows.
 
     What it can miss: a stripe narrower than ``scan_resolution`` (attribute, the distance of scanned
-    pushes) below the first push found. Motion that grows or dies more slowly than the transient
+    pushes) below the first push. Motion that grows or dies more slowly than the transient
     lasts is judged by how far it goes at its end; small pushes of an unstable pendulum need
     ``ln(sustained_angle/push)/growth_rate`` seconds. Lift-off alone is not lasting motion: visible
     motion from rest needs ``drive_acceleration_ratio`` of about 1.04 (e = 1) to 1.9 (e = 0.5).
@@ -120,24 +118,14 @@ def first_push(
     >>> result.status.values.ravel(), result.first_push.values.ravel().round(1)
     (array(['push', 'self-start'], dtype='<U10'), array([0.6, 0. ]))
     """
-    law = checked_periodic(system, drive)
-    transient_periods = checked_transient(transient_periods)
-    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE)
-    phases = checked_values("drive_phase", drive_phase, ANY)
-    checked_choice("push", push, PUSHES)
+    drive = checked_periodic(system, drive)
+    ratios, phases = np.array(frequency_ratio), np.array(drive_phase)
     unit, w0 = QUANTITIES[push].unit, system.natural_frequency
     usual = {"initial_angular_velocity": _FASTEST * w0, "initial_offset": _WIDEST}[push]
-    largest_push = checked_number(
-        "largest_push", usual if largest_push is None else largest_push, POSITIVE, unit
-    )
-    scan_points = checked_count("scan_points", scan_points)
-    refinements = int(checked_number("refinements", refinements, Range(0.0, 12.0), "1"))
-    sustained_angle = checked_number(
-        "sustained_angle", sustained_angle, Range(0.0, math.pi, open_low=True), "rad"
-    )
+    largest_push = usual if largest_push is None else largest_push
     trials = _Trials(
         system,
-        law,
+        drive,
         push,
         {
             "transient_periods": transient_periods,
@@ -168,7 +156,7 @@ def first_push(
     shape = (len(ratios), len(phases))
     dims = ("frequency_ratio", "drive_phase")
     accelerations = [
-        replace(law, drive_frequency=float(ratio * w0)).largest_acceleration for ratio in ratios
+        replace(drive, drive_frequency=float(ratio * w0)).largest_acceleration for ratio in ratios
     ]
     return labelled(
         "first_push",
@@ -183,6 +171,7 @@ def first_push(
                 np.array(accelerations) / system.gravity,
             ),
         },
+        locals(),
         coordinates={"frequency_ratio": ratios, "drive_phase": phases},
         quantities={
             "first_push": Quantity(unit, QUANTITIES[push].symbol, f"first push ({_WORDS[push]})"),
@@ -190,9 +179,6 @@ def first_push(
             "sustained_share": Quantity("1", "", "share of pushes after which motion lasts"),
             "angle_without_push": Quantity("rad", "", "angle beyond rest without a push"),
         },
-        system=system,
-        drive=law,
-        arguments=locals(),
         settings={"scan_resolution": largest_push / scan_points},
     )
 
@@ -204,7 +190,7 @@ class _Trials(NamedTuple):
     """Pushes of a system at rest under a drive whose frequency and phase vary."""
 
     system: System
-    law: PeriodicDrive
+    drive: PeriodicDrive
     push: str
     options: dict[str, Any]
 
@@ -220,7 +206,7 @@ class _Trials(NamedTuple):
         for part in octaves(ratio):
             grid = run_samples(
                 system,
-                self.law,
+                self.drive,
                 {"case": {name: values[part] for name, values in case.items()}},
                 longest=_LONGEST,
                 angle_tolerance=1e-4,

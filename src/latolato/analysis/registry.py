@@ -2,24 +2,79 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
+from functools import cache, wraps
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.parameters import Parameter, function_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Registry, describe, flattened
 from latolato.core.versions import version_of
-from latolato.physics.drives import Drive, drives
-from latolato.physics.pendulum import System, systems
+from latolato.physics.drives import drives
+from latolato.physics.drives.base import checked_array
+from latolato.physics.pendulum import systems
+from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.record import BALL, BALLS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Every analysis takes a system (and a drive, where it has one) and gives a labelled dataset.
-analyses: Registry[Callable[..., Any]] = Registry("analysis")
+
+class Analyses(Registry[Callable[..., Any]]):
+    """Functions of a system, and of a drive where they take one, that return labelled datasets.
+
+    Their arguments are checked before they begin. Numbers become floats or whole numbers within
+    the `Range` of their annotation, values along an axis arrays; words must be among their choices.
+    """
+
+    def register(self, name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+        """Return a decorator that adds a function under `name`, and returns the checked one."""
+        add = super().register(name)
+        return lambda function: add(_with_checked_arguments(function))
+
+
+def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that passes checked arguments on; None stays where it is the default."""
+    called = signature(function)
+
+    @cache  # not before the function's module is complete
+    def known() -> dict[str, Parameter]:
+        own = function_parameters(function, without=("system", "drive"))
+        both = {name: RUN_PARAMETERS.get(name, each) for name, each in own.items()}
+        return {name: each for name, each in both.items() if each.can_be_checked}
+
+    @wraps(function)
+    def checked(*args: Any, **options: Any) -> Any:
+        bound = called.bind(*args, **options)
+        bound.apply_defaults()
+        for name, parameter in known().items():
+            value = bound.arguments[name]
+            if value is not None or called.parameters[name].default is not None:
+                bound.arguments[name] = _checked(parameter, value)
+        return function(*bound.args, **bound.kwargs)
+
+    return checked
+
+
+def _checked(parameter: Parameter, value: Any) -> Any:
+    """Return a checked argument; one number is an axis of one value."""
+    if not parameter.several:
+        return parameter.checked(value)
+    several = value if np.ndim(value) else [value]
+    return np.array(checked_array(parameter.name, several, parameter.allowed, unit=parameter.unit))
+
+
+analyses = Analyses("analysis")
+
+
+def warn(text: str) -> None:
+    """Warn the caller of an analysis that it has no answer, or a doubtful one."""
+    warnings.warn(text, RuntimeWarning, stacklevel=4)  # past the analysis and its checks
+
 
 # What several analyses name.
 COMMON = {
@@ -35,12 +90,10 @@ _STORABLE = (int, float, str, tuple, list, np.generic, np.ndarray)
 def labelled(
     name: str,
     variables: Mapping[str, Any],
+    arguments: Mapping[str, Any],
     *,
     coordinates: Mapping[str, Any] | None = None,
     quantities: Mapping[str, Quantity] | None = None,
-    system: System | None = None,
-    drive: Drive | None = None,
-    arguments: Mapping[str, Any] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Return the dataset of an analysis with units, names, symbols and all parameters.
@@ -51,15 +104,14 @@ def labelled(
         The analysis, as it is registered; becomes the attribute ``analysis``.
     variables : mapping
         Scalars, or ``(dims, values)``. Where one is over ``ball``, this coordinate is added.
+    arguments : mapping
+        The arguments of the analysis among other names: its ``locals()``. Kind and parameters of
+        the system and of the drive, unless that is None, become attributes, and so do arguments
+        that are no coordinates or variables.
     coordinates : mapping
         Values along dimensions of the same names.
     quantities : mapping of str to Quantity
         Of names that neither `quantities.QUANTITIES` nor `COMMON` knows; each needs one.
-    system, drive : optional
-        Their kinds and parameters become attributes.
-    arguments : mapping
-        The arguments of the analysis after its checks, among other names: its ``locals()``. Those
-        that are no coordinates or variables become attributes.
     settings : mapping
         Further attributes, before which `arguments` give way; None is left out.
     """
@@ -75,14 +127,14 @@ def labelled(
         "latolato_version": version_of(),
         "numpy_version": np.__version__,
     }
-    for part, registry in ((system, systems), (drive, drives)):
+    for registry in (systems, drives):
+        part = arguments.get(registry.kind)
         if part is not None:
             attributes |= {registry.kind: registry.name_of(part), **flattened(describe(part))}
-    if arguments is not None:
-        others = {"system", "drive", *variables, *coordinates}
-        names = [each for each in signature(analyses[name]).parameters if each not in others]
-        values = {each: arguments[each] for each in names}
-        attributes |= flattened({k: v for k, v in values.items() if isinstance(v, _STORABLE)})
+    others = {"system", "drive", *variables, *coordinates}
+    own = [each for each in signature(analyses[name]).parameters if each not in others]
+    values = {each: arguments[each] for each in own if each in arguments}
+    attributes |= flattened({k: v for k, v in values.items() if isinstance(v, _STORABLE)})
 
     def entry(key: str, value: Any) -> Any:
         dims, values = value if isinstance(value, tuple) else ((), value)

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from latolato.analysis.checks import checked_periodic, checked_transient
+from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, Quantity, Range
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.quantities import Quantity, Range
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -21,8 +20,6 @@ from latolato.simulation.start import DEFAULT_REST_SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_MOST_PERIODS = 1_000_000
 
 
 @analyses.register("poincare_section")
@@ -34,8 +31,8 @@ def poincare_section(
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
     section_phase: Annotated[float, "rad"] = 0.0,
-    periods: int = 1000,
-    transient_periods: float = 500.0,
+    periods: Annotated[int, Range(1, 1_000_000)] = 1000,
+    transient_periods: TransientPeriods = 500.0,
     tolerance: float = 1e-9,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -49,7 +46,7 @@ def poincare_section(
     system, drive
         The laws; the drive must have one period (harmonic or crank slider).
     section_phase : float
-        Phase of the drive at which the motion is looked at [rad]: ``w t + drive_phase`` modulo
+        Phase of the drive at which the state is read [rad]: ``w t + drive_phase`` modulo
         2 pi. At 0 a harmonic pivot is at its top.
     periods : int
         Points of the section, 1 to 1000000.
@@ -85,19 +82,16 @@ def poincare_section(
     >>> abs(section.angle.values).round(3)
     array([0.091, 0.091, 0.091, 0.091])
     """
-    law = checked_periodic(system, drive)
-    transient_periods = checked_transient(transient_periods)
-    section_phase = checked_number("section_phase", section_phase, ANY, "rad")
-    periods = checked_count("periods", periods, Range(1, _MOST_PERIODS))
-    lead = ((section_phase - law.drive_phase) / math.tau) % 1.0
+    drive = checked_periodic(system, drive)
+    lead = ((section_phase - drive.drive_phase) / math.tau) % 1.0
     first = math.ceil(transient_periods - lead)
     numbers = np.arange(first, first + periods, dtype=np.float64)
-    times = np.asarray((numbers + lead) * (math.tau / law.drive_frequency), dtype=np.float64)
+    times = np.asarray((numbers + lead) * (math.tau / drive.drive_frequency), dtype=np.float64)
     if periods == 1 and times[0] == 0.0:
         raise InputError("the only point would be the start: take more periods or a transient")
     run = simulate(
         system,
-        law,
+        drive,
         initial_angle=initial_angle,
         initial_angular_velocity=initial_angular_velocity,
         initial_offset=initial_offset,
@@ -113,9 +107,7 @@ def poincare_section(
             "angular_velocity": (dims, run["angular_velocity"].values),
             "status": str(run.attrs["status"]),
         },
+        locals(),
         coordinates={"time": times},
         quantities={"status": Quantity("1", "", "status of the run")},
-        system=system,
-        drive=law,
-        arguments=locals(),
     )

@@ -65,12 +65,14 @@ def start_options(
     initial_angle: float | Sequence[float] | None,
     initial_angular_velocity: float | Sequence[float],
     initial_offset: float | None,
+    beside: float = 0.0,
 ) -> dict[str, Any]:
-    """Return the start for `latolato.sweep`, by default where the system hangs at rest."""
+    """Return the start for `latolato.sweep`, by default `beside` where the system hangs [rad]."""
     result: dict[str, Any] = {"initial_angular_velocity": initial_angular_velocity}
     if initial_angle is None and initial_offset is None:
         if isinstance(system, LatoLato):
-            return result | {"initial_offset": 0.0}
-        angles = hanging_angles(system)
-        return result | {"initial_angle": angles if len(angles) == 2 else angles[0]}
+            return result | {"initial_offset": beside}
+        right, *left = hanging_angles(system)
+        both = (right + beside, *(angle - beside for angle in left))
+        return result | {"initial_angle": both if left else both[0]}
     return result | {"initial_angle": initial_angle, "initial_offset": initial_offset}

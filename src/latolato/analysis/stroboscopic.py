@@ -1,4 +1,4 @@
-"""Runs that are looked at once per drive period, and what their samples tell."""
+"""Runs sampled once per drive period, and what follows from their samples."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
+    LONGEST,
     PERIODICITY,
     ResponseSamples,
     Samples,
@@ -43,8 +44,6 @@ _DECAYING = ("largest_angle_watched", "fastest_speed", "recurrence_residual")
 _SLOWED, _FALLEN = 0.8, 0.5
 # Motion that recurs so closely is nearly periodic [rad].
 _NEARLY = 0.05
-# The longest period at the last look, which sets for how long that is.
-_LONGEST = 64
 
 
 def run_samples(
@@ -65,7 +64,7 @@ def run_samples(
     """
     watched = ResponseSamples(longest=longest, angle_tolerance=angle_tolerance)
     slowest = slowest_frequency or drive.drive_frequency  # type: ignore[attr-defined]
-    # A hair longer, so that the last mark is inside for every rounding.
+    # A little longer, so that the last mark is inside for every rounding.
     duration = math.tau / slowest * (transient_periods + watched.marks - 1) * (1.0 + 1e-12)
     return sweep(system, drive, axes=axes, duration=duration, observables=[watched], **options)
 
@@ -104,7 +103,7 @@ def settled_motion(
     left = np.flatnonzero(status == "aperiodic")
     looks = [{name: motion[name][left] for name in _DECAYING}]
     waited = max(transient_periods, ResponseSamples(longest=longest).marks - 1.0)
-    for times, most in ((1.0, longest), (3.0, longest), (7.0, _LONGEST)):
+    for times, most in ((1.0, longest), (3.0, longest), (7.0, LONGEST)):
         if not left.size:
             break
         periods = transient_periods + times * waited
@@ -125,7 +124,7 @@ def settled_motion(
 def settled_cases(
     system: System, drive: Drive, case: Mapping[str, Floats], frequency: Floats, **options: Any
 ) -> dict[str, NDArray[Any]]:
-    """Return what `settled_motion` tells of points along one axis, run by octaves of frequency.
+    """Return `settled_motion` of points along one axis, run by octaves of frequency.
 
     Every point has at least the transient, the faster ones up to twice that.
     """

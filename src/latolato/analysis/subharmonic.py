@@ -1,26 +1,24 @@
-"""What of a discrete time crystal one toy can show: answers at half the driving frequency."""
+"""Subharmonic response, the part of a discrete time crystal that one toy can show."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
-from latolato.physics.noise import VelocityKicks
-from latolato.physics.pendulum import LatoLato, System
+from latolato.physics.noise import STREAMS, VelocityKicks
+from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
 from latolato.sweeps import sweep
 
@@ -38,7 +36,7 @@ CAUTION = (
 
 # Below this the motion or its part at half the frequency is none [rad].
 LEAST_AMPLITUDE = 1e-3
-# The peak is looked for between these frequencies [drive frequencies].
+# The peak is searched for between these frequencies [drive frequencies].
 WINDOW = (0.25, 0.75)
 # Share of the oscillating power that a sharp peak holds at least.
 SHARP = 0.5
@@ -47,7 +45,7 @@ WIDEST = 2.0
 # Full width at half maximum of the squared spectrum of a steady tone under a Hann window [bins].
 _HANN_WIDTH = 1.44
 _PADDING = 8
-# The main lobe of a Hann window reaches so many bins to each side.
+# Bins of the main lobe of a Hann window, to each side.
 _LOBE = 2
 
 NO_MOTION, NO_SUBHARMONIC, NO_ANSWER = "no motion", "no subharmonic", "no answer"
@@ -107,10 +105,10 @@ def subharmonic_peak(angles: Floats, velocities: Floats, drive_frequency: float)
     Notes
     -----
     The spectrum of ``angle - i velocity/(w/2)``, means removed, under a Hann window, eight times
-    padded, its square averaged over trajectories. One sample per period cannot tell w/2 + d from
-    w/2 - d in a real signal; the velocity can. The place is that of the parabola through the
-    highest three points, the width that at half of it, 1.44/periods for a steady tone. ``share``
-    counts two bins to each side of the peak against everything but the mean and its two bins.
+    padded, its square averaged over trajectories. One sample per period of a real signal does not
+    distinguish w/2 + d from w/2 - d; the velocity does. The place is that of the parabola through
+    the highest three points, the width that at half of it, 1.44/periods for a steady tone.
+    ``share`` counts two bins to each side of the peak against all but the mean and its two bins.
     """
     signal = angles - 1j * velocities / (0.5 * drive_frequency)
     signal = signal - signal.mean(axis=1, keepdims=True)
@@ -173,13 +171,13 @@ def time_crystal(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: Sequence[float] | None = None,
-    drive_amplitude: Sequence[float] | None = None,
-    noise_strength: float = 0.0,
+    frequency_ratio: Annotated[Sequence[float] | None, POSITIVE] = None,
+    drive_amplitude: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
+    noise_strength: Annotated[float, NON_NEGATIVE] = 0.0,
     trajectories: int = 1,
-    noise_seed: int = 0,
-    periods: int = 256,
-    transient_periods: int = 200,
+    noise_seed: Annotated[int, STREAMS] = 0,
+    periods: Annotated[int, Range(16, COUNT.high, open_high=True)] = 256,
+    transient_periods: Annotated[int, NON_NEGATIVE] = 200,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -194,7 +192,7 @@ def time_crystal(
     Parameters
     ----------
     system : System
-        What moves; of two balls the right one is looked at.
+        What moves; of two balls, the right one is analysed.
     drive : PeriodicDrive
         The drive, whose frequency and amplitude stand where no others are given.
     frequency_ratio : sequence of float, optional
@@ -208,7 +206,7 @@ def time_crystal(
     noise_seed : int
         Seed of the streams.
     periods, transient_periods : int
-        Drive periods that are looked at (at least 16), after so many others.
+        Drive periods that are analysed (at least 16), and those before them.
     initial_angle, initial_angular_velocity, initial_offset, tolerance, contact, rest_speed
         As for `latolato.sweep`; by default the start is 0.1 rad beside where the system hangs.
 
@@ -233,8 +231,8 @@ def time_crystal(
     Notes
     -----
     ``Z = <(-1)^n angle(nT)>`` with n counted from time zero, where the drive has its phase
-    `drive_phase`: its sign tells which of the two motions, one period apart, was chosen, and
-    changes with the start. The angle is taken modulo 2 pi in [-pi, pi), from the upright position
+    `drive_phase`: its sign distinguishes the two motions, one period apart, and changes with the
+    start. The angle is taken modulo 2 pi in [-pi, pi), from the upright position
     if the motion is mostly above its pivot. ``order_parameter`` keeps
     the sign when it averages over trajectories, so that it decays with phase slips;
     ``order_parameter_size`` does not. Where the answer happens to pass its middle at the instants
@@ -248,8 +246,8 @@ def time_crystal(
     (attribute ``resolution``) is none, and "locked" and "drifting" have at most twice that and at
     least half of the oscillating power in it.
 
-    What one toy cannot show stands in the attribute ``caution``: rigidity and lifetime of a
-    many-body phase. With noise, points share their streams. What this can miss: slips that come and
+    The attribute ``caution`` names what one toy cannot show: rigidity and lifetime of a many-body
+    phase. With noise, points share their streams. What this can miss: slips that come and
     go within a period; a line outside 1/4 to 3/4 of the driving frequency; other answers than the
     one that the start leads to. The pair's usual answer at e = 0.9 has period 1: no subharmonic.
 
@@ -264,21 +262,17 @@ def time_crystal(
     """
     checked_system(system)
     drive = checked_periodic_drive(drive)
-    own = drive.drive_frequency / system.natural_frequency
-    ratios = checked_values("frequency_ratio", frequency_ratio, POSITIVE, default=own)
-    amplitudes = checked_values("drive_amplitude", drive_amplitude, default=drive.drive_amplitude)
-    noise_strength = checked_number("noise_strength", noise_strength, NON_NEGATIVE, "rad/s^(3/2)")
-    trajectories = checked_count("trajectories", trajectories)
+    ratios = np.array([drive.drive_frequency / system.natural_frequency])
+    ratios = ratios if frequency_ratio is None else np.array(frequency_ratio)
+    amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     if trajectories > 1 and noise_strength == 0.0:
         raise InputError(
             f"{trajectories} trajectories without noise are all the same: give noise_strength or "
             "one"
         )
-    periods = checked_count("periods", periods)
-    if periods < 16:
-        raise InputError("must be at least 16 to tell a line", parameter="periods", value=periods)
-    before = 0 if transient_periods == 0 else checked_count("transient_periods", transient_periods)
-    start = _start(system, initial_angle, initial_angular_velocity, initial_offset)
+    start = start_options(
+        system, initial_angle, initial_angular_velocity, initial_offset, beside=0.1
+    )
     axes: dict[str, Any] = {"drive_amplitude": amplitudes}
     noise = None
     if noise_strength > 0.0:
@@ -291,7 +285,7 @@ def time_crystal(
             system,
             replace(drive, drive_frequency=frequency),
             axes=axes,
-            duration=(before + periods) * math.tau / frequency,
+            duration=(transient_periods + periods) * math.tau / frequency,
             observables=[PoincareSection(periods=periods)],
             noise=noise,
             tolerance=tolerance,
@@ -305,9 +299,10 @@ def time_crystal(
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
         valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
+        first = transient_periods + 1
         result.append(
             [
-                _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, before + 1)
+                _measures(angles[i][valid[i]], velocities[i][valid[i]], frequency, first)
                 for i in range(len(amplitudes))
             ]
         )
@@ -327,30 +322,16 @@ def time_crystal(
     return labelled(
         "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
+        locals(),
         coordinates={
             "drive_amplitude": amplitudes,
             "frequency_ratio": ratios,
             "lag": np.arange(periods // 2),
-            "period": np.arange(before + 1, before + periods + 1),
+            "period": np.arange(first, first + periods),
         },
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings={**start, "caution": CAUTION, "resolution": _HANN_WIDTH / periods},
     )
-
-
-def _start(system: System, angle: Any, velocity: Any, offset: Any) -> dict[str, Any]:
-    """Return the start, by default a tenth of a radian beside where the system hangs."""
-    if angle is not None or offset is not None:
-        return start_options(system, angle, velocity, offset)
-    if isinstance(system, LatoLato):
-        return start_options(system, None, velocity, 0.1)
-    hanging = start_options(system, None, velocity, None)["initial_angle"]
-    if isinstance(hanging, tuple):
-        return start_options(system, (hanging[0] + 0.1, hanging[1] - 0.1), velocity, None)
-    return start_options(system, 0.1, velocity, None)
 
 
 def _measures(angles: Floats, velocities: Floats, frequency: float, first: int) -> dict[str, Any]:

@@ -15,7 +15,7 @@ _FEW, _MANY = 8, 1000
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """Return the results of an analysis as JSON.
 
-    Complex variables are parted as in files; NaN is None and infinities are texts. Of more than
+    Complex variables are split as in files; NaN is None and infinities are texts. Of more than
     1000 values there are the least and the largest only.
     """
     from latolato.io.files import without_complex
@@ -43,7 +43,7 @@ def as_lines(dataset: xr.Dataset) -> dict[str, str]:
     if "status" in dataset:
         lines["status"] = ""
     for name, variable in {**dataset.coords, **dataset.data_vars}.items():
-        # Numbers of rows and names of balls say nothing by themselves.
+        # Numbers of rows and names of balls need no line of their own.
         if name not in dataset.coords or variable.dtype.kind == "f":
             lines[str(name)] = _text_of(variable)
     if "message" in dataset.attrs:

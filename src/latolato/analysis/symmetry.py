@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from latolato.analysis.checks import checked_values
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start
 from latolato.core.errors import InputError
+from latolato.core.quantities import NON_NEGATIVE
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
@@ -25,7 +25,7 @@ QUANTITIES = {
     **TransverseExponent.variables,
     **LargestAngleAfterTransient.variables,
 }
-# A departure that grows or shrinks by less than this factor in the observed time tells nothing.
+# A departure that changes by less than this factor in the observed time decides nothing.
 _FACTOR = np.exp(2.0)
 
 
@@ -43,10 +43,10 @@ def pair_symmetry(
     initial_angle: float | None = None,
     initial_angular_velocity: float = 0.0,
     initial_offset: float | None = None,
-    drive_amplitude: Sequence[float] | None = None,
-    frequency_ratio: Sequence[float] | None = None,
+    drive_amplitude: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
+    frequency_ratio: Annotated[Sequence[float] | None, NON_NEGATIVE] = None,
     duration: float = 300.0,
-    transient: Annotated[float, "s"] = 50.0,
+    transient: Annotated[float, "s", NON_NEGATIVE] = 50.0,
     tolerance: float = 1e-6,
     rest_speed: float = DEFAULT_REST_SPEED,
 ) -> xr.Dataset:
@@ -105,18 +105,16 @@ def pair_symmetry(
 
     if not isinstance(system, LatoLato):
         raise InputError(
-            f"pair_symmetry questions the one-ball model of a LatoLato, got {system!r}: other "
-            "systems have no mirror-symmetric motion"
+            "must be a LatoLato, whose one-ball model is tested: other systems have no "
+            "mirror-symmetric motion",
+            parameter="system",
+            value=system,
         )
     driven = checked_drive(drive)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]
     optional = {"drive_amplitude": drive_amplitude, "frequency_ratio": frequency_ratio}
-    axes: dict[str, Any] = {
-        name: checked_values(name, values)
-        for name, values in optional.items()
-        if values is not None
-    }
+    axes: dict[str, Any] = {n: values for n, values in optional.items() if values is not None}
     varied = list(axes)
     grid = sweep(
         as_pair(system),
@@ -149,10 +147,8 @@ def pair_symmetry(
             ),
             "status": (dims, status),
         },
+        locals(),
         coordinates={name: grid[name].values for name in varied},
         quantities=QUANTITIES,
-        system=system,
-        drive=driven if drive is not None else None,
-        arguments=locals(),
         settings={"initial_angle": angle, "initial_angular_velocity": velocity},
     )

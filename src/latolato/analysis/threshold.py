@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from latolato.analysis.linear import checked_ratio, linearised, threshold, waveform_of
+from latolato.analysis.linear import RATIOS, linearised, threshold, waveform_of
 from latolato.analysis.mathieu import mathieu_threshold_amplitude
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_count, checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -23,9 +21,9 @@ def threshold_amplitude(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: float = 2.0,
+    frequency_ratio: Annotated[float, RATIOS] = 2.0,
     order: int | None = None,
-    largest_amplitude_ratio: float = 1.0,
+    largest_amplitude_ratio: Annotated[float, POSITIVE] = 1.0,
 ) -> xr.Dataset:
     """Return the smallest drive amplitude A0 [m] above which hanging straight down is unstable.
 
@@ -70,12 +68,6 @@ def threshold_amplitude(
     11.39 mm
     """
     problem = linearised(system, drive)
-    frequency_ratio = checked_ratio(frequency_ratio)
-    largest_amplitude_ratio = checked_number(
-        "largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1"
-    )
-    if order is not None:
-        order = checked_count("order", order)
     if problem.is_plain and order is None:
         amplitude = mathieu_threshold_amplitude(
             frequency_ratio=frequency_ratio,
@@ -87,18 +79,15 @@ def threshold_amplitude(
         amplitude = threshold(problem, frequency_ratio, largest, order)
     status = "none" if math.isnan(amplitude) else "found"
     if status == "none":
-        warnings.warn(
+        warn(
             f"no drive up to {largest_amplitude_ratio:g} length makes hanging unstable at "
             f"frequency_ratio {frequency_ratio:g}; raise largest_amplitude_ratio or choose a ratio "
-            "nearer to 2/n",
-            RuntimeWarning,
-            stacklevel=2,
+            "nearer to 2/n"
         )
     return labelled(
         "threshold_amplitude",
         {"drive_amplitude": amplitude, "status": status},
+        locals() | {"drive": None},
         quantities={"status": Quantity("1", "", "what was found")},
-        system=system,
-        arguments=locals(),
         settings=waveform_of(problem.template),
     )

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from latolato.analysis.linear import METHODS, linearised, tongue, waveform_of
+from latolato.analysis.linear import linearised, tongue, waveform_of
 from latolato.analysis.mathieu import mathieu_tongue_edges
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
-from latolato.core.registry import checked_choice, checked_count, checked_number
+from latolato.core.registry import checked_count
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -31,8 +30,8 @@ def tongue_edges(
     system: System,
     drive: Drive | None = None,
     *,
-    drive_amplitude: float,
-    order: int = 1,
+    drive_amplitude: Annotated[float, NON_NEGATIVE],
+    order: Annotated[int, Range(0, _LARGEST_ORDER)] = 1,
     position: Literal["hanging", "inverted"] = "hanging",
     method: Literal["determinant", "monodromy"] = "determinant",
 ) -> xr.Dataset:
@@ -86,15 +85,14 @@ def tongue_edges(
     1.90994630 2.10750817
     """
     problem = linearised(system, drive, position)
-    drive_amplitude = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
-    checked_choice("method", method, METHODS)
-    lowest = 0 if position == "inverted" else 1
-    order = checked_count("order", order, Range(lowest, _LARGEST_ORDER))
+    if position == "hanging":
+        checked_count("order", order, Range(1, _LARGEST_ORDER))
     if position == "hanging" and problem.damping_ratio >= 1.0:
         raise InputError(
-            f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
-            f"({problem.damping_ratio:.3g} times that)",
+            f"must be below 2 m l w0, {problem.damping / problem.damping_ratio:.3g} kg m/s, for a "
+            "tongue to exist",
             parameter="damping",
+            value=problem.damping,
             way_out="use growth_rate for overdamped cases",
         )
     if problem.is_plain and method == "determinant":
@@ -107,18 +105,15 @@ def tongue_edges(
         low, high = tongue(problem, drive_amplitude, order, method)
     status = "closed" if math.isnan(low) else "no upper edge" if math.isinf(high) else "found"
     if status == "closed":
-        warnings.warn(
+        warn(
             f"the tongue of order {order} is closed at drive_amplitude {drive_amplitude:g} m; "
-            "raise it or lower the damping",
-            RuntimeWarning,
-            stacklevel=2,
+            "raise it or lower the damping"
         )
     return labelled(
         "tongue_edges",
         {"low": low, "high": high, "status": status},
+        locals() | {"drive": None},
         quantities=QUANTITIES_OF_EDGES,
-        system=system,
-        arguments=locals(),
         settings=waveform_of(problem.template),
     )
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 from latolato.analysis.hill import find_root
-from latolato.analysis.linear import Linear, checked_ratio, linearised, waveform_of
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.linear import RATIOS, Linear, linearised, waveform_of
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_number
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -27,8 +25,8 @@ def inverted_limits(
     system: System,
     drive: Drive | None = None,
     *,
-    frequency_ratio: float,
-    largest_amplitude_ratio: float = 2.0,
+    frequency_ratio: Annotated[float, RATIOS],
+    largest_amplitude_ratio: Annotated[float, POSITIVE] = 2.0,
 ) -> xr.Dataset:
     """Return the drive amplitudes [m] between which standing upright is stable.
 
@@ -72,10 +70,6 @@ def inverted_limits(
     0.070788 0.458219; Kapitza 0.070711
     """
     problem = linearised(system, drive, "inverted")
-    frequency_ratio = checked_ratio(frequency_ratio)
-    largest_amplitude_ratio = checked_number(
-        "largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1"
-    )
     largest = min(largest_amplitude_ratio * problem.length, problem.largest_amplitude)
     low, high = _limits(problem, 1.0 / frequency_ratio, largest)
     status = (
@@ -83,22 +77,19 @@ def inverted_limits(
     )
     if status != "found":
         what = "lower" if math.isnan(low) else "upper"
-        warnings.warn(
+        warn(
             f"no {what} limit was found up to drive_amplitude {largest:g} m; raise "
-            "largest_amplitude_ratio or frequency_ratio",
-            RuntimeWarning,
-            stacklevel=2,
+            "largest_amplitude_ratio or frequency_ratio"
         )
     return labelled(
         "inverted_limits",
         {"low": low, "high": high, "status": status},
+        locals() | {"drive": None},
         quantities={
             "low": Quantity("m", "A_{low}", "least amplitude that holds it upright"),
             "high": Quantity("m", "A_{high}", "largest amplitude that holds it upright"),
             "status": Quantity("1", "", "what was found"),
         },
-        system=system,
-        arguments=locals(),
         settings=waveform_of(problem.template),
     )
 

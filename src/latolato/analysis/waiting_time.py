@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
-from latolato.core.quantities import POSITIVE, Quantity, Range
-from latolato.core.registry import checked_count, checked_number
+from latolato.core.quantities import POSITIVE, Quantity
 from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
-from latolato.physics.noise import VelocityKicks
+from latolato.physics.noise import STREAMS, VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
 
@@ -28,7 +25,7 @@ if TYPE_CHECKING:
 
 PASSED, NONE = "passed", "none passed"
 DELAYED, AT_ONCE = "not exponential", "all at once"
-# Exponential waiting times leave so long a beginning without a passage this rarely.
+# Probability below which a long beginning without a passage contradicts exponential times.
 _UNLIKELY = 1e-3
 _CONFIDENCE = 0.95
 
@@ -100,11 +97,11 @@ def first_passage_time(
     system: System,
     drive: Drive | None = None,
     *,
-    noise_strength: float,
-    threshold_angle: float = math.pi / 4.0,
+    noise_strength: Annotated[float, POSITIVE],
+    threshold_angle: Annotated[float, POSITIVE] = math.pi / 4.0,
     duration: float = 300.0,
     trajectories: int = 200,
-    noise_seed: int = 0,
+    noise_seed: Annotated[int, STREAMS] = 0,
     noise_interval: float | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
@@ -176,15 +173,8 @@ def first_passage_time(
     """
     system = checked_system(system)
     kicks = VelocityKicks(
-        noise_strength=checked_number(
-            "noise_strength", noise_strength, Range(0.0, open_low=True), "rad/s^(3/2)"
-        ),
-        noise_seed=noise_seed,
-        noise_interval=noise_interval,
+        noise_strength=noise_strength, noise_seed=noise_seed, noise_interval=noise_interval
     )
-    threshold_angle = checked_number("threshold_angle", threshold_angle, POSITIVE, "rad")
-    duration = RUN_PARAMETERS["duration"].checked(duration)
-    trajectories = checked_count("trajectories", trajectories)
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)
     grid = sweep(
         system,
@@ -208,20 +198,16 @@ def first_passage_time(
     known = grid.status.values < EVENT_LIMIT
     result = _statistics(times[known], duration)
     if result["status"] == NONE:
-        warnings.warn(
+        warn(
             f"no trajectory of {trajectories} reached {threshold_angle:g} rad within {duration:g} "
-            "s: the mean is unknown; wait longer or raise noise_strength",
-            RuntimeWarning,
-            stacklevel=2,
+            "s: the mean is unknown; wait longer or raise noise_strength"
         )
     return labelled(
         "first_passage_time",
         {"first_passage": ("trajectory", times)} | result,
+        locals(),
         coordinates={"trajectory": np.arange(trajectories)},
         quantities=_QUANTITIES,
-        system=system,
-        drive=drive,
-        arguments=locals(),
         settings={**start, "noise_interval": kicks.spacing(system)},
     )
 

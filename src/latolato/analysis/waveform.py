@@ -99,8 +99,8 @@ def _coupling(coefficients: Complexes, size: int) -> Complexes:
     from scipy.linalg import toeplitz
 
     column = np.zeros(size, dtype=np.complex128)
-    used = min(size, len(coefficients))
-    column[:used] = coefficients[:used]
+    count = min(size, len(coefficients))
+    column[:count] = coefficients[:count]
     return np.asarray(toeplitz(column, column.conj()))
 
 

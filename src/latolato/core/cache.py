@@ -1,4 +1,4 @@
-"""The cache folder: files that nobody but this user may write, each behind its checksum."""
+"""The cache folder: files that only this user may write, each behind its checksum."""
 
 from __future__ import annotations
 

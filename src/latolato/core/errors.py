@@ -1,4 +1,4 @@
-"""The one error of refused input, and what a program says when anything is raised."""
+"""The one error of refused input, and the line that a program prints for any exception."""
 
 from __future__ import annotations
 

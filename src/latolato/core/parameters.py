@@ -9,7 +9,7 @@ from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, QUANTITIES, Limit, Quantity, Range
+from latolato.core.quantities import ANY, COUNT, QUANTITIES, Limit, Quantity, Range
 from latolato.core.registry import checked_count, checked_number, types_of
 
 
@@ -91,6 +91,11 @@ class Parameter:
         """What the number must keep, with the words of a refusal."""
         return self.allowed.limits(self.unit or "1") if self.kind in (float, int) else ()
 
+    @property
+    def can_be_checked(self) -> bool:
+        """Whether it is described what a value may be: numbers, or one of some words."""
+        return bool(self.choices) or (self.kind in (float, int) and not self.for_each_ball)
+
     def checked(self, value: Any) -> Any:
         """Return a number as a float or an int, or a word, or raise an `InputError`."""
         if self.choices:
@@ -161,6 +166,7 @@ def function_parameters(
 
     Kind and choices come from the annotations, the description from the docstring. The unit is that
     of the quantity of this name, else the one of the annotation, as in ``Annotated[float, "rad"]``.
+    A `Range` there says where a number may lie: by default anywhere, or from 1 on if it is a count.
 
     Raises
     ------
@@ -195,7 +201,7 @@ def function_parameters(
             kind=kind,
             description=text or words,
             quantity=known,
-            allowed=marks.get(Range, ANY),
+            allowed=marks.get(Range, COUNT if kind is int else ANY),
             several=several is not None,
             or_one=several is not None and single is not None,
             unit_of=marks.get(UnitOf, UnitOf("")).parameter,
@@ -211,7 +217,8 @@ def _hint(annotation: Any, function: Any) -> Any:
     holder = SimpleNamespace(__annotations__={"it": annotation})
     scope = {"Sequence": Sequence, "Mapping": Mapping, "Callable": Callable, "Any": Any}
     try:
-        return get_type_hints(holder, function.__globals__, scope, include_extras=True)["it"]
+        known = inspect.unwrap(function).__globals__
+        return get_type_hints(holder, known, scope, include_extras=True)["it"]
     except NameError:
         return None
 

@@ -7,7 +7,7 @@ scenario files, forms and tables are generated from the registries.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
@@ -184,19 +184,6 @@ def _within(name: str, number: Number, allowed: Range, unit: str) -> Number:
         if not limit.holds(number):
             raise InputError(limit.rule, parameter=name, value=number, way_out=limit.way_out)
     return number
-
-
-def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
-    """Return one of the words that a parameter may be.
-
-    Raises
-    ------
-    InputError
-        For any other.
-    """
-    if value not in choices:
-        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)
-    return str(value)
 
 
 def number_fields(law: Any) -> list[Field[Any]]:

@@ -204,7 +204,7 @@ def value_at(kind: Any) -> Callable[[int], Any]:
     return result
 
 
-def writer_of(wanted: Any) -> Callable[[int, Any], None]:
+def writer_of(target: Any) -> Callable[[int, Any], None]:
     """Return the function ``(address, value)`` that writes the words of a value of this type."""
 
     @intrinsic
@@ -215,21 +215,21 @@ def writer_of(wanted: Any) -> Callable[[int, Any], None]:
             def store(word: Any) -> None:
                 builder.store(word, builder.gep(words, [_constant(next(places))]))
 
-            def write(value: Any, kind: Any, wanted: Any) -> None:
-                if isinstance(wanted, types.BaseTuple):
-                    inner: Any = wanted
-                    for i, sought in enumerate(inner):
-                        write(builder.extract_value(value, i), kind[i], sought)
-                elif isinstance(wanted, types.Array):
+            def write(value: Any, kind: Any, target: Any) -> None:
+                if isinstance(target, types.BaseTuple):
+                    inner: Any = target
+                    for i, part in enumerate(inner):
+                        write(builder.extract_value(value, i), kind[i], part)
+                elif isinstance(target, types.Array):
                     array = context.make_array(kind)(context, builder, value)
                     store(builder.ptrtoint(array.data, _WORD))
                     for sizes in (array.shape, array.strides):
                         for i in range(kind.ndim):
                             store(builder.extract_value(sizes, i))
                 else:
-                    store(builder.bitcast(context.cast(builder, value, kind, wanted), _WORD))
+                    store(builder.bitcast(context.cast(builder, value, kind, target), _WORD))
 
-            write(args[1], value, wanted)
+            write(args[1], value, target)
             return context.get_dummy_value()
 
         return types.void(types.int64, value), generate
@@ -266,7 +266,7 @@ def caller_of(what: str) -> Callable[..., Any]:
     kind: Any = returned(*arguments)
 
     @intrinsic
-    def call(typing_context: Any, address: Any, given: Any) -> Any:
+    def call(typing_context: Any, address: Any, values: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
             kinds = [context.get_value_type(argument) for argument in kind.args]
             returned = (
@@ -275,14 +275,14 @@ def caller_of(what: str) -> Callable[..., Any]:
                 else context.get_value_type(kind.return_type)
             )
             function = ir.FunctionType(returned, kinds)
-            values = [
-                context.cast(builder, builder.extract_value(args[1], i), was, wanted)
-                for i, (was, wanted) in enumerate(zip(given.types, kind.args, strict=True))
+            casts = [
+                context.cast(builder, builder.extract_value(args[1], i), was, becomes)
+                for i, (was, becomes) in enumerate(zip(values.types, kind.args, strict=True))
             ]
-            result = builder.call(builder.inttoptr(args[0], function.as_pointer()), values)
+            result = builder.call(builder.inttoptr(args[0], function.as_pointer()), casts)
             return context.get_dummy_value() if kind.return_type == types.void else result
 
-        return kind.return_type(types.int64, given), generate
+        return kind.return_type(types.int64, values), generate
 
     result: Callable[..., Any] = call
     return result

@@ -63,8 +63,8 @@ def make_entry(
 
     def engine(address: int, stop: float, most_steps: int) -> int:
         run = run_at(address)
-        given = arguments_at(address_of(run.words))
-        rows: int = carry_on(run, given.timetable, given.output, given.eyes, stop, most_steps)
+        rest = arguments_at(address_of(run.words))
+        rows: int = carry_on(run, rest.timetable, rest.output, rest.eyes, stop, most_steps)
         return rows
 
     return engine
@@ -82,30 +82,30 @@ def make_observer_entry(
 ) -> Callable[[int], None]:
     """Return the function ``(address)`` that fills an `Observation`."""
     observe = part(make_observer(height, velocity, acceleration, restoring, potential, part))
-    return _given_by_address(empty_observation(stretch), observe)
+    return _by_address(empty_observation(stretch), observe)
 
 
 def make_prepare_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that prepares `Cases`."""
-    return _given_by_address(empty_cases(), make_prepare(part))
+    return _by_address(empty_cases(), make_prepare(part))
 
 
 def make_shake_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that writes the stretches of a `Shaking`."""
-    return _given_by_address(empty_shaking(), make_shake(part))
+    return _by_address(empty_shaking(), make_shake(part))
 
 
 def make_begin_entry(part: Part) -> Callable[[int], None]:
     """Return the function ``(address)`` that makes the record of a `Beginning`."""
-    return _given_by_address(empty_beginning(), make_begin(part))
+    return _by_address(empty_beginning(), make_begin(part))
 
 
-def _given_by_address(example: Any, work: Callable[[Any], None]) -> Callable[[int], None]:
+def _by_address(example: Any, work: Callable[[Any], None]) -> Callable[[int], None]:
     """Return the function ``(address)`` that calls another with the tuple whose words lie there."""
-    given_at = bundle_at(kind_of(example))
+    bundle = bundle_at(kind_of(example))
 
     def work_at(address: int) -> None:
-        work(given_at(address))
+        work(bundle(address))
 
     return work_at
 

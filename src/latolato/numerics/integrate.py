@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.laws import Formula
 from latolato.numerics.engine.loop import Timetable, empty_arguments
 from latolato.numerics.engine.record import as_objects, write_back
 from latolato.numerics.observe import Observation, empty_observation
@@ -30,7 +31,6 @@ from latolato.physics.pendulum import (
 )
 
 Floats = NDArray[np.float64]
-Law = Callable[..., float]
 
 # Steps after which a kernel hands back control, so that progress shows and Ctrl-C works.
 STEPS_PER_CALL = 200_000
@@ -106,7 +106,7 @@ def _case_of(
     )  # fmt: skip
 
 
-def laws_key(system: System) -> tuple[Law, Law]:
+def laws_key(system: System) -> tuple[Formula, Formula]:
     """Return the restoring law and the potential that name the kernels of a system.
 
     The systems of the package share one pair: a number in the settings tells the kernel which of
@@ -119,7 +119,7 @@ def laws_key(system: System) -> tuple[Law, Law]:
 
 def engine_of(
     count: int,
-    *laws: Law,
+    *laws: Formula,
     stretch: np.dtype[Any] | None = None,
     motion: str = "exact",
     compiled: bool = True,
@@ -161,7 +161,7 @@ def engine_of(
     return carry_on
 
 
-def observe(observation: Observation, *laws: Law) -> None:
+def observe(observation: Observation, *laws: Formula) -> None:
     """Fill the pivot's motion and the balls' quantities of an observation.
 
     Laws are those of `observe.make_observer`.

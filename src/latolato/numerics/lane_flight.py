@@ -13,21 +13,19 @@ import numpy as np
 from latolato.numerics import lane_rows as r
 from latolato.numerics.addresses import ANY_SIZE, array_at
 from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.laws import restoring_laws
+from latolato.numerics.engine.laws import Formula, restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
 from latolato.observables import Segment
 from latolato.observables.hermite import turning_angle
 from latolato.physics.pendulum import SLOPES
 
-Law = Callable[..., float]
-
 # Lanes are listed in groups of so many: most groups have none to list.
 _GROUP = 8
 
 
 def make_fly(
-    restoring: Law, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
+    restoring: Formula, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
 ) -> Callable[..., float]:
     """Return what takes a step in every lane and puts those back that must not take it."""
     copied, slope = 7 if works else 5, SLOPES[restoring]
@@ -150,7 +148,7 @@ def make_fly(
 
 
 def make_survey(
-    restoring: Law, potential_of: Law, part: Part, *, energy: bool, turn: bool
+    restoring: Formula, potential_of: Formula, part: Part, *, energy: bool, turn: bool
 ) -> Callable[..., None]:
     """Return what finds for all observables what they share of the step of every lane.
 
@@ -215,8 +213,8 @@ def make_survey(
 
 
 def make_show(
-    formula: Callable[..., None], restoring: Law, potential_of: Law, part: Part, *, energy: bool,
-    turn: bool,
+    formula: Callable[..., None], restoring: Formula, potential_of: Formula, part: Part, *,
+    energy: bool, turn: bool,
 ) -> Callable[..., None]:  # fmt: skip
     """Return what shows an observable the step of every lane; one put back has no length.
 

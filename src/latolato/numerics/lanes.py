@@ -23,7 +23,7 @@ from latolato.core.scalar import cosine, sine
 from latolato.numerics import lane_rows as r
 from latolato.numerics.addresses import address_of, bundle_at, caller_of, kind_of
 from latolato.numerics.engine.compiling import Part, inlined
-from latolato.numerics.engine.laws import laws_of
+from latolato.numerics.engine.laws import Formula, laws_of
 from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
 from latolato.numerics.entry import make_caller
@@ -33,8 +33,6 @@ from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
-
-Law = Callable[..., float]
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
 _RESYNC = 256.0
@@ -48,9 +46,9 @@ _STEPS, _MATRICES = 0, 1
 
 
 def make_lanes(
-    acceleration: Law,
-    restoring_of: Law,
-    potential_of: Law,
+    acceleration: Formula,
+    restoring_of: Formula,
+    potential_of: Formula,
     rotation: Callable[..., tuple[float, float, float]],
     part: Part,
     *,

@@ -87,24 +87,12 @@ def engine_recipe(
     return Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings)
 
 
-def prepare_recipe() -> Recipe:
-    """Return what prepares `prepare.Cases`."""
-    return Recipe("entry:make_prepare_entry", SWEEP)
-
-
-def shake_recipe() -> Recipe:
-    """Return what writes the stretches of a `whole.Shaking`."""
-    return Recipe("entry:make_shake_entry", SWEEP)
-
-
-def begin_recipe() -> Recipe:
-    """Return what makes the record of a `whole.Beginning`."""
-    return Recipe("entry:make_begin_entry", SWEEP)
-
-
-def allowed_recipe() -> Recipe:
-    """Return the error of the ledger that is allowed to the run at an address."""
-    return Recipe("entry:make_allowed_entry", "float64(int64, float64)")
+# What prepares `prepare.Cases`, writes the stretches of a `whole.Shaking`, makes the record of a
+# `whole.Beginning`, and returns the error of the ledger that is allowed to the run at an address.
+PREPARE = Recipe("entry:make_prepare_entry", SWEEP)
+SHAKE = Recipe("entry:make_shake_entry", SWEEP)
+BEGIN = Recipe("entry:make_begin_entry", SWEEP)
+ALLOWED = Recipe("entry:make_allowed_entry", "float64(int64, float64)")
 
 
 def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
@@ -200,14 +188,14 @@ def lane_pieces(watched: Sequence[Observable], *laws: Formula) -> list[list[tupl
 
     Laws are the restoring factor and its potential. What several observables need comes first.
     """
-    shown = [
+    watching = [
         (block.first, observable.step, observable.needs)
         for block, observable in zip(slots_of(watched), watched, strict=True)
         if observable.step is not None
     ]
-    needs = frozenset[str]().union(*(needs for _, _, needs in shown)) & frozenset(SHARED)
+    needs = frozenset[str]().union(*(needs for _, _, needs in watching)) & frozenset(SHARED)
     shared = [(0, piece_of(survey_recipe(needs, *laws)))] if needs else []
-    steps = [(first, piece_of(show_recipe(step, own, *laws))) for first, step, own in shown]
+    steps = [(first, piece_of(show_recipe(step, own, *laws))) for first, step, own in watching]
     matrices = hooks_of(watched)[ON_TANGENT]
     return [
         [*shared, *steps],
@@ -266,10 +254,7 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
     usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
         yield engine_recipe(count, usual, pivot_acceleration, *laws, motion=motion)
-    yield prepare_recipe()
-    yield shake_recipe()
-    yield begin_recipe()
-    yield allowed_recipe()
+    yield from (PREPARE, SHAKE, BEGIN, ALLOWED)
     for balls in (1, 2):
         yield many_recipe(balls, usual)
     yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)

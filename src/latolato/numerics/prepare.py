@@ -371,31 +371,31 @@ def write_stepper(runs: NDArray[Any], stepper: Stepper) -> None:
 def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
     """Return the function that prepares all `Cases`."""
 
-    def prepare_all(given: Cases) -> None:
-        for k in range(len(given.cases)):
-            if given.problems[k] == FINE:
-                stretches = given.stretches[given.firsts[k] : given.firsts[k + 1]]
-                given.problems[k] = prepare(
-                    given.cases[k], stretches, given.settings[k], given.bodies[k], given.states[k]
+    def prepare_all(work: Cases) -> None:
+        for k in range(len(work.cases)):
+            if work.problems[k] == FINE:
+                stretches = work.stretches[work.firsts[k] : work.firsts[k + 1]]
+                work.problems[k] = prepare(
+                    work.cases[k], stretches, work.settings[k], work.bodies[k], work.states[k]
                 )
 
     return part(prepare_all)
 
 
-def prepare_cases(given: Cases, *, compiled: bool = True) -> None:
+def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
     """Prepare cases, compiled or as plain Python."""
     if compiled:
-        from latolato.numerics.pieces import piece_of, prepare_recipe, words_of
+        from latolato.numerics.pieces import PREPARE, piece_of, words_of
 
-        words = np.array(words_of(given, empty_cases()))
-        piece_of(prepare_recipe()).call(words.ctypes.data)
+        words = np.array(words_of(work, empty_cases()))
+        piece_of(PREPARE).call(words.ctypes.data)
         return
-    records: tuple[NDArray[Any], ...] = given.settings, given.states
+    records: tuple[NDArray[Any], ...] = work.settings, work.states
     objects = [as_objects(each) for each in records]
-    bodies = [as_objects(row) for row in given.bodies]
-    make_prepare()(given._replace(
-        cases=as_objects(given.cases), stretches=as_objects(given.stretches),
+    bodies = [as_objects(row) for row in work.bodies]
+    make_prepare()(work._replace(
+        cases=as_objects(work.cases), stretches=as_objects(work.stretches),
         settings=objects[0], bodies=bodies, states=objects[1],
     ))  # fmt: skip
-    for item, record in zip((*objects, *bodies), (*records, *given.bodies), strict=True):
+    for item, record in zip((*objects, *bodies), (*records, *work.bodies), strict=True):
         write_back(item, record)

@@ -95,8 +95,8 @@ def make_shake(part: Part = as_it_stands) -> Callable[[Any], None]:
     """Return the function that writes a drive's stretches."""
     write = _by_kind([kind.write for kind in WRITTEN.values()], 0, part)
 
-    def shake(given: Shaking) -> None:
-        given.number[0] = write(given.stretches, given.drive)
+    def shake(work: Shaking) -> None:
+        work.number[0] = write(work.stretches, work.drive)
 
     return part(shake)
 
@@ -116,10 +116,10 @@ def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
             run.kicks[i], run.drifts[i], run.nodes[i] = kicks[i], drifts[i], nodes[i]
         run.kicks[len(drifts)] = kicks[len(drifts)]
 
-    def begin(given: Beginning) -> None:
-        case, run = given.case[0], given.run[0]
+    def begin(work: Beginning) -> None:
+        case, run = work.case[0], work.run[0]
         case.is_rough = 1 if has_rough_drag(case.balls, case.angles) else 0
-        given.problem[0] = prepare(case, given.stretches, run.settings, run.bodies, run.state)
+        work.problem[0] = prepare(case, work.stretches, run.settings, run.bodies, run.state)
         if case.is_rough != 0:
             write_weights(run, *rough)
         else:

@@ -17,7 +17,7 @@ from latolato.physics.contacts import BOTTOM, TOP
 PERIODICITY = ("rest", "periodic", "grazing", "aperiodic")
 # Periods watched for each drive period of the longest response: it must recur twice and more.
 _REPEATS = 3
-_LONGEST = 64
+LONGEST = 64
 # What is found, in the order of its slots behind the two parameters.
 _VARIABLES: dict[str, Quantity] = {
     "response_period": Quantity("1", "p", "response period in drive periods"),
@@ -271,9 +271,9 @@ class _Period(Observable):
     def __post_init__(self) -> None:
         super().__post_init__()
         count: object = self.longest
-        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= _LONGEST:
+        if not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= LONGEST:
             raise InputError(
-                f"must be an integer in [1, {_LONGEST}]", parameter="longest", value=count
+                f"must be an integer in [1, {LONGEST}]", parameter="longest", value=count
             )
 
     @property

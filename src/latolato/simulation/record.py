@@ -35,7 +35,7 @@ LEDGER = {
 
 # The coordinate of two balls, and what it is called.
 BALLS, BALL = ("right", "left"), Quantity("1", "", "ball")
-# Variables whose names say whether they are those of one ball or of both.
+# Variables whose long name adds whether they belong to one ball or to both.
 _OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
@@ -118,8 +119,8 @@ def simulate(
     Fixed steps of a symmetric sixth-order splitting, ``5 tolerance^(1/6)`` over the fastest rate
     of the system. The ledger ``E(t) - E(0) - works + losses`` is computed from separate
     quadratures at the end of every step; when it closes worse than 5 tolerances of the largest
-    energy, the run is repeated with half the step, three times at most, and a warning tells if
-    that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
+    energy, the run is repeated with half the step, three times at most, and a warning follows
+    if that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
     is the largest error of the ledger at all steps and samples [J].
     Chaotic motion amplifies every error: only its statistics can be trusted at late times.
     A contact is missed if the ball dips into a wall and returns within a quarter of a step while
@@ -189,47 +190,29 @@ def _recorded(
             value=law.fixed_step,
             way_out="a thousandth of a second is usual",
         )
-    stepper = choose_stepper(system)
-    clamped = law.fixed_step is not None
     step = choose_step(system, drive, start, tolerance, law)
     if end / step > MOST_STEPS:
         raise InputError(
             f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
             f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
         )
-    halvings = 0
-    while True:
-        trajectory = integrate(
-            system,
-            drive,
-            start,
-            instants,
-            end,
-            step=step,
-            rest_speed=rest_speed,
-            contact_limit=contact_limit,
-            kick_times=kick_times,
-            kick_sizes=kick_sizes,
-            law=law,
-            progress=progress,
-        )
-        state = trajectory.state
-        residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
-        if clamped or residual <= allowed or trajectory.status != "complete":
-            break
-        steps = int(state.total_steps)
-        if halvings == MOST_HALVINGS or steps > MOST_STEPS_TO_REPEAT:
-            share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
-            warnings.warn(
-                f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "
-                f"the largest energy: tolerance {tolerance:g} was not reached with step "
-                f"{step:.3g} s",
-                RuntimeWarning,
-                stacklevel=3,
-            )
-            break
-        step *= 0.5
-        halvings += 1
+    begun = partial(
+        integrate,
+        system,
+        drive,
+        start,
+        instants,
+        end,
+        rest_speed=rest_speed,
+        contact_limit=contact_limit,
+        kick_times=kick_times,
+        kick_sizes=kick_sizes,
+        law=law,
+        progress=progress,
+    )
+    clamped = law.fixed_step is not None
+    trajectory, halvings = (begun(step=step), 0) if clamped else _closed(begun, step, tolerance)
+    residual = float(trajectory.state.ledger_error)
     if trajectory.status != "complete":
         if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
             raise InputError(
@@ -251,9 +234,9 @@ def _recorded(
         energy_residual=residual,
         status=trajectory.status,
         step=trajectory.step,
-        stepper="classical Runge-Kutta" if clamped else stepper.name,
+        stepper="classical Runge-Kutta" if clamped else choose_stepper(system).name,
         step_halvings=halvings,
-        grazing_contacts=int(state.grazes),
+        grazing_contacts=int(trajectory.state.grazes),
         contacts=len(trajectory.contact_times),
     )
     if not law.stores_energy:
@@ -262,6 +245,33 @@ def _recorded(
     if "tension" in result:
         attrs.update(_compression(system, trajectory))
     return result
+
+
+def _closed(
+    begun: Callable[..., Trajectory], step: float, tolerance: float
+) -> tuple[Trajectory, int]:
+    """Return the run with the largest step that closes the energy ledger, and its halvings.
+
+    If none does, it is the last one, with a warning.
+    """
+    halvings = 0
+    while True:
+        trajectory = begun(step=step * 0.5**halvings)
+        state = trajectory.state
+        residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
+        if residual <= allowed or trajectory.status != "complete":
+            return trajectory, halvings
+        if halvings == MOST_HALVINGS or int(state.total_steps) > MOST_STEPS_TO_REPEAT:
+            share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
+            warnings.warn(
+                f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "
+                f"the largest energy: tolerance {tolerance:g} was not reached with step "
+                f"{trajectory.step:.3g} s",
+                RuntimeWarning,
+                stacklevel=4,
+            )
+            return trajectory, halvings
+        halvings += 1
 
 
 def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:

@@ -47,8 +47,9 @@ def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
     if not isinstance(drive, PeriodicDrive):
         name = "none" if drive is None else drives.name_of(drive)
         raise InputError(
-            f"must repeat itself with a single period, got {name}",
+            "must repeat itself with a single period",
             parameter="drive",
+            value=name,
             way_out="give one such as Harmonic",
         )
     return drive
@@ -115,7 +116,7 @@ def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
 
 
 def checked_offset(system: System, angle: Any, offset: Any) -> float:
-    """Return an offset that stands instead of an angle [rad]."""
+    """Return an offset that replaces an angle [rad]."""
     if not isinstance(system, LatoLato):
         raise InputError(
             "counts from the low contact angle of a LatoLato",

@@ -101,8 +101,8 @@ def sweep(
     xarray.Dataset
         The observables' variables over the axes (also on ``ball`` for a `BallPair`, on ``sample``
         where an observable gives several numbers), and `status`. Where it is ``event_limit``,
-        ``failed`` or ``invalid`` everything else is NaN; elsewhere NaN says that there is nothing
-        to tell, such as a mean impact speed without impacts.
+        ``failed`` or ``invalid`` everything else is NaN; elsewhere NaN stands for what
+        does not exist, such as a mean impact speed without impacts.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def run_plan(
     def missing() -> Iterator[int]:
         yield from results.missing
 
-    # An executor says what it lacks when it is called: before a store is begun.
+    # An executor raises for what it lacks when it is called: before a store begins.
     chunks = execute(plan, missing(), **options)
     if store is not None:
         from latolato.sweeps.store import Store

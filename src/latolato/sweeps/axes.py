@@ -76,6 +76,18 @@ def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Param
     return result
 
 
+def replaced(law: Any, values: Mapping[tuple[str, ...], Any]) -> Any:
+    """Return a law with other values where these paths lead: to its own fields or its parts'."""
+    changed: dict[str, Any] = {}
+    for (name, *inner), value in values.items():
+        if inner:
+            changed.setdefault(name, {})[inner[0]] = value
+        else:
+            changed[name] = value
+    parts = {n: replace(getattr(law, n), **v) for n, v in changed.items() if isinstance(v, dict)}
+    return replace(law, **changed | parts) if changed else law
+
+
 def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
     """Return the axes of a sweep, checked.
 

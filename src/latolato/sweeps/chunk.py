@@ -24,7 +24,6 @@ RunPoints = Callable[[Plan, Batch, Stepper, NDArray[np.int64], Progress], None]
 Values = dict[str, NDArray[Any]]
 
 STATUS = "status"
-REASON = "reason"
 
 
 class Cancelled(Exception):  # noqa: N818 - not an error
@@ -111,7 +110,7 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
 def _ends(plan: Plan, batch: Batch, progress: Progress) -> Previous:
     """Return where the points ended, for the next generation of a continuation.
 
-    A point that failed hands on its start.
+    A point that failed passes its start on.
     """
     balls = plan.system.angles
     usable = progress.status < records.EVENT_LIMIT

@@ -11,18 +11,18 @@ import numpy as np
 def differences(there: Any, here: Any, name: str = "") -> list[str]:
     """Return where two descriptions of plans differ, such as ``duration is 60.0, not 30.0``."""
     if isinstance(there, list) and isinstance(here, list):
-        stored, wanted = _by_name(there), _by_name(here)
-        if stored and wanted:
-            if list(stored) == list(wanted):
-                return differences(stored, wanted, name)
-            there, here = list(stored), list(wanted)
+        theirs, ours = _by_name(there), _by_name(here)
+        if theirs and ours:
+            if list(theirs) == list(ours):
+                return differences(theirs, ours, name)
+            there, here = list(theirs), list(ours)
     if isinstance(there, dict) and isinstance(here, dict):
         result = []
         for key in [*there, *(k for k in here if k not in there)]:
             below = f"{name}.{key}" if name else str(key)
             result += differences(there.get(key), here.get(key), below)
         return result
-    return [] if there == here else [f"{name} is {_shown(there, here)}, not {_shown(here, there)}"]
+    return [] if there == here else [f"{name} is {_brief(there, here)}, not {_brief(here, there)}"]
 
 
 def _by_name(entries: list[Any]) -> dict[str, Any]:
@@ -32,8 +32,8 @@ def _by_name(entries: list[Any]) -> dict[str, Any]:
     return {str(entry.get("name") or entry.get("kind")): entry for entry in entries}
 
 
-def _shown(value: Any, other: Any) -> str:
-    """Return a value in brief, as far as it tells it from another one."""
+def _brief(value: Any, other: Any) -> str:
+    """Return a value in brief, with the part that differs from another one."""
     text = json.dumps(value)
     if len(text) <= 40:
         return text

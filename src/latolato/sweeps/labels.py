@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -138,16 +138,45 @@ def in_order(counts: Mapping[str, int]) -> dict[str, int]:
     return {name: counts[name] for name in STATUS_NAMES if counts.get(name)}
 
 
-class Memory:
-    """A sweep's results in memory."""
+class Results:
+    """A sweep's results: which chunks are missing, and what became of the points of the others.
+
+    Attributes
+    ----------
+    missing : sequence of int
+        Chunks that have to be computed, known once the results are entered.
+    points_done : int
+        Points of the other chunks.
+    """
 
     def __init__(self, plan: Plan, rounding: str) -> None:
         self.plan = plan
         self.rounding = rounding
-        self.missing = range(plan.chunks)
+        self.missing: Sequence[int] = range(plan.chunks)
         self.points_done = 0
         self._counts: Counter[str] = Counter()
         self._reasons: dict[int, str] = {}
+
+    def status_counts(self) -> dict[str, int]:
+        """Return how many points of the finished chunks have each status that occurs."""
+        return in_order(self._counts)
+
+    def _add(self, number: int, counts: Mapping[str, int], reason: str) -> None:
+        """Take note of a finished chunk, or of points that begin with this one."""
+        self._counts.update(counts)
+        self._reasons[number] = reason
+
+    @property
+    def _reason(self) -> str:
+        """Why points have no answer; the same whatever the order in which chunks came."""
+        return next((reason for _, reason in sorted(self._reasons.items()) if reason), "")
+
+
+class Memory(Results):
+    """A sweep's results in memory."""
+
+    def __init__(self, plan: Plan, rounding: str) -> None:
+        super().__init__(plan, rounding)
         lengths = lengths_of(plan)
         self.arrays = {
             name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
@@ -165,9 +194,7 @@ class Memory:
         block = self.plan.block(number)
         for name, array in self.arrays.items():
             array[block] = values[name]
-        self._counts.update(status_counts(values[STATUS]))
-        if reason:
-            self._reasons[number] = reason
+        self._add(number, status_counts(values[STATUS]), reason)
 
     def put(self, points: NDArray[np.int64], values: Values, reason: str) -> None:
         """Put the values of new points, numbered in C order, in their place."""
@@ -175,13 +202,7 @@ class Memory:
             array.reshape(self.plan.size, *array.shape[len(self.plan.shape) :])[points] = values[
                 name
             ]
-        self._counts.update(status_counts(values[STATUS]))
-        if reason:
-            self._reasons[int(points[0])] = reason
-
-    def status_counts(self) -> dict[str, int]:
-        """Return how many points have each status that occurs."""
-        return in_order(self._counts)
+        self._add(int(points[0]), status_counts(values[STATUS]), reason)
 
     def dataset(self) -> xr.Dataset:
         """Return the labelled dataset."""
@@ -194,6 +215,6 @@ class Memory:
             coords={n: (*entry, about.get(n, {})) for n, entry in coordinates.items()},
             attrs=attributes_of(self.plan, self.rounding),
         )
-        if self._reasons:  # the same whatever the order in which chunks came
-            dataset.attrs["first_invalid"] = self._reasons[min(self._reasons)]
+        if self._reason:
+            dataset.attrs["first_invalid"] = self._reason
         return dataset

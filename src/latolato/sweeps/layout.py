@@ -172,7 +172,7 @@ def place_of(key: str) -> tuple[str | None, str | None]:
 
 
 def with_reason(root: Mapping[str, Any], reason: str) -> dict[str, Any]:
-    """Return the metadata of a complete store, which say why points have no answer."""
+    """Return the metadata of a complete store, with why points have no answer."""
     more = {_REASON: reason} if reason else {}
     return {**root, "attributes": {**root["attributes"], **more}}
 

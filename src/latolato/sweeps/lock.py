@@ -20,7 +20,7 @@ _PAUSE = 0.02  # s
 
 
 def acquire(path: Path) -> int | None:
-    """Return a descriptor that holds the lock, or None while somebody else holds it.
+    """Return a descriptor that holds the lock, or None while another holder has it.
 
     The lock of a killed process is free; that of a running one is not, in this process or another.
     """
@@ -55,7 +55,7 @@ def release(descriptor: int, path: Path) -> None:
 
 
 def is_held(path: Path) -> bool:
-    """Return whether somebody holds the lock."""
+    """Return whether a process holds the lock."""
     try:
         descriptor = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     except FileNotFoundError:
@@ -67,7 +67,7 @@ def is_held(path: Path) -> bool:
 
 
 def holder(path: Path) -> str:
-    """Return who holds the lock, as far as the file tells."""
+    """Return who holds the lock, as far as the file names it."""
     try:
         process = path.read_text()
     except OSError:

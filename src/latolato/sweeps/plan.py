@@ -91,7 +91,7 @@ class Plan:
     def own_streams(self) -> bool:
         """Whether each point has its own random stream, counted from that of the noise.
 
-        Where an axis says seed or stream, points that differ in other parameters see equal kicks.
+        Where seed or stream is an axis, points that differ in other parameters see equal kicks.
         """
         return self.noise is not None and not self.varied & set(KEY)
 
@@ -352,7 +352,7 @@ def _drive_for(
 
 
 def _listed(value: Any) -> list[Any]:
-    """Return the observables asked for as a list."""
+    """Return the requested observables as a list."""
     if isinstance(value, (str, Observable)):
         return [value]
     if not isinstance(value, Iterable):
@@ -461,13 +461,13 @@ def _check_continuation(
     starts = [p for p in axis.parameters if p.startswith("initial_")]
     if starts:
         raise InputError(
-            f"continuation along {starts[0]} makes no sense: each point starts where the one "
+            f"continuation along {starts[0]} is impossible: each point starts where the one "
             "before ended"
         )
     if drive.moves and not isinstance(drive, PeriodicDrive):
         raise InputError(
-            f"continuation needs a drive that goes on: a periodic one, such as harmonic, or none, "
-            f"got {drives.name_of(drive)}"
+            "continuation needs a drive that goes on: a periodic one, such as harmonic, or none",
+            value=drives.name_of(drive),
         )
     if noise is not None:
         raise InputError("continuation and noise exclude each other")

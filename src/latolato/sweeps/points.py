@@ -1,8 +1,8 @@
 """Turns points of a plan into the arrays that kernels read.
 
 Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
-rest, as for a single run. Objects are made for drives of several stretches, for noise, and to say
-what is wrong with a point.
+rest, as for a single run. Objects are made for drives of several stretches, for noise, and to
+explain invalid points.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.start import between_walls, checked_start, kicks_of, walls_of
-from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.sweeps.axes import DERIVED, parameters_of, replaced
 from latolato.sweeps.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -154,7 +154,7 @@ def make_batch(
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
     valid = problems == FINE
-    # An invalid point hands its start on to its neighbour in a continuation.
+    # An invalid point passes its start on to its neighbour in a continuation.
     states["angle"][~valid] = _given_angles(cases[~valid])
     states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
@@ -179,7 +179,7 @@ def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
 
 
 def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[Any]:
-    """Return the points' cases, whose drives' bounds are to be found."""
+    """Return the points' cases, without the bounds of their drives."""
     cases = cases_of(
         plan.system, plan.contact, count=len(columns["gravity"]), duration=plan.duration,
         tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
@@ -221,7 +221,7 @@ def _stretches(
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Return the stretches of all points' drives, and where those of each begin.
 
-    A drive's bounds go into its case, and points whose drive makes no sense become invalid; whole
+    A drive's bounds go into its case, and points whose drive is impossible become invalid; whole
     columns turn into stretches where each point has one cosine.
     """
     count = len(cases)
@@ -233,8 +233,11 @@ def _stretches(
     firsts, known = np.zeros(count + 1, dtype=np.int64), None
     for k in range(count):
         firsts[k + 1] = firsts[k]
-        drive = _drive_at(plan, columns, k) if valid[k] else None
-        if drive is None:
+        if not valid[k]:
+            continue
+        try:
+            drive = _law_at(plan, columns, k, "drive")
+        except (InputError, ArithmeticError):
             valid[k] = False
             continue
         if known is None or known[0] is not drive:
@@ -258,7 +261,7 @@ def _kicks(
     for k in range(len(valid)):
         firsts[k + 1] = firsts[k]
         if valid[k]:
-            system = _system_at(plan, columns, k)
+            system = _law_at(plan, columns, k, "system")
             instants, each = kicks_of(_noise(plan, columns, k), system, plan.duration)
             assert instants is not None
             assert each is not None
@@ -317,7 +320,7 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
-    """Return what is wrong with a point, as the objects of a single run say it."""
+    """Return what is wrong with a point, with the error of a single run."""
     try:
         _objects(plan, columns, k, previous)
     except InputError as error:
@@ -333,40 +336,20 @@ def _follows_tension(plan: Plan) -> bool:
     return is_needed and not plan.system.is_linear
 
 
-def _changed(plan: Plan, columns: Columns, k: int, owner: str) -> dict[str, Any]:
-    """Return the fields of system or drive that differ at a point."""
+def _law_at(plan: Plan, columns: Columns, k: int, owner: str) -> Any:
+    """Return the system or the drive of a point.
+
+    Raises
+    ------
+    InputError
+        If its parameters are impossible.
+    """
     known = parameters_of(plan.system, plan.drive, plan.noise)
-    result: dict[str, Any] = {}
     phase = columns.get("drive_phase")  # a continuation carries it on
     is_turned = phase is not None and phase[k] != plan.drive.drive_phase  # type: ignore[attr-defined]
-    for name in plan.varied | ({"drive_phase"} if is_turned else set()):
-        target = DERIVED.get(name, name)
-        if known[target].owner != owner:
-            continue
-        value, path = float(columns[target][k]), known[target].path
-        if len(path) == 2:
-            result.setdefault(path[0], {})[path[1]] = value
-        else:
-            result[path[0]] = value
-    return result
-
-
-def _system_at(plan: Plan, columns: Columns, k: int) -> System:
-    """Return the system of a point."""
-    parts = {
-        name: replace(getattr(plan.system, name), **value) if isinstance(value, dict) else value
-        for name, value in _changed(plan, columns, k, "system").items()
-    }
-    return replace(plan.system, **parts) if parts else plan.system
-
-
-def _drive_at(plan: Plan, columns: Columns, k: int) -> Drive | None:
-    """Return the drive of a point, None if it makes no sense."""
-    changed = _changed(plan, columns, k, "drive")
-    try:
-        return replace(plan.drive, **changed) if changed else plan.drive
-    except (InputError, ArithmeticError):
-        return None
+    names = {DERIVED.get(n, n) for n in plan.varied | ({"drive_phase"} if is_turned else set())}
+    changed = {known[n].path: float(columns[n][k]) for n in names if known[n].owner == owner}
+    return replaced(getattr(plan, owner), changed)
 
 
 def _objects(
@@ -379,9 +362,7 @@ def _objects(
     InputError
         If the point's parameters contradict each other.
     """
-    system = _system_at(plan, columns, k)
-    changed = _changed(plan, columns, k, "drive")
-    drive = replace(plan.drive, **changed) if changed else plan.drive
+    system, drive = (_law_at(plan, columns, k, owner) for owner in ("system", "drive"))
     walls = walls_of(system, plan.contact)
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     offset = None
@@ -401,8 +382,9 @@ def _objects(
     transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
     if not transient < plan.duration:
         raise InputError(
-            f"the transient must be shorter than the duration {plan.duration:g} s, "
-            f"got {transient:g} s"
+            f"the {{parameter}} must be shorter than the duration {plan.duration:g} s",
+            parameter="transient",
+            value=transient,
         )
     if any(o.mirrored for o in plan.observables):
         _check_mirrored(system, start)

@@ -20,8 +20,8 @@ def run_in_threads(
 ) -> Iterator[Result]:
     """Yield ``run(number)`` of all numbers from `count` threads, in any order.
 
-    A chunk more than there are threads waits, so that none of them does; results that nobody has
-    taken yet are bounded the same way. `stop` is called before the threads are waited for at the
+    A chunk more than there are threads waits, so that none of them does; results that wait to
+    be taken are bounded the same way. `stop` is called before the threads are waited for at the
     end, also when the iterator is closed early; `begin` by every thread first.
     """
     waiting = iter(numbers)

@@ -28,7 +28,7 @@ from latolato.sweeps import lock
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.differences import differences
 from latolato.sweeps.executors import ROUNDING
-from latolato.sweeps.labels import in_order, template
+from latolato.sweeps.labels import Results, in_order, template
 from latolato.sweeps.layout import (
     COPY,
     GROUP,
@@ -62,7 +62,7 @@ _FIRST = re.compile(r"[^/]+/(zarr\.json|root\.json|c/0)")
 _MOST_LISTED = 4
 
 
-class Store:
+class Store(Results):
     """A sweep's results in a folder, for one writer at a time.
 
     Parameters
@@ -73,13 +73,6 @@ class Store:
         The store: a new or empty folder, or one that holds a part or all of this sweep.
     rounding : str
         How the values that will be written are rounded, a value of `executors.ROUNDING`.
-
-    Attributes
-    ----------
-    missing : list of int
-        Chunks that have to be computed, known once the store is entered.
-    points_done : int
-        Points of the other chunks.
 
     Raises
     ------
@@ -95,13 +88,8 @@ class Store:
     """
 
     def __init__(self, plan: Plan, path: str | Path, rounding: str) -> None:
-        self.plan = plan
+        super().__init__(plan, rounding)
         self.path = checked_path("store", path)
-        self.rounding = rounding
-        self.missing: list[int] = []
-        self.points_done = 0
-        self._counts: Counter[str] = Counter()
-        self._reasons: dict[int, str] = {}
         self._root: dict[str, Any] = {}
         self._encoded: dict[str, Any] = {}
         self._arrays: dict[str, Any] = {}
@@ -159,10 +147,6 @@ class Store:
         except OSError as error:
             raise self._with_way_out(error) from None
 
-    def status_counts(self) -> dict[str, int]:
-        """Return how many points of the finished chunks have each status that occurs."""
-        return in_order(self._counts)
-
     def dataset(self) -> xr.Dataset:
         """Return the labelled dataset, whose values are checked and read on use."""
         return _opened(self.path, survey(self.path, read_all=False))
@@ -173,11 +157,11 @@ class Store:
             return None
         result = survey(self.path, read_all=self._descriptor != -1)
         if result.plan.hash != self.plan.hash:
-            wanted = json.loads(json.dumps(self.plan.describe()))
+            own = json.loads(json.dumps(self.plan.describe()))
             stored = json.loads(result.root["attributes"]["plan"])
             raise InputError(
                 f"the store '{self.path}' holds another sweep: "
-                f"{_shortened(differences(stored, wanted))}",
+                f"{_shortened(differences(stored, own))}",
                 way_out="name another path, or delete the store to start again",
             )
         stored_names = {key.partition("/")[0] for key in documents(result.root)}
@@ -193,7 +177,7 @@ class Store:
 
     def _open(self) -> None:
         """Create the store or find out what is missing, with the lock held."""
-        result = self._check_place()  # again: somebody may have written it before we had the lock
+        result = self._check_place()  # again, now that nobody else writes it
         new, coordinates = first_files(self.plan, self.rounding)
         self._root = new if result is None else result.root
         files = {
@@ -205,7 +189,6 @@ class Store:
         }
         if result is None:
             self._remove(lambda name, key: _FIRST.fullmatch(key) or _UNFINISHED.fullmatch(name))
-            self.missing = list(range(self.plan.chunks))
             for key, content in files.items():
                 self._put(key, content)
         else:
@@ -242,7 +225,7 @@ class Store:
             )
 
     def _repair(self, damaged: Mapping[str, int | None], files: Mapping[str, bytes]) -> None:
-        """Forget damaged chunks and write other damaged files again, and say so."""
+        """Forget damaged chunks, write other damaged files again, and warn of it."""
         if not damaged:
             return
         chunks = {number for number in damaged.values() if number is not None}
@@ -267,15 +250,9 @@ class Store:
             if not os.listdir(folder):
                 os.rmdir(folder)
 
-    def _add(self, number: int, counts: Mapping[str, int], reason: str) -> None:
-        """Take note of a finished chunk."""
-        self._counts.update(counts)
-        self._reasons[number] = reason
-
     def _finish(self) -> None:
         """Say in the attributes of a complete store why points have no answer."""
-        reason = next((r for _, r in sorted(self._reasons.items()) if r), "")
-        content = as_text(with_reason(self._root, reason))
+        content = as_text(with_reason(self._root, self._reason))
         if (self.path / ROOT).read_bytes() != content:
             self._put(ROOT, content)
 
@@ -355,7 +332,7 @@ def verify_store(path: str | Path) -> dict[str, Any]:
 
 
 def store_status(path: str | Path) -> dict[str, Any]:
-    """Return what a store holds, how far its sweep is, and whether somebody is writing it.
+    """Return what a store holds, how far its sweep is, and whether it is being written.
 
     Raises
     ------

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from latolato.analysis.elliptic import undriven_period
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import System
 
 if TYPE_CHECKING:
@@ -17,7 +16,9 @@ if TYPE_CHECKING:
 
 
 @analyses.register("swing_time")
-def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -> xr.Dataset:
+def swing_time(
+    system: System, *, largest_angle: Annotated[float, POSITIVE] = 1.0, swings: int = 5
+) -> xr.Dataset:
     """Return how long free swings last over the angle that they reach [s].
 
     Parameters
@@ -34,8 +35,7 @@ def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -
     xarray.Dataset
         ``swing_time`` [s] over ``largest_angle``.
     """
-    widest = checked_number("largest_angle", largest_angle, POSITIVE, "rad")
-    angles = np.linspace(0.0, widest, checked_count("swings", swings) + 1)[1:]
+    angles = np.linspace(0.0, largest_angle, swings + 1)[1:]
     length = system.balls[0].length
     times = [
         undriven_period(initial_angle=a, length=length, gravity=system.gravity) for a in angles
@@ -43,8 +43,7 @@ def swing_time(system: System, *, largest_angle: float = 1.0, swings: int = 5) -
     return labelled(
         "swing_time",
         {"swing_time": ("largest_angle", times)},
+        locals(),
         coordinates={"largest_angle": angles},
         quantities={"swing_time": Quantity("s", "T", "time of a swing")},
-        system=system,
-        arguments=locals(),
     )

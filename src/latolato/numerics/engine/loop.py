@@ -224,7 +224,7 @@ def make_engine(
     @part
     def shove(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
         """Let a jump of the pivot's velocity and a kick change velocities; return if they do."""
-        state, given = run.state, False
+        state, moved = run.state, False
         jump = timetable.stretches[state.stretch + 1].jump if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
@@ -233,8 +233,8 @@ def make_engine(
             state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
             state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
             point.velocity += pushed + thrown
-            given = given or pushed + thrown != 0.0
-        return given
+            moved = moved or pushed + thrown != 0.0
+        return moved
 
     @part
     def change(run: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
@@ -245,7 +245,7 @@ def make_engine(
         is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
         if not (is_jump or is_kick):
             return
-        given = shove(run, timetable, is_jump, is_kick)
+        moved = shove(run, timetable, is_jump, is_kick)
         if is_jump:
             state.stretch += 1
             run.stretch = stretches[state.stretch]
@@ -259,7 +259,7 @@ def make_engine(
             state.kick += 1
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
-        if given:
+        if moved:
             closing = balls.gap_rate(run.now) * state.side
             rests = state.mode == lasting
             touches = rests or (state.mode == FLIGHT and state.touch != 0.0)

@@ -199,7 +199,7 @@ def _completed(client: Any, futures: list[Any]) -> list[Any]:
 
 
 def _result(future: Any, number: int, client: Any) -> tuple[Values, str]:
-    """Return a task's result, with errors that say what happened to the cluster."""
+    """Return a task's result, with errors that explain what happened to the cluster."""
     while True:
         try:
             result: tuple[Values, str] = future.result(timeout=_PATIENCE)

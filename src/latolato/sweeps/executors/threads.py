@@ -37,7 +37,7 @@ def execute(
 def run_cancellable(
     plan: Plan, numbers: Iterable[int], count: int, cancel: NDArray[np.int64], niceness: int = 0
 ) -> Iterator[tuple[int, tuple[Values, str]]]:
-    """Yield the values of chunks from `count` threads until somebody sets a flag.
+    """Yield the values of chunks from `count` threads until a flag is set.
 
     Parameters
     ----------
