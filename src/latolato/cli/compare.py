@@ -29,57 +29,34 @@ _START = ("initial_angle", "initial_offset", "duration")
 
 def compare(
     table: Annotated[
-        Path | None,
-        typer.Argument(help="Track table, or trial table as --trials.", show_default=False),
+        Path | None, typer.Argument(help="Track table, or trial table as --trials.")
     ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Argument(help="Scenario that names the system.", show_default=False),
-    ] = None,
-    trials: Annotated[
-        Path | None, typer.Option(help="Trial table: .csv or .nc.", show_default=False)
-    ] = None,
+    scenario: Annotated[str | None, typer.Argument(help="Scenario that names the system.")] = None,
+    trials: Annotated[Path | None, typer.Option(help="Trial table: .csv or .nc.")] = None,
     map_: Annotated[
-        Path | None,
-        typer.Option(
-            "--map", help="Sweep that trials are laid over: .nc or .zarr.", show_default=False
-        ),
+        Path | None, typer.Option("--map", help="Sweep that trials are laid over: .nc or .zarr.")
     ] = None,
-    fit: Annotated[
-        Path | None,
-        typer.Option(help="Fit of a model or a decay: .nc.", show_default=False),
-    ] = None,
+    fit: Annotated[Path | None, typer.Option(help="Fit of a model or a decay: .nc.")] = None,
     sigma: Annotated[
         list[str] | None,
         typer.Option(
-            help='Standard deviation of a parameter: "length = 0.5 mm". May be given several '
-            "times.",
-            show_default=False,
+            help='Standard deviation of a parameter: "length = 0.5 mm". May be given several times.'
         ),
     ] = None,
-    draws: Annotated[
-        int | None,
-        typer.Option(help="Computations with other parameters.", show_default=False),
-    ] = None,
+    draws: Annotated[int | None, typer.Option(help="Computations with other parameters.")] = None,
     match: Annotated[
         str | None,
         typer.Option(
             help="Time in which the computed motion is fitted to the measured one, in s; 4 "
-            "natural periods by default.",
-            show_default=False,
+            "natural periods by default."
         ),
     ] = None,
     transient: Annotated[
-        str | None,
-        typer.Option(help="Transient of computed response curves, in s.", show_default=False),
+        str | None, typer.Option(help="Transient of computed response curves, in s.")
     ] = None,
-    ball: Annotated[int | None, typer.Option(help="Ball of the table.", show_default=False)] = None,
-    start: Annotated[
-        str | None, typer.Option(help="First instant used, in s.", show_default=False)
-    ] = None,
-    end: Annotated[
-        str | None, typer.Option(help="Last instant used, in s.", show_default=False)
-    ] = None,
+    ball: Annotated[int | None, typer.Option(help="Ball of the table.")] = None,
+    start: Annotated[str | None, typer.Option(help="First instant used, in s.")] = None,
+    end: Annotated[str | None, typer.Option(help="Last instant used, in s.")] = None,
     output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,

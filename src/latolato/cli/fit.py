@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from latolato.experiment.fits.registry import FitKind
     from latolato.experiment.fits.result import Fit
 
-TableArgument = Annotated[
-    Path, typer.Argument(help="Track table: .csv, .parquet or .nc.", show_default=False)
-]
+TableArgument = Annotated[Path, typer.Argument(help="Track table: .csv, .parquet or .nc.")]
 
 
 class FitGroup(RegistryGroup):

@@ -96,8 +96,7 @@ def _root(
 def simulate(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
-        Path | None,
-        typer.Option("--from", help="Run a result file again, at the same instants."),
+        Path | None, typer.Option("--from", help="Run a result file again, at the same instants.")
     ] = None,
     output: Annotated[
         Path | None,
@@ -105,8 +104,7 @@ def simulate(
     ] = None,
     plot: PlotOption = None,
     animate: Annotated[
-        Path | None,
-        typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output"),
+        Path | None, typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output")
     ] = None,
     speed: Annotated[
         float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
@@ -168,8 +166,7 @@ def _list_commands(context: typer.Context) -> None:
 def _sweep(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
-        Path | None,
-        typer.Option("--from", help="Run the sweep of a store or of a .nc file again."),
+        Path | None, typer.Option("--from", help="Run the sweep of a store or of a .nc file again.")
     ] = None,
     status: Annotated[
         Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
@@ -187,7 +184,6 @@ def _sweep(
             help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
             '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
             'radius = 2 cm, 3 cm". May be given several times.',
-            show_default=False,
             rich_help_panel="Sweep",
         ),
     ] = None,
@@ -196,13 +192,11 @@ def _sweep(
         typer.Option(
             help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
             "given several times.",
-            show_default=False,
             rich_help_panel="Sweep",
         ),
     ] = None,
     executor: Annotated[
-        str,
-        typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs"),
+        str, typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs")
     ] = "threads",
     workers: Annotated[
         int | None,
@@ -313,14 +307,11 @@ def plot(
     select: Annotated[
         list[str] | None,
         typer.Option(
-            help='Value of a further dimension: "restitution=0.9".',
-            show_default=False,
-            rich_help_panel="Maps",
+            help='Value of a further dimension: "restitution=0.9".', rich_help_panel="Maps"
         ),
     ] = None,
     overlay: Annotated[
-        list[str] | None,
-        typer.Option(help="tongue or lift_off.", show_default=False, rich_help_panel="Maps"),
+        list[str] | None, typer.Option(help="tongue or lift_off.", rich_help_panel="Maps")
     ] = None,
     points: Annotated[
         Path | None,

@@ -18,17 +18,12 @@ from latolato.scenario.options import law_options
 # What typer raises for wrong options; its name has moved between versions.
 UsageError: Any = typer.BadParameter.__mro__[1]
 
-ScenarioArgument = Annotated[
-    str | None,
-    typer.Argument(help="A scenario's name or TOML file.", show_default=False),
-]
+ScenarioArgument = Annotated[str | None, typer.Argument(help="A scenario's name or TOML file.")]
 OutputOption = Annotated[
-    Path | None,
-    typer.Option(help="Result file: .nc.", rich_help_panel="Output"),
+    Path | None, typer.Option(help="Result file: .nc.", rich_help_panel="Output")
 ]
 PlotOption = Annotated[
-    Path | None,
-    typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
+    Path | None, typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output")
 ]
 ColumnOption = Annotated[
     list[str] | None,
@@ -36,13 +31,11 @@ ColumnOption = Annotated[
         # Round brackets: square ones are taken for markup.
         help='Column of another program\'s table: time="t (s)", angle_1="theta (deg)". '
         "May be given several times.",
-        show_default=False,
         rich_help_panel="Table",
     ),
 ]
 JsonOption = Annotated[
-    bool,
-    typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
+    bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
 
 
@@ -115,7 +108,6 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
         f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
         help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
         rich_help_panel=panel,
-        show_default=False,
         metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
     )
     return inspect.Parameter(
@@ -127,9 +119,7 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
 
 
 def with_law_options(
-    command: Callable[..., None],
-    without: Sequence[str] = (),
-    further: Iterable[Parameter] = (),
+    command: Callable[..., None], without: Sequence[str] = (), further: Iterable[Parameter] = ()
 ) -> Callable[..., None]:
     """Return a command with options of its own and one for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)

@@ -22,59 +22,38 @@ _VIDEO = "Videos without a table"
 
 
 def trials(
-    source: Annotated[
-        list[Path], typer.Argument(help="Folders, track tables and videos.", show_default=False)
-    ],
-    length: Annotated[
-        str | None, typer.Option(help="Pivot to ball centre, in m.", show_default=False)
-    ] = None,
-    gravity: Annotated[
-        str | None, typer.Option(help="Gravity, in m/s^2; 9.8 by default.", show_default=False)
-    ] = None,
+    source: Annotated[list[Path], typer.Argument(help="Folders, track tables and videos.")],
+    length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
+    gravity: Annotated[str | None, typer.Option(help="Gravity, in m/s^2; 9.8 by default.")] = None,
     transient: Annotated[
         str | None,
         typer.Option(
             help="Time after which the angle counts as settled, in s; by default the last "
-            "third of the record counts.",
-            show_default=False,
+            "third of the record counts."
         ),
     ] = None,
-    start: Annotated[
-        str | None, typer.Option(help="First instant used, in s.", show_default=False)
-    ] = None,
-    end: Annotated[
-        str | None, typer.Option(help="Last instant used, in s.", show_default=False)
-    ] = None,
+    start: Annotated[str | None, typer.Option(help="First instant used, in s.")] = None,
+    end: Annotated[str | None, typer.Option(help="Last instant used, in s.")] = None,
     sets: Annotated[
         str, typer.Option(help="What makes a set: auto, folder or amplitude.")
     ] = "auto",
-    balls: Annotated[
-        int | None, typer.Option(help="1 or 2.", show_default=False, rich_help_panel=_VIDEO)
-    ] = None,
+    balls: Annotated[int | None, typer.Option(help="1 or 2.", rich_help_panel=_VIDEO)] = None,
     pivot: Annotated[
         str | None,
         typer.Option(
             help='Pivot in the first frame: "u, v" in pixels, for all videos.',
-            show_default=False,
             rich_help_panel=_VIDEO,
         ),
     ] = None,
     ball: Annotated[
         list[str] | None,
-        typer.Option(
-            help="Ball in the first frame, once or twice.",
-            show_default=False,
-            rich_help_panel=_VIDEO,
-        ),
+        typer.Option(help="Ball in the first frame, once or twice.", rich_help_panel=_VIDEO),
     ] = None,
     radius: Annotated[
-        str | None,
-        typer.Option(help="Radius of a ball, in m.", show_default=False, rich_help_panel=_VIDEO),
+        str | None, typer.Option(help="Radius of a ball, in m.", rich_help_panel=_VIDEO)
     ] = None,
     workers: Annotated[int, typer.Option(help="Processes.")] = 1,
-    output: Annotated[
-        Path | None, typer.Option(help="Trial table: .csv or .nc.", show_default=False)
-    ] = None,
+    output: Annotated[Path | None, typer.Option(help="Trial table: .csv or .nc.")] = None,
     as_json: JsonOption = False,
 ) -> int:
     """Make the table of trials: drive, largest and settled angle, class.

@@ -17,16 +17,11 @@ def synthesise(
         Path | None, typer.Option("--from", help="Film the run of a result file.")
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option(help="Video: .mp4.", rich_help_panel="Output", show_default=False),
+        Path | None, typer.Option(help="Video: .mp4.", rich_help_panel="Output")
     ] = None,
     truth: Annotated[
         Path | None,
-        typer.Option(
-            help="True track table: .csv, .parquet or .nc.",
-            rich_help_panel="Output",
-            show_default=False,
-        ),
+        typer.Option(help="True track table: .csv, .parquet or .nc.", rich_help_panel="Output"),
     ] = None,
     condition: Annotated[
         str,
@@ -41,7 +36,6 @@ def synthesise(
         typer.Option(
             help='What is seen: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given several '
             "times.",
-            show_default=False,
             rich_help_panel="Filming",
         ),
     ] = None,
@@ -49,7 +43,6 @@ def synthesise(
         list[str] | None,
         typer.Option(
             help='How the camera is: "fps = 120", "roll = 3 deg". May be given several times.',
-            show_default=False,
             rich_help_panel="Filming",
         ),
     ] = None,
@@ -78,16 +71,13 @@ def synthesise(
 
 
 def track(
-    videos: Annotated[list[Path], typer.Argument(help="Videos.", show_default=False)],
-    balls: Annotated[
-        int | None, typer.Option(help="How many balls swing: 1 or 2.", show_default=False)
-    ] = None,
+    videos: Annotated[list[Path], typer.Argument(help="Videos.")],
+    balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
     pivot: Annotated[
         str | None,
         typer.Option(
             help="Column and row of the pivot in the first frame as displayed: 640,194.",
             metavar="U,V",
-            show_default=False,
         ),
     ] = None,
     ball: Annotated[
@@ -96,7 +86,6 @@ def track(
             help="The same of a ball's centre; given twice for two balls. What is not pointed at "
             "is found in the video.",
             metavar="U,V",
-            show_default=False,
         ),
     ] = None,
     sidecar: Annotated[
@@ -112,16 +101,13 @@ def track(
     limit: Annotated[
         list[str] | None,
         typer.Option(
-            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".',
-            show_default=False,
+            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
         ),
     ] = None,
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers",
-            "--jobs",
-            help="Videos tracked at once; by default one for each core.",
+            "--workers", "--jobs", help="Videos tracked at once; by default one for each core."
         ),
     ] = None,
     output: Annotated[
