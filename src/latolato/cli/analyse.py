@@ -1,4 +1,4 @@
-"""What `latolato analyse` does: one command for each analysis."""
+"""`latolato analyse`: one command for each analysis."""
 
 from __future__ import annotations
 

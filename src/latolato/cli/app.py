@@ -1,4 +1,4 @@
-"""What `latolato app` takes."""
+"""`latolato app`: the application in the browser."""
 
 from __future__ import annotations
 

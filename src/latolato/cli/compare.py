@@ -1,8 +1,8 @@
-"""What `latolato compare` does once its options are read."""
+"""`latolato compare`: measurement beside computation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,14 +19,21 @@ from latolato.cli.options import (
 from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.scenario.options import law_options
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # What a computed response curve takes of a run.
 _START = ("initial_angle", "initial_offset", "duration")
+_UNFIT = {
+    option.name
+    for option in law_options().values()
+    if option.owner == "noise" or (option.owner == "run" and option.name not in _START)
+}
 
 
+@with_law_options(without=_UNFIT)
 def compare(
     table: Annotated[
         Path | None, typer.Argument(help="Track table, or trial table as --trials.")
@@ -140,18 +147,6 @@ def _computed(
     if not of_trials:
         return system, drive, {}
     return system, None, {k: _si(k, run[k]) for k in _START if run.get(k) is not None}
-
-
-def command() -> Callable[..., None]:
-    """Return the command with an option for each parameter of systems, drives and starts."""
-    from latolato.scenario.options import law_options
-
-    left = [
-        o.name
-        for o in law_options().values()
-        if o.owner == "noise" or (o.owner == "run" and o.name not in _START)
-    ]
-    return with_law_options(compare, without=left)
 
 
 def sigmas_of(texts: Sequence[str]) -> dict[str, float]:

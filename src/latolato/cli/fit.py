@@ -1,4 +1,4 @@
-"""What `latolato fit` does: one command for each fit."""
+"""`latolato fit`: one command for each fit."""
 
 from __future__ import annotations
 

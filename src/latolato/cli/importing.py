@@ -1,4 +1,4 @@
-"""What `latolato import` does once its options are read."""
+"""`latolato import`: a track table from that of another program."""
 
 from __future__ import annotations
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,6 +36,11 @@ ColumnOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
+
+
+Command = Callable[..., None]
+# Options that choose the samples of a single run.
+SAMPLE_OPTIONS = ("times", "samples", "frame")
 
 
 class EachOptionOnce(TyperCommand):
@@ -119,22 +123,21 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
 
 
 def with_law_options(
-    command: Callable[..., None], without: Sequence[str] = (), further: Iterable[Parameter] = ()
-) -> Callable[..., None]:
-    """Return a command with options of its own and one for each parameter of a law or a run."""
+    without: Container[str] = (), further: Iterable[Parameter] = ()
+) -> Callable[[Command], Command]:
+    """Return what gives a command an option for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)
-    return with_options(command, (*further, *own))
+    return with_options((*further, *own))
 
 
-def with_options(command: Callable[..., None], options: Iterable[Parameter]) -> Callable[..., None]:
-    """Return a command whose keyword arguments are spelled out as options."""
-    signature = inspect.signature(command, eval_str=True)
-    parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    parameters += [option_of(option, option.owner.title() or None) for option in options]
+def with_options(options: Iterable[Parameter]) -> Callable[[Command], Command]:
+    """Return what spells out the keyword arguments of a command as options."""
 
-    @functools.wraps(command)
-    def spelled_out(*args: Any, **kwargs: Any) -> None:
-        command(*args, **kwargs)
+    def spell_out(command: Command) -> Command:
+        signature = inspect.signature(command, eval_str=True)
+        parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        parameters += [option_of(option, option.owner.title() or None) for option in options]
+        command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return command
 
-    spelled_out.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    return spelled_out
+    return spell_out

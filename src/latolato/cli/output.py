@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.io.progress import bar
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -61,6 +63,33 @@ class Targets:
         from latolato.figures.style import save_figure
 
         return [save_figure(plot(dataset, variable), self.plot)]
+
+
+@dataclass(frozen=True)
+class Animation:
+    """The animation that a command is asked to write."""
+
+    path: Path | None
+    speed: float
+    fps: float
+
+    def check(self) -> None:
+        """Raise before any work if it cannot be written."""
+        if self.path is not None:
+            from latolato.core.atomic import check_folder
+            from latolato.figures.animate import check_target
+
+            check_folder(self.path)
+            check_target(self.path, self.speed, self.fps)
+
+    def write(self, run: xr.Dataset) -> list[Path]:
+        """Write it, where asked for, and return its name."""
+        if self.path is None:
+            return []
+        from latolato.figures.animate import animate
+
+        with bar("animating") as progress:
+            return [animate(run, self.path, speed=self.speed, fps=self.fps, progress=progress)]
 
 
 def elapsed_since(begun: float) -> float:

@@ -119,5 +119,5 @@ def command_of(
         name.replace("_", "-"),
         cls=EachOptionOnce,
         help="\n\n".join([summary_of(function), *map(plain_text, source)]),
-    )(with_law_options(command, without=without))
+    )(with_law_options(without)(command))
     return typer.main.get_command(app)

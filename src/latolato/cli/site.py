@@ -1,4 +1,4 @@
-"""What `latolato site` does once its options are read."""
+"""`latolato site`: pages for any web space."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `latolato trials` does once its options are read."""
+"""`latolato trials`: the table of trials."""
 
 from __future__ import annotations
 
