@@ -32,7 +32,7 @@ from latolato.simulation.summary import plain
 # Where the functions ``(request, folder, progress) -> dict`` are. They call
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
-    "analyse": ("latolato.app.analyse.routes", "compute"),
+    "analyse": ("latolato.app.analyse.answer", "compute"),
     "animate": ("latolato.app.downloads", "compute"),
     "clip": ("latolato.app.experiment.jobs", "compute"),
     "figure": ("latolato.app.report", "compute"),
