@@ -177,7 +177,7 @@ def stored(name: str, report: Path) -> bytes | None:
     Raises
     ------
     InputError
-        If the report's file is none of ours.
+        If the file is not of this version.
     """
     from latolato.figures import catalogue
     from latolato.io.files import load
@@ -191,7 +191,7 @@ def stored(name: str, report: Path) -> bytes | None:
             about = about_figure(catalogue.evidence()[name], load(path))
         except (AttributeError, KeyError) as error:
             raise InputError(
-                f"'{path}' is not of this version: make the report anew ({error})"
+                f"'{path}' is not of this version ({error})", way_out="make the report again"
             ) from None
         about = {"name": name, "source": "report", **about}
         _known[key] = pack_files(about, {"svg": report / f"{name}.svg"})

@@ -132,9 +132,11 @@ def _computed(
         from latolato.io.files import load
 
         if not of_trials:
-            raise InputError("--map needs trials: --trials trials.csv")
+            raise InputError("--map needs trials", way_out="give --trials trials.csv")
         if fit is not None or has_system:
-            raise InputError("--map says what is computed: leave out system, scenario and --fit")
+            raise InputError(
+                "--map says what is computed", way_out="leave out system, scenario and --fit"
+            )
         return load(grid), None, {}
     if fit is not None:
         from latolato.experiment.fits.result import load_fit

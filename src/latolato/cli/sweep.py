@@ -179,8 +179,9 @@ class SweepTargets:
         """Raise before any work if one of them cannot be written."""
         if self.folder is self.output is not None and self.store not in (None, self.output):
             raise InputError(
-                f"give one store, got --store {self.store} and --output {self.output}; "
-                "--output may be a .nc file beside the store"
+                "give one store",
+                value=[str(self.store), str(self.output)],
+                way_out="--output may be a .nc file beside the store",
             )
         if self.folder is not None and not self.folder.parent.is_dir():
             raise FileNotFoundError(
@@ -192,7 +193,7 @@ class SweepTargets:
 
             check_drawable(plan, self.variable)
         elif self.variable is not None:
-            raise InputError("--variable names what --plot shows: give --plot too")
+            raise InputError("--variable names what --plot shows", way_out="give --plot too")
 
 
 def plan_of(
@@ -218,7 +219,9 @@ def plan_of(
     path = find(source) if source is not None else None
     if rerun is not None:
         if rerun.suffix == ".toml":
-            raise InputError("--from takes a store or a .nc file; give a scenario without --from")
+            raise InputError(
+                "--from takes a store or a .nc file", way_out="give a scenario without --from"
+            )
         from latolato.io.plans import plan_from_store
 
         plan = plan_from_store(rerun)

@@ -115,15 +115,17 @@ def _check_places(count: int | None, places: Sequence[tuple[float, float]]) -> N
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="--balls", value=count)
     if count is not None and places and len(places) != count:
-        raise InputError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
+        raise InputError(f"--balls {count} needs as many --ball places", value=len(places))
     if len(places) > 2:
-        raise InputError(f"--ball may be given twice at most, got it {len(places)} times")
+        raise InputError("may be given twice at most", parameter="--ball", value=len(places))
 
 
 def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -> None:
     """Raise unless a set-up of its own can be used."""
     if len(videos) > 1:
-        raise InputError("--sidecar is about one video; leave it out to read each one's own")
+        raise InputError(
+            "--sidecar is about one video", way_out="leave it out to read each one's own"
+        )
     if not sidecar.is_file():
         raise FileNotFoundError(f"there is no file '{sidecar}'")
     if is_pointed_at:
@@ -176,8 +178,8 @@ def _target(target: Path | None, video: Path, ending: str, several: bool) -> Pat
         return target / f"{video.stem}{ending}"
     if several:
         raise InputError(
-            f"several videos need a folder or a name such as '{{name}}{target.suffix}', "
-            f"got '{target}'"
+            f"several videos need a folder or a name such as '{{name}}{target.suffix}'",
+            value=str(target),
         )
     return target
 
@@ -202,7 +204,7 @@ def _check_targets(jobs: Sequence[Job]) -> None:
                 )
             seen[file.resolve()] = job.video
             if file.resolve() == job.video.resolve():
-                raise InputError(f"'{file}' is the video itself; name another file")
+                raise InputError(f"'{file}' is the video itself", way_out="name another file")
         if job.propose and job.output is not None:
             check_suffix(job.output, (".png",), "the name of a proposal's picture")
         elif job.output is not None:

@@ -117,8 +117,10 @@ def _frames(
     count = math.floor(span / step) + 1
     if count > MOST_FRAMES:
         raise InputError(
-            f"the animation would have {count} frames, more than {MOST_FRAMES}; "
-            f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or lower fps"
+            f"an animation may have {MOST_FRAMES} frames",
+            value=count,
+            way_out=f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or "
+            "lower fps",
         )
     instants = float(run["time"][0]) + step * np.arange(count)
     with style.use_style():

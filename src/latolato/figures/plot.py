@@ -77,9 +77,7 @@ def plot(
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise InputError(
-            f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
-        )
+        raise InputError("plot needs a run: a dataset with angle over time", value=run)
     kind = kind_of(run)
     if kind == "map":
         from latolato.figures.map import Drawing

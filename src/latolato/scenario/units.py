@@ -224,25 +224,36 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
         with path.open(encoding="utf-8-sig") as lines:
             first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
     except UnicodeDecodeError:
-        raise InputError(f"{name}: {path} is no text file; save it as UTF-8 text") from None
+        raise InputError(
+            f"{{parameter}}: '{path}' is no text file",
+            parameter=name,
+            way_out="save it as UTF-8 text",
+        ) from None
     if not first:
-        raise InputError(f"{name}: {path} holds no numbers")
+        raise InputError(f"{{parameter}}: '{path}' holds no numbers", parameter=name)
     delimiter = next((d for d in ",;\t" if d in first), None)
     titles = [title.strip() for title in first.split(delimiter)]
     has_header = any(_TEXT.fullmatch(title) is None for title in titles)
     if not column and len(titles) > 1:
         raise InputError(
-            f"{name}: {path} has {len(titles)} columns; name one, as in {path.name}:{titles[0]}"
+            f"{{parameter}}: '{path}' has {len(titles)} columns",
+            parameter=name,
+            way_out=f"name one, as in {path.name}:{titles[0]}",
         )
     known = [*(titles if has_header else []), *(str(i + 1) for i in range(len(titles)))]
     if column and column not in known:
-        raise InputError(f"{name}: {path} has no column '{column}': {suggest(column, known)}")
+        raise InputError(
+            f"{{parameter}}: '{path}' has no column '{column}': {suggest(column, known)}",
+            parameter=name,
+        )
     index = known.index(column) % len(titles) if column else 0
     try:
         with path.open(encoding="utf-8-sig") as lines:
             body = (line for line in lines if not (has_header and line == first))
             numbers = np.loadtxt(body, delimiter=delimiter, usecols=index, ndmin=1)
     except ValueError as error:
-        raise InputError(f"{name}: {path} cannot be read as numbers: {error}") from None
+        raise InputError(
+            f"{{parameter}}: '{path}' cannot be read as numbers: {error}", parameter=name
+        ) from None
     result: list[float] = numbers.tolist()
     return result

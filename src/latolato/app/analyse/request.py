@@ -153,11 +153,11 @@ def _typed(option: Parameter, text: str) -> Any:
             if match is None or Path(text).is_file():
                 raise InputError("must be low : high : count", parameter=option.name, value=text)
             if int(match["count"]) > MOST_LISTED:
-                raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
+                raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
             return text
         parts = [part.strip() for part in text.split(",") if part.strip()]
         if len(parts) > MOST_LISTED:
-            raise TooLargeError(f"{option.name} may have {MOST_LISTED} values at most")
+            raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
         return parts[0] if option.or_one and len(parts) == 1 else parts
     if option.kind is bool:
         if text.lower() not in ("true", "false"):
