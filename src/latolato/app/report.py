@@ -30,8 +30,7 @@ from latolato.core.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.figures.catalogue import Evidence
-    from latolato.figures.claim import Claim
+    from latolato.figures.claim import Claim, Evidence
     from latolato.scenario.scenario import Scenario
 
 _MADE_WITH = ("numpy", "scipy", "numba", "matplotlib", "xarray", "av", "opencv-python-headless")
