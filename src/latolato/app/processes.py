@@ -123,7 +123,7 @@ class Worker:
             try:
                 message = json.loads(line)
             except ValueError:
-                raise JobError("the computation gave an answer that nobody understands") from None
+                raise JobError("the computation returned an answer that cannot be read") from None
             self.is_busy = not ("done" in message or "error" in message)
             if "done" in message:
                 result: dict[str, Any] = message["done"]

@@ -277,7 +277,7 @@ def _short_options(scenario: Scenario) -> dict[str, Any]:
 
 
 def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
-    """Return the duration of a run that was asked for by its instants."""
+    """Return the duration of a run whose scenario lists its instants."""
     if "duration" in scenario.run or "time" not in dataset:
         return {}
     return {"duration": float(dataset["time"].values[-1])}
@@ -332,7 +332,7 @@ def _kept(name: str) -> bytes | None:
 
 
 def _keep(name: str, block: bytes) -> None:
-    """Keep the block of a figure; a disk that cannot be written costs time only."""
+    """Keep the block of a figure; where the disk is full it is computed again next time."""
     _known["", name] = block
     with suppress(OSError):
         cache.write(_place(name), block)

@@ -67,7 +67,7 @@ def compare(
     output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Lay measurement beside computation: a motion, trials over a map, or response curves.
 
@@ -82,7 +82,7 @@ def compare(
     targets = Targets(output, plot)
     targets.check("the result of a comparison")
     table, trials, scenario = _measured(table, trials, scenario)
-    computed, drive, options = _computed(scenario, map_, fit, given, of_trials=trials is not None)
+    computed, drive, options = _computed(scenario, map_, fit, values, of_trials=trials is not None)
     if draws is not None:
         options["draws"] = draws
     if sigma:
@@ -122,12 +122,12 @@ def _computed(
     scenario: str | None,
     grid: Path | None,
     fit: Path | None,
-    given: Mapping[str, Any],
+    values: Mapping[str, Any],
     *,
     of_trials: bool,
 ) -> tuple[Any, Any, dict[str, Any]]:
     """Return what is computed, its drive (None: as measured), and how it starts."""
-    has_system = scenario is not None or given.get("system") is not None
+    has_system = scenario is not None or values.get("system") is not None
     if grid is not None:
         from latolato.io.files import load
 
@@ -145,7 +145,7 @@ def _computed(
             raise InputError("give a fit, or a system or scenario, not both")
         return load_fit(fit), None, {}
     missing = "name what is computed: --system, a scenario, --fit FILE or --map FILE"
-    system, drive, run = laws_of(given, scenario, missing=missing)
+    system, drive, run = laws_of(values, scenario, missing=missing)
     if not of_trials:
         return system, drive, {}
     return system, None, {k: _si(k, run[k]) for k in _START if run.get(k) is not None}

@@ -48,9 +48,9 @@ class EachOptionOnce(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return the arguments that are left when the options are read."""
-        *_, given = self.make_parser(ctx).parse_args(list(args))
-        for parameter in given:
-            count = given.count(parameter)
+        *_, parameters = self.make_parser(ctx).parse_args(list(args))
+        for parameter in parameters:
+            count = parameters.count(parameter)
             if count > 1 and not getattr(parameter, "multiple", False):
                 flag = max(parameter.opts, key=len)
                 raise UsageError(f"option {flag} must be given once, it was given {count} times")

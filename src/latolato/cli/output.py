@@ -1,4 +1,4 @@
-"""What commands do with their results: write the files that are asked for, print a summary."""
+"""What commands do with their results: write files, print a summary."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class Targets:
             check_suffix(self.plot, PICTURES, "the name of a picture")
 
     def write(self, dataset: xr.Dataset, variable: str | None = None) -> list[Path]:
-        """Write a dataset and its picture, where asked for, and return their names."""
+        """Write a dataset and its picture where the command names a file; return the names."""
         return self.save(dataset) + self.draw(dataset, variable)
 
     def save(self, dataset: xr.Dataset | Record) -> list[Path]:
-        """Write the result, where asked for, and return its name."""
+        """Write the result if the command names a file; return the name."""
         if self.output is None:
             return []
         from latolato.io.files import save
@@ -53,7 +53,7 @@ class Targets:
         return [save(dataset, self.output)]
 
     def draw(self, dataset: xr.Dataset, variable: str | None = None) -> list[Path]:
-        """Write the picture, where asked for, and return its name.
+        """Write the picture if the command names a file; return the name.
 
         Of a sweep it shows a variable, by default the first.
         """
@@ -83,7 +83,7 @@ class Animation:
             check_target(self.path, self.speed, self.fps)
 
     def write(self, run: xr.Dataset) -> list[Path]:
-        """Write it, where asked for, and return its name."""
+        """Write it if the command names a file; return the name."""
         if self.path is None:
             return []
         from latolato.figures.animate import animate

@@ -38,7 +38,7 @@ def simulate(
     ] = 1.0,
     fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Run one scenario, or a system given by options, and write what is asked for.
 
@@ -49,7 +49,7 @@ def simulate(
     targets = Targets(output, plot)
     animation = Animation(animate, speed, fps)
     with _uncollected():
-        ready = scenario_of(scenario, rerun, given)
+        ready = scenario_of(scenario, rerun, values)
         targets.check("the name of a result file", (".nc", ".csv", ".parquet"))
         animation.check()
         with bar("simulating") as progress:
@@ -67,11 +67,11 @@ def simulate(
     print_summary(summary, lines_of(summary), as_json=as_json)
 
 
-def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any]) -> Scenario:
     """Return the scenario named by the command line with the options put in."""
     if source is not None and rerun is not None:
         raise InputError("give either a scenario or --from, not both")
-    changed = changes(given)
+    changed = changes(values)
     path = rerun or (find(source) if source is not None else None)
     tables, folder = changed_tables(path, changed)
     return Scenario.from_dict(tables, folder=folder)

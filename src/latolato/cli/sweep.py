@@ -103,7 +103,7 @@ def sweep(
         ),
     ] = None,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Run a map of many trajectories over any parameters, and write what is asked for.
 
@@ -130,11 +130,11 @@ def sweep(
         return
     if scenario is not None and rerun is not None:
         raise InputError("give either a scenario or --from, not both")
-    table = {name: given.pop(name) for name in SWEEP_PARAMETERS}
+    table = {name: values.pop(name) for name in SWEEP_PARAMETERS}
     plan = plan_of(
         scenario,
         rerun,
-        changes(given),
+        changes(values),
         {name: value for name, value in table.items() if value is not None},
         axis or [],
         observable or [],

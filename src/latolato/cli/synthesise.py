@@ -72,7 +72,7 @@ def synthesise(
         int, typer.Option(help="Of texture, noise and time stamps.", rich_help_panel="Filming")
     ] = 0,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Film a run with exactly known truth: a video to test tracking with, and its true table.
 
@@ -83,10 +83,10 @@ def synthesise(
     from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
 
     begun = time.perf_counter()
-    ready = scenario_of(scenario, rerun, given)
+    ready = scenario_of(scenario, rerun, values)
     if output is None:
         raise InputError("name the video: --output clip.mp4")
-    seen, filmed = conditions[condition].make(
+    setting = conditions[condition].make(
         values_of("--scene", scene or (), Scene), values_of("--camera", camera or (), Camera)
     )
     check_target(output, truth)
@@ -94,7 +94,7 @@ def synthesise(
         motion = ready.simulate(progress=progress)
     with bar("filming") as progress:
         table = synthesise_video(
-            motion, output, seen, filmed, seed=seed, truth=truth, progress=progress
+            motion, output, *setting, seed=seed, truth=truth, progress=progress
         )
     summary = {
         "condition": condition,
@@ -105,13 +105,13 @@ def synthesise(
     print_summary(summary, lines_of(summary), as_json=as_json)
 
 
-def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any]) -> Scenario:
     """Return the scenario to film as the command line names it."""
     try:
-        return run_command.scenario_of(source, rerun, given)
+        return run_command.scenario_of(source, rerun, values)
     except ForeignParameterError as error:
         if error.parameter == "radius":
-            error.way_out = f'draw the ball with --scene "ball_radius = {given["radius"]}"'
+            error.way_out = f'draw the ball with --scene "ball_radius = {values["radius"]}"'
         raise
 
 

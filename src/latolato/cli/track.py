@@ -74,7 +74,7 @@ def track(
         typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
     ] = None,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Measure pivot and balls in every frame of videos: angles with their errors, and flags.
 
@@ -88,7 +88,7 @@ def track(
     common: dict[str, Any] = {
         "pivot": None if pivot is None else place_of("--pivot", pivot),
         "balls": places or balls,
-        "given": _in_si(given, limit or []),
+        "values": _in_si(values, limit or []),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -190,7 +190,7 @@ def _check_targets(jobs: Sequence[Job]) -> None:
     from latolato.experiment.track_table import SUFFIXES
     from latolato.io.files import check_suffix, check_target
 
-    seen: dict[Path, Path] = {}
+    owners: dict[Path, Path] = {}
     for job in jobs:
         for file in (job.output, job.overlay, job.report):
             if file is None:
@@ -198,12 +198,13 @@ def _check_targets(jobs: Sequence[Job]) -> None:
             if len(jobs) > 1:
                 file.parent.mkdir(parents=True, exist_ok=True)
             check_folder(file)
-            if file.resolve() in seen:
+            path = file.resolve()
+            if path in owners:
                 raise InputError(
-                    f"'{job.video}' and '{seen[file.resolve()]}' would both be written to '{file}'"
+                    f"'{job.video}' and '{owners[path]}' would both be written to '{file}'"
                 )
-            seen[file.resolve()] = job.video
-            if file.resolve() == job.video.resolve():
+            owners[path] = job.video
+            if path == job.video.resolve():
                 raise InputError(f"'{file}' is the video itself", way_out="name another file")
         if job.propose and job.output is not None:
             check_suffix(job.output, (".png",), "the name of a proposal's picture")

@@ -29,7 +29,7 @@ class Job:
     video: Path
     pivot: tuple[float, float] | None
     balls: int | tuple[tuple[float, float], ...] | None
-    given: Mapping[str, Any]
+    values: Mapping[str, Any]
     sidecar: Path | None
     output: Path | None
     overlay: Path | None
@@ -158,7 +158,7 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     if sidecar is None and job.output is not None and not (job.propose or is_pointed_at):
         sidecar = own_sidecar(job.output, job.video)
     task = track.prepare(
-        job.video, job.pivot, job.balls, dict(job.given), sidecar, lambda share: tell(part * share)
+        job.video, job.pivot, job.balls, dict(job.values), sidecar, lambda share: tell(part * share)
     )
     if job.propose:
         return _proposed(job, task)

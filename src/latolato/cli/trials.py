@@ -67,17 +67,17 @@ def trials(
     Targets(output).check("the name of a trial table", SUFFIXES)
     numbers = {"length": (length, "m"), "radius": (radius, "m"), "gravity": (gravity, "m/s^2"),
                "transient": (transient, "s"), "start": (start, "s"), "end": (end, "s")}  # fmt: skip
-    given: dict[str, Any] = {
+    arguments: dict[str, Any] = {
         name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
     }
     if balls is not None and ball and len(ball) != balls:
         raise InputError(f"--balls {balls} needs as many --ball places", value=len(ball))
-    given["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
-    given["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
+    arguments["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
+    arguments["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
     with bar("trials") as progress, warnings.catch_warnings():
         # The summary contains them.
         warnings.simplefilter("ignore", RuntimeWarning)
-        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **given)
+        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **arguments)
     files = [str(write_trials(table, output))] if output is not None else []
     failed = [text for text in table.attrs["failed"].split(" | ") if text]
     summary = summarise(table)

@@ -185,7 +185,7 @@ class Scene:
         return np.asarray(self._canvas.buffer_rgba())
 
     def _add(self, axes: Any, artist: Any) -> Any:
-        """Return an artist that is drawn anew in every picture."""
+        """Return an artist that is redrawn in every picture."""
         artist.set_animated(True)
         self._moving.append((axes, artist))
         return artist

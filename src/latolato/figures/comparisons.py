@@ -82,7 +82,7 @@ def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
-    """Draw what is left, over the deviation of the computed motion."""
+    """Draw the residual over the deviation of the computed motion."""
     time = dataset.time.values
     wide = 2e3 * dataset.angle_computed_sigma.values
     axes.fill_between(

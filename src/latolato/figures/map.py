@@ -60,7 +60,7 @@ def check_drawable(plan: Plan, variable: str | None) -> None:
 
 
 def _variable(known: list[str], name: str | None) -> str:
-    """Return the variable that is asked for, or the first."""
+    """Return the variable of this name, or the first."""
     if name is None:
         return known[0]
     if name not in known:

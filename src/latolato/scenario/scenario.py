@@ -324,9 +324,9 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
     return merged
 
 
-def _replaced(given: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+def _replaced(arguments: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of `simulate` with some replaced, and those that exclude them gone."""
-    kept = given
+    kept = arguments
     for group in ALTERNATIVES:
         if group & overrides.keys():
             kept = {k: v for k, v in kept.items() if k not in group}

@@ -128,27 +128,26 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     match = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
     if match is None:
         raise _refusal(name, value, unit)
-    number, given = float(match["number"]), (match["unit"] or "").strip()
-    if given.replace(" ", "*") in ("", unit):
+    number, written = float(match["number"]), (match["unit"] or "").strip()
+    if written.replace(" ", "*") in ("", unit):
         return number
-    if (given, unit) in _COMMON:
-        return float(Decimal(match["number"]) * _COMMON[given, unit])
+    if (written, unit) in _COMMON:
+        return float(Decimal(match["number"]) * _COMMON[written, unit])
     import pint
 
     registry = _registry()
     try:
-        written = registry.parse_units(given.replace("²", "^2").replace("³", "^3"))
-        wanted = registry.parse_units("" if unit == "1" else unit)
-        return float(registry.Quantity(Decimal(match["number"]), written).to(wanted).magnitude)
+        source = registry.parse_units(written.replace("²", "^2").replace("³", "^3"))
+        target = registry.parse_units("" if unit == "1" else unit)
+        return float(registry.Quantity(Decimal(match["number"]), source).to(target).magnitude)
     except (pint.PintError, ArithmeticError, AssertionError, AttributeError, ValueError):
         raise _refusal(name, value, unit) from None
 
 
 def _refusal(name: str, value: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity."""
-    rule = "a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
-    given = "as " if unit == "1" else ""
-    return InputError(f"must be given {given}{rule}", parameter=name, value=value)
+    rule = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
+    return InputError(f"must be given {rule}", parameter=name, value=value)
 
 
 def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> Any:

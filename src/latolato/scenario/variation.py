@@ -73,44 +73,44 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
     if not isinstance(axes, Mapping):
         raise InputError("must be a table of names and values", parameter="axes", value=axes)
     result: dict[str, Any] = {}
-    for name, given in axes.items():
-        if isinstance(given, Mapping) and not (set(_RANGE) & given.keys() or name in known):
-            result[name] = {p: _read_values(p, v, known, folder) for p, v in given.items()}
+    for name, value in axes.items():
+        if isinstance(value, Mapping) and not (set(_RANGE) & value.keys() or name in known):
+            result[name] = {p: _read_values(p, v, known, folder) for p, v in value.items()}
         else:
-            result[name] = _read_values(name, given, known, folder)
+            result[name] = _read_values(name, value, known, folder)
     return result
 
 
-def _read_values(name: str, given: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
+def _read_values(name: str, value: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
     """Return the values of one parameter."""
     if name not in known:
         raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     unit = known[name].unit
-    values = _listed(name, given, unit, folder)
+    values = _listed(name, value, unit, folder)
     if isinstance(values, str) or not isinstance(values, Sequence):
         raise InputError(
-            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=given
+            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=value
         )
     if not values:
         raise InputError("axis {parameter} needs at least one value", parameter=name)
     return tuple(values)
 
 
-def _listed(name: str, given: Any, unit: str, folder: Path) -> Any:
+def _listed(name: str, value: Any, unit: str, folder: Path) -> Any:
     """Return the values that a text, a table or a list stands for."""
-    if isinstance(given, Mapping):
-        return _from_table(name, given, unit)
-    if isinstance(given, str):
-        parts = [part.strip() for part in given.split(":")]
-        if len(parts) == 3 and not (folder / given).is_file():
+    if isinstance(value, Mapping):
+        return _from_table(name, value, unit)
+    if isinstance(value, str):
+        parts = [part.strip() for part in value.split(":")]
+        if len(parts) == 3 and not (folder / value).is_file():
             return _from_text(name, parts, unit)
         if len(parts) == 2 and re.match(r"[-+.\d]", parts[0]):
             raise InputError(
                 "axis {parameter} must be low : high : count or a list of values",
                 parameter=name,
-                value=given,
+                value=value,
             )
-    return to_si_list(name, given.tolist() if hasattr(given, "tolist") else given, unit, folder)
+    return to_si_list(name, value.tolist() if hasattr(value, "tolist") else value, unit, folder)
 
 
 def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:

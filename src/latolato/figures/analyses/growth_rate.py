@@ -1,4 +1,4 @@
-"""The growth rate over the driving frequency, at the amplitude that was asked for."""
+"""The growth rate over the driving frequency, at one amplitude."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ QUESTION = Question(
     title="Does a small swing grow or die away?",
     term="growth rate, Floquet exponent",
     reading="To the right the speed of the drive, upwards how fast a small swing grows. Above zero "
-    "it grows, below it dies away. The dot is the speed of now.",
+    "it grows, below it dies away. The dot marks the present speed.",
     first=("position",),
     conditions=(can_hang, is_even),
     place=3,
