@@ -330,7 +330,6 @@ def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
 
 def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) -> xr.Dataset:
     """Return the dataset that was taken apart by `_columns`."""
-    import numpy as np
     import xarray as xr
 
     two = f"angle_{BALLS[0]}" in columns
@@ -351,8 +350,6 @@ def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) 
 
 def _no_contacts(two: bool) -> Columns:
     """Return the empty contact table of a system without walls."""
-    import numpy as np
-
     names = ["contact_time", "contact_kind"]
     for name in ("angular_velocity_before", "angular_velocity_after"):
         names += [f"{name}_{ball}" for ball in BALLS] if two else [name]
