@@ -10,9 +10,11 @@ import typer
 
 from latolato.cli.law_options import laws_of
 from latolato.cli.options import (
+    EndOption,
     JsonOption,
     OutputOption,
     PlotOption,
+    StartOption,
     named_values,
     with_law_options,
 )
@@ -62,8 +64,8 @@ def compare(
         str | None, typer.Option(help="Transient of computed response curves, in s.")
     ] = None,
     ball: Annotated[int | None, typer.Option(help="Ball of the table.")] = None,
-    start: Annotated[str | None, typer.Option(help="First instant used, in s.")] = None,
-    end: Annotated[str | None, typer.Option(help="Last instant used, in s.")] = None,
+    start: StartOption = None,
+    end: EndOption = None,
     output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,

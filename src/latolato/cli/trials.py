@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of
+from latolato.cli.options import EndOption, JsonOption, StartOption, place_of
 from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
@@ -32,8 +32,8 @@ def trials(
             "third of the record counts."
         ),
     ] = None,
-    start: Annotated[str | None, typer.Option(help="First instant used, in s.")] = None,
-    end: Annotated[str | None, typer.Option(help="Last instant used, in s.")] = None,
+    start: StartOption = None,
+    end: EndOption = None,
     sets: Annotated[
         str, typer.Option(help="What makes a set: auto, folder or amplitude.")
     ] = "auto",
