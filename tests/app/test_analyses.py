@@ -13,8 +13,11 @@ from typer.testing import CliRunner
 
 from app_server import frames_of
 from latolato.analysis import analyses
-from latolato.app.analyse import routes as app
+from latolato.app.analyse.answer import compute, numbers_of, to_csv
+from latolato.app.analyse.cost import check_work, steps_of
 from latolato.app.analyse.forms import about_request, forms, option_words
+from latolato.app.analyse.request import AnalysisRequest
+from latolato.app.analyse.routes import prepare
 from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, TooLargeError
 from latolato.app.runs import simulate_request
@@ -136,9 +139,7 @@ def test_what_does_not_fit_a_system_is_said_before_it_is_asked(laws, tmp_path):
     for name, why in unfit.items():
         assert why.endswith(".")
         with pytest.raises(InputError):
-            app.compute(
-                {**asked, "analysis": name, "settings": about["quick"][name]}, tmp_path, print
-            )
+            compute({**asked, "analysis": name, "settings": about["quick"][name]}, tmp_path, print)
 
 
 @pytest.mark.parametrize(
@@ -205,7 +206,7 @@ def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
     form = forms()[name]["options"]
     quick = about["quick"][name]
     assert set(quick) <= set(form)
-    job = app.prepare({"analysis": name, "scenario": "fig04a_push", "settings": quick})
+    job = prepare({"analysis": name, "scenario": "fig04a_push", "settings": quick})
     assert job.name == "analyse"
 
 
@@ -213,7 +214,7 @@ def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
 @pytest.mark.parametrize("name", [name for name in analyses if name not in OF_TWO])
 def test_every_analysis_answers(name, tmp_path):
     given = {"analysis": name, "options": {"duration": "6 s"}, "settings": small(name)}
-    told = app.compute({**given, "scenario": "fig02"}, tmp_path, print)
+    told = compute({**given, "scenario": "fig02"}, tmp_path, print)
     assert load(tmp_path / "result.nc").attrs["analysis"] == name
     assert told["verdict"].endswith(".")
     assert "_" not in told["verdict"]
@@ -234,7 +235,7 @@ def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead
         "settings": {**quick, "push": "1, 7"},
     }
     with pytest.warns(RuntimeWarning, match="leads to a larger motion than rest"):
-        told = app.compute(given, tmp_path, print)
+        told = compute(given, tmp_path, print)
     assert told["verdict"] == (
         "It cannot help: no push up to 7 rad/s leads beyond the 175° from rest."
     )
@@ -253,7 +254,7 @@ def test_a_question_about_contacts_is_refused_for_a_pendulum_in_one_line(client,
 
 
 def test_a_question_about_contacts_is_answered_for_a_pair(tmp_path):
-    told = app.compute(
+    told = compute(
         {"analysis": "self_start", "scenario": "fig04a", "settings": {}}, tmp_path, print
     )
     assert dict(told["lines"])["What was found"] == "found"
@@ -286,7 +287,7 @@ def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_
 def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
     options = {"length": "50 cm", "tolerance": "1e-7", "initial_angle": "-0.1 rad"}
     given = {"analysis": name, "scenario": "fig02", "options": options, "settings": small(name)}
-    question = app.AnalysisRequest.from_json(given)
+    question = AnalysisRequest.from_json(given)
     seen = {}
 
     def catch(*_, **arguments):
@@ -321,7 +322,7 @@ def test_tables_of_an_answer_hold_its_numbers():
         coords={"kind": ["a", "b"]},
         attrs={"analysis": "none"},
     )
-    blocks = app.to_csv(found).split("\n\n")
+    blocks = to_csv(found).split("\n\n")
     assert blocks[0] == "# analysis: none"
     assert blocks[1] == "# over nothing\nstatus\nfound"
     assert blocks[2] == "# over kind\nkind,share\na,0.25\nb,0.75"
@@ -375,24 +376,24 @@ def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
             "settings": {"frequency_ratio": text},
         }
         with pytest.raises(ValueError, match="frequency_ratio"):
-            app.prepare(given)
+            prepare(given)
 
 
 def test_work_is_estimated_from_all_that_multiplies_it():
     def steps(**given):
-        question = app.AnalysisRequest.from_json(
+        question = AnalysisRequest.from_json(
             {"analysis": "basins", "scenario": "fig04a", "settings": given}
         )
-        return app.steps_of(question.function, question.arguments())
+        return steps_of(question.function, question.arguments())
 
     few = steps(angle_points="10", velocity_points="10")
     assert steps(angle_points="20", velocity_points="30") == pytest.approx(6.0 * few)
     given = {"transient_periods": "1e9"}
-    question = app.AnalysisRequest.from_json(
+    question = AnalysisRequest.from_json(
         {"analysis": "basins", "scenario": "fig04a", "settings": given}
     )
     with pytest.raises(TooLargeError, match="the limit is"):
-        app.check_work(question.function, question.arguments())
+        check_work(question.function, question.arguments())
 
 
 def test_a_page_that_goes_ends_the_computation(client):
@@ -423,7 +424,7 @@ def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
         "transient_periods": "10", "longest": "4"}}  # fmt: skip
     given["settings"] = {n: v for n, v in given["settings"].items()
                       if n in forms()["bifurcation_diagram"]["options"]}  # fmt: skip
-    panels = app.compute(given, tmp_path, print)["panels"]
+    panels = compute(given, tmp_path, print)["panels"]
     assert len(panels) == 2  # stroboscopic angles and largest angles, over one axis
     for panel in panels:
         assert panel["x"]["name"] == "frequency_ratio"
@@ -441,7 +442,7 @@ def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_pa
     picture.wait_for(timeout=240_000)
     assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
     given = {**CLOSED, "options": {}}
-    question = app.AnalysisRequest.from_json(given)
+    question = AnalysisRequest.from_json(given)
     wanted = question.function(**question.arguments())
     verdict = f"unstable from ω/ω₀ = {wanted.low:.5g} to {wanted.high:.5g}."
     assert page.locator(".finding").inner_text().endswith(verdict)
@@ -545,4 +546,4 @@ def test_numbers_of_an_answer_are_told_without_names_of_variables():
         coords={"initial_angle": [0.5]},
         attrs={"analysis": "none", "system": "pendulum"},
     )
-    assert ("Angle", "1 to 1 rad (12 values)") in app.numbers_of(found)
+    assert ("Angle", "1 to 1 rad (12 values)") in numbers_of(found)

@@ -145,7 +145,7 @@ def test_a_report_of_another_version_is_refused_with_one_line(cache, tmp_path):
     save(quick_data("fig03"), tmp_path / "fig02.nc")
     with open_client(tmp_path) as client:
         refused, _ = ask(client, {"figure": "fig02"})
-    assert "make the report anew" in json.loads(refused["text"])["error"]
+    assert "make the report again" in json.loads(refused["text"])["error"]
 
 
 @pytest.mark.parametrize(

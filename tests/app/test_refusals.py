@@ -59,7 +59,7 @@ def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path)
     def compute(*_):
         raise error
 
-    monkeypatch.setattr("latolato.app.analyse.routes.compute", compute)
+    monkeypatch.setattr("latolato.app.analyse.answer.compute", compute)
     answers = []
     worker.run({"job": "analyse", "request": {}, "folder": str(tmp_path)}, answers.append)
     (answer,) = answers

@@ -221,11 +221,11 @@ def refused(capsys, *arguments):
 
 
 BAD = [
-    ([*PENDULUM, "--duration", "1"], "nothing to vary: give axes"),
-    (["zeno"], "'zeno' names nothing to vary: give axes"),
+    ([*PENDULUM, "--duration", "1"], "nothing to vary; give axes"),
+    (["zeno"], "'zeno' names nothing to vary; give axes"),
     (
         [*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:0 m"],
-        "axis drive_amplitude has no values",
+        "axis drive_amplitude needs at least one value",
     ),
     (
         [*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:1 m"],
@@ -300,7 +300,7 @@ def test_bad_input_gives_one_line_and_writes_nothing(arguments, message, capsys)
     [
         ("axs = {}", "unknown entry 'axs' of [sweep]: did you mean 'axes'?"),
         ("axes = 3", "axes must be a table of names and values, got 3"),
-        ("axes.length = []", "axis length has no values: a sweep needs at least one point"),
+        ("axes.length = []", "axis length needs at least one value"),
         ("axes.length = 1", "axis length must hold numbers in m, got 1"),
         ("axes.length = {low = 1, high = 2}", "axis length needs 'count' beside low, high"),
         ("axes.length = {low = 1, hihg = 2}", "unknown entry 'hihg' of axis length: did you mean"),

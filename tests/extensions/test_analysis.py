@@ -10,8 +10,9 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.app.analyse import routes as app
+from latolato.app.analyse.answer import compute
 from latolato.app.analyse.forms import about_request, forms
+from latolato.app.analyse.routes import prepare
 from latolato.app.given import RunRequest
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
@@ -82,7 +83,7 @@ def test_the_app_has_its_form_its_cost_and_its_answer(tmp_path):
     about = about_request(RunRequest.from_json(ASKED))
     assert "swing_time" not in about["unfit"]
     request = {**ASKED, "analysis": "swing_time", "settings": about["quick"]["swing_time"]}
-    assert app.prepare(request)
-    answer = app.compute(request, tmp_path, print)
+    assert prepare(request)
+    answer = compute(request, tmp_path, print)
     assert answer["verdict"] == "A swing of 57° takes 2.14 s."
     assert (tmp_path / "result.png").exists()

@@ -19,7 +19,7 @@ from latolato.analysis import (
     poincare_section,
     response_period,
 )
-from latolato.app.analyse import routes as app_analyses
+from latolato.app.analyse.answer import compute
 from latolato.app.analyse.forms import about_request
 from latolato.app.forms import registry
 from latolato.app.given import RunRequest
@@ -263,7 +263,7 @@ def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
         "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
     }
     given = {"analysis": "floquet", "settings": {"period": "2"}}
-    answer = app_analyses.compute({**asked, **given}, tmp_path, print)
+    answer = compute({**asked, **given}, tmp_path, print)
     assert answer["verdict"]
     assert (tmp_path / "result.png").exists()
 

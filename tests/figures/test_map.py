@@ -91,7 +91,7 @@ def test_zeros_have_a_colour_of_their_own_on_a_log_scale(grid):
 
 def test_negative_values_have_no_log_scale(grid):
     turned = grid.assign(largest_angle=grid.largest_angle.copy(data=-grid.largest_angle.values))
-    with pytest.raises(ValueError, match="a log scale cannot show negative values"):
+    with pytest.raises(ValueError, match="must not be negative on a log scale, got -"):
         ll.plot(turned, "largest_angle", log=True)
 
 
@@ -181,7 +181,7 @@ def test_trials_are_placed_on_the_map_and_those_outside_are_counted(grid, tmp_pa
     "text, message",
     [
         ("drive_amplitude,class\n1,weak\n", "must have the columns"),
-        ("drive_amplitude,frequency_ratio,class\n1,2,wild\n", "trial 1 of .* class 'wild'"),
+        ("drive_amplitude,frequency_ratio,class\n1,2,wild\n", "class of trial 1 of .*, got 'wild'"),
         ("drive_amplitude,frequency_ratio,class\nx,2,weak\n", "trial 1 of .*drive_amplitude must"),
     ],
 )

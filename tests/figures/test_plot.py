@@ -147,5 +147,5 @@ def test_a_dataset_that_is_no_run_is_refused():
 
 
 def test_what_is_no_dataset_is_refused():
-    with pytest.raises(InputError, match=r"plot needs a run: .*, got int"):
+    with pytest.raises(InputError, match=r"plot needs a run: .*, got 3"):
         ll.plot(3)

@@ -327,7 +327,7 @@ def test_files_get_the_usual_permissions(tmp_path):
 
 
 def test_what_is_no_dataset_is_refused(tmp_path):
-    with pytest.raises(InputError, match="save needs a dataset, got int"):
+    with pytest.raises(InputError, match="save needs a dataset, got 3"):
         save(3, tmp_path / "x.nc")
     assert list(tmp_path.iterdir()) == []
 

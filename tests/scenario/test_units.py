@@ -153,8 +153,8 @@ def test_a_column_of_a_table_is_read_by_name_or_number(tmp_path, separator, colu
         ("pivot.csv:heigth", "has no column 'heigth': did you mean 'height'?"),
         ("broken.csv:time", "cannot be read as numbers"),
         ("missing.csv", "got 'missing.csv'; there is no file of that name either"),
-        ("binary.nc", "binary.nc is no text file"),
-        ("empty.txt", "empty.txt holds no numbers"),
+        ("binary.nc", "binary.nc' is no text file"),
+        ("empty.txt", "empty.txt' holds no numbers"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_with_its_name(tmp_path, name, message):

@@ -137,9 +137,9 @@ def quantity_of(name: str, unit: str) -> Quantity:
     return known if known is not None and known.unit == unit else Quantity(unit, "", name)
 
 
-def _size(unit: str, wanted: str) -> float:
+def _size(unit: str, si_unit: str) -> float:
     """Return how many SI units one unit is."""
-    size: float = to_si("unit", f"1 {unit}", wanted)
+    size: float = to_si("unit", f"1 {unit}", si_unit)
     return size
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
@@ -22,8 +21,6 @@ from latolato.core.errors import InputError
 
 # Longest line of an answer [characters].
 _LONGEST = 4_000_000
-# How long a process that has been killed may take to end [s].
-_GRACE = 2.0
 
 Hear = Callable[[dict[str, Any]], None]
 
@@ -118,7 +115,6 @@ class Worker:
         """
         assert self.process.stdin is not None
         assert self.process.stdout is not None
-        self.is_busy = True
         line = json.dumps({"job": job, "request": request, "folder": str(folder)})
         with suppress(OSError):  # a process that is gone: reading tells
             self.process.stdin.write(line + "\n")
@@ -127,7 +123,7 @@ class Worker:
             try:
                 message = json.loads(line)
             except ValueError:
-                raise JobError("the computation gave an answer that nobody understands") from None
+                raise JobError("the computation returned an answer that cannot be read") from None
             self.is_busy = not ("done" in message or "error" in message)
             if "done" in message:
                 result: dict[str, Any] = message["done"]
@@ -153,18 +149,9 @@ class Worker:
                     pipe.close()
 
 
-@dataclass(eq=False)
-class _Errand:
-    """A job on its way: the process that does it, and whether anybody still waits."""
-
-    worker: Worker | None = None
-    is_dropped: bool = False
-    over: threading.Event = field(default_factory=threading.Event)
-
-
 @dataclass
 class Workers:
-    """Processes of one server, all with the same limits.
+    """Processes of one server, all with the same limits; for one event loop.
 
     Attributes
     ----------
@@ -182,7 +169,6 @@ class Workers:
     idle: list[Worker] = field(default_factory=list)
     busy: set[Worker] = field(default_factory=set)
     is_closed: bool = False
-    lock: threading.Lock = field(default_factory=threading.Lock)
 
     @cached_property
     def limiter(self) -> anyio.CapacityLimiter:
@@ -212,82 +198,44 @@ class Workers:
             With the reason in one line.
         """
         async with self.limiter:
-            errand = _Errand()
+            worker = self._take()
+            worker.is_busy = True
+            self.busy.add(worker)
             try:
+                hear({"begun": worker.is_ready})
                 with anyio.fail_after(self.seconds):
                     return await anyio.to_thread.run_sync(
-                        self._run, errand, job, request, folder, hear, abandon_on_cancel=True
+                        worker.run, job, request, folder, hear, abandon_on_cancel=True
                     )
             except TimeoutError:
                 raise LateError(self.seconds) from None
             finally:
-                if self._drop(errand):
-                    with anyio.CancelScope(shield=True):
-                        await anyio.to_thread.run_sync(errand.over.wait, _GRACE)
-
-    def _run(
-        self, errand: _Errand, job: str, request: Mapping[str, Any], folder: Path, hear: Hear
-    ) -> dict[str, Any]:
-        """Return the result of a process of ours."""
-        try:
-            worker = self._take(errand)
-            try:
-                hear({"begun": worker.is_ready})
-                return worker.run(job, request, folder, hear)
-            finally:
-                self._give(worker)
-        finally:
-            errand.over.set()
-
-    def _take(self, errand: _Errand) -> Worker:
-        """Return a process that has no job."""
-        with self.lock:
-            if errand.is_dropped or self.is_closed:
-                raise JobError("nobody waits for this any more")
-            while self.idle:
-                worker = self.idle.pop()
-                if worker.can_go_on:
-                    break
-                worker.kill()
-            else:
-                worker = Worker(self.limits)
-            self.busy.add(worker)
-            errand.worker = worker
-            return worker
-
-    def _give(self, worker: Worker) -> None:
-        """Take back a process; end it if another one is idle or it may still have work."""
-        with self.lock:
-            self.busy.discard(worker)
-            if not self.is_closed and not self.idle and worker.can_go_on:
-                self.idle.append(worker)
-                return
-        worker.kill()
-
-    def _drop(self, errand: _Errand) -> bool:
-        """End an errand's process if it is still at work; return whether it was."""
-        # Quick, and must happen when the task is cancelled: no thread.
-        with self.lock:
-            errand.is_dropped = True
-            worker = errand.worker
-            if worker is None or errand.over.is_set():
-                return False
-            if worker in self.busy:
                 self.busy.discard(worker)
-                worker.process.kill()
-            return True
+                if worker.can_go_on and not self.idle and not self.is_closed:
+                    self.idle.append(worker)
+                else:
+                    with anyio.CancelScope(shield=True):
+                        await anyio.to_thread.run_sync(worker.kill)
+
+    def _take(self) -> Worker:
+        """Return a process that has no job."""
+        if self.is_closed:
+            raise JobError("the server ends")
+        while self.idle:
+            worker = self.idle.pop()
+            if worker.can_go_on:
+                return worker
+            worker.kill()
+        return Worker(self.limits)
 
     def warm(self) -> None:
         """Start a process for the job that will soon be there."""
-        with self.lock:
-            if not self.is_closed and not self.idle and not self.busy:
-                self.idle.append(Worker(self.limits))
+        if not self.is_closed and not self.idle and not self.busy:
+            self.idle.append(Worker(self.limits))
 
     def close(self) -> None:
         """End all of them."""
-        with self.lock:
-            self.is_closed = True
-            workers = [*self.idle, *self.busy]
-            self.idle.clear()
-        for worker in workers:
+        self.is_closed = True
+        for worker in [*self.idle, *self.busy]:
             worker.kill()
+        self.idle.clear()

@@ -30,8 +30,7 @@ from latolato.core.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.figures.catalogue import Evidence
-    from latolato.figures.claim import Claim
+    from latolato.figures.claim import Claim, Evidence
     from latolato.scenario.scenario import Scenario
 
 _MADE_WITH = ("numpy", "scipy", "numba", "matplotlib", "xarray", "av", "opencv-python-headless")
@@ -177,7 +176,7 @@ def stored(name: str, report: Path) -> bytes | None:
     Raises
     ------
     InputError
-        If the report's file is none of ours.
+        If the file is not of this version.
     """
     from latolato.figures import catalogue
     from latolato.io.files import load
@@ -191,7 +190,7 @@ def stored(name: str, report: Path) -> bytes | None:
             about = about_figure(catalogue.evidence()[name], load(path))
         except (AttributeError, KeyError) as error:
             raise InputError(
-                f"'{path}' is not of this version: make the report anew ({error})"
+                f"'{path}' is not of this version ({error})", way_out="make the report again"
             ) from None
         about = {"name": name, "source": "report", **about}
         _known[key] = pack_files(about, {"svg": report / f"{name}.svg"})
@@ -278,7 +277,7 @@ def _short_options(scenario: Scenario) -> dict[str, Any]:
 
 
 def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
-    """Return the duration of a run that was asked for by its instants."""
+    """Return the duration of a run whose scenario lists its instants."""
     if "duration" in scenario.run or "time" not in dataset:
         return {}
     return {"duration": float(dataset["time"].values[-1])}
@@ -333,7 +332,7 @@ def _kept(name: str) -> bytes | None:
 
 
 def _keep(name: str, block: bytes) -> None:
-    """Keep the block of a figure; a disk that cannot be written costs time only."""
+    """Keep the block of a figure; where the disk is full it is computed again next time."""
     _known["", name] = block
     with suppress(OSError):
         cache.write(_place(name), block)

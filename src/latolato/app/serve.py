@@ -198,7 +198,7 @@ def _own_names() -> tuple[str, ...]:
 
 
 def _listener(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens, on a free port if the usual one is taken and none was asked."""
+    """Return a socket that listens, by default on the usual port, or a free one if it is taken."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     is_dual = host == "::" and socket.has_dualstack_ipv6()
 

@@ -32,7 +32,7 @@ from latolato.simulation.summary import plain
 # Where the functions ``(request, folder, progress) -> dict`` are. They call
 # ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
 JOBS = {
-    "analyse": ("latolato.app.analyse.routes", "compute"),
+    "analyse": ("latolato.app.analyse.answer", "compute"),
     "animate": ("latolato.app.downloads", "compute"),
     "clip": ("latolato.app.experiment.jobs", "compute"),
     "figure": ("latolato.app.report", "compute"),
@@ -88,11 +88,11 @@ def limit(limits: Mapping[str, float]) -> None:
         if kind is None:
             continue
         _, hard = resource.getrlimit(kind)
-        wanted = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)
+        soft = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)
         # Beyond the hard limit of time the reason is lost.
-        spared = wanted + _SPARED if name == "RLIMIT_CPU" else wanted
+        final = soft + _SPARED if name == "RLIMIT_CPU" else soft
         try:
-            resource.setrlimit(kind, (wanted, spared if hard == resource.RLIM_INFINITY else hard))
+            resource.setrlimit(kind, (soft, final if hard == resource.RLIM_INFINITY else hard))
         except (ValueError, OSError):  # macOS refuses some
             continue
 

@@ -1,4 +1,4 @@
-"""What `latolato analyse` does: one command for each analysis."""
+"""`latolato analyse`: one command for each analysis."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class AnalysisGroup(RegistryGroup):
             output: OutputOption = None,
             plot: PlotOption = None,
             as_json: JsonOption = False,
-            **given: Any,
+            **values: Any,
         ) -> None:
-            run(call, scenario, given, Targets(output, plot), as_json=as_json)
+            run(call, scenario, values, Targets(output, plot), as_json=as_json)
 
         return command_of(
             name,
@@ -54,7 +54,7 @@ class AnalysisGroup(RegistryGroup):
 def run(
     call: AnalysisCall,
     source: str | None,
-    given: Mapping[str, Any],
+    values: Mapping[str, Any],
     targets: Targets,
     *,
     as_json: bool,
@@ -69,11 +69,11 @@ def run(
 
         module_of("analysis", call.name)
     try:
-        arguments = call.arguments(source, given)
+        arguments = call.arguments(source, values)
         with working(call.name.replace("_", " ")):
             dataset = call.function(**arguments)
     except InputError as error:
-        varied = ", ".join(n for n in axes_of(source) if given.get(n) is None)
+        varied = ", ".join(n for n in axes_of(source) if values.get(n) is None)
         if varied:
             error.add_way_out(f"'{source}' varies {varied}: give values")
         raise

@@ -1,4 +1,4 @@
-"""What `latolato app` takes."""
+"""`latolato app`: the application in the browser."""
 
 from __future__ import annotations
 
@@ -15,10 +15,7 @@ def app(
     port: Annotated[
         int | None,
         typer.Option(
-            help="Port, 0 for any free one; by default 8765 if it is free.",
-            min=0,
-            max=65535,
-            show_default=False,
+            help="Port, 0 for any free one; by default 8765 if it is free.", min=0, max=65535
         ),
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
@@ -33,15 +30,11 @@ def app(
             metavar="HOST",
             help="Further name, or name:port, by which others call this server; may be given "
             "several times.",
-            show_default=False,
         ),
     ] = None,
     report: Annotated[
         Path | None,
-        typer.Option(
-            help="Folder of `latolato reproduce`: show its figures, not quick ones.",
-            show_default=False,
-        ),
+        typer.Option(help="Folder of `latolato reproduce`: show its figures, not quick ones."),
     ] = None,
     opened: Annotated[
         list[Path] | None,
@@ -49,16 +42,13 @@ def app(
             "--open",
             metavar="MAP",
             help="Store, .nc or .csv file of a sweep for the Map view; may be given several times.",
-            show_default=False,
         ),
     ] = None,
     video_megabytes: Annotated[
-        float | None,
-        typer.Option(help="Largest video for Experiment; by default 500.", show_default=False),
+        float | None, typer.Option(help="Largest video for Experiment; by default 500.")
     ] = None,
     video_minutes: Annotated[
-        float | None,
-        typer.Option(help="Longest video for Experiment; by default 10.", show_default=False),
+        float | None, typer.Option(help="Longest video for Experiment; by default 10.")
     ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""

@@ -1,8 +1,8 @@
-"""What `latolato compare` does once its options are read."""
+"""`latolato compare`: measurement beside computation."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,80 +10,66 @@ import typer
 
 from latolato.cli.law_options import laws_of
 from latolato.cli.options import (
+    EndOption,
     JsonOption,
     OutputOption,
     PlotOption,
+    StartOption,
     named_values,
     with_law_options,
 )
 from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.scenario.options import law_options
 
 if TYPE_CHECKING:
     import xarray as xr
 
 # What a computed response curve takes of a run.
 _START = ("initial_angle", "initial_offset", "duration")
+_UNFIT = {
+    option.name
+    for option in law_options().values()
+    if option.owner == "noise" or (option.owner == "run" and option.name not in _START)
+}
 
 
+@with_law_options(without=_UNFIT)
 def compare(
     table: Annotated[
-        Path | None,
-        typer.Argument(help="Track table, or trial table as --trials.", show_default=False),
+        Path | None, typer.Argument(help="Track table, or trial table as --trials.")
     ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Argument(help="Scenario that names the system.", show_default=False),
-    ] = None,
-    trials: Annotated[
-        Path | None, typer.Option(help="Trial table: .csv or .nc.", show_default=False)
-    ] = None,
+    scenario: Annotated[str | None, typer.Argument(help="Scenario that names the system.")] = None,
+    trials: Annotated[Path | None, typer.Option(help="Trial table: .csv or .nc.")] = None,
     map_: Annotated[
-        Path | None,
-        typer.Option(
-            "--map", help="Sweep that trials are laid over: .nc or .zarr.", show_default=False
-        ),
+        Path | None, typer.Option("--map", help="Sweep that trials are laid over: .nc or .zarr.")
     ] = None,
-    fit: Annotated[
-        Path | None,
-        typer.Option(help="Fit of a model or a decay: .nc.", show_default=False),
-    ] = None,
+    fit: Annotated[Path | None, typer.Option(help="Fit of a model or a decay: .nc.")] = None,
     sigma: Annotated[
         list[str] | None,
         typer.Option(
-            help='Standard deviation of a parameter: "length = 0.5 mm". May be given several '
-            "times.",
-            show_default=False,
+            help='Standard deviation of a parameter: "length = 0.5 mm". May be given several times.'
         ),
     ] = None,
-    draws: Annotated[
-        int | None,
-        typer.Option(help="Computations with other parameters.", show_default=False),
-    ] = None,
+    draws: Annotated[int | None, typer.Option(help="Computations with other parameters.")] = None,
     match: Annotated[
         str | None,
         typer.Option(
             help="Time in which the computed motion is fitted to the measured one, in s; 4 "
-            "natural periods by default.",
-            show_default=False,
+            "natural periods by default."
         ),
     ] = None,
     transient: Annotated[
-        str | None,
-        typer.Option(help="Transient of computed response curves, in s.", show_default=False),
+        str | None, typer.Option(help="Transient of computed response curves, in s.")
     ] = None,
-    ball: Annotated[int | None, typer.Option(help="Ball of the table.", show_default=False)] = None,
-    start: Annotated[
-        str | None, typer.Option(help="First instant used, in s.", show_default=False)
-    ] = None,
-    end: Annotated[
-        str | None, typer.Option(help="Last instant used, in s.", show_default=False)
-    ] = None,
+    ball: Annotated[int | None, typer.Option(help="Ball of the table.")] = None,
+    start: StartOption = None,
+    end: EndOption = None,
     output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
-    **given: Any,
+    **values: Any,
 ) -> None:
     """Lay measurement beside computation: a motion, trials over a map, or response curves.
 
@@ -98,7 +84,7 @@ def compare(
     targets = Targets(output, plot)
     targets.check("the result of a comparison")
     table, trials, scenario = _measured(table, trials, scenario)
-    computed, drive, options = _computed(scenario, map_, fit, given, of_trials=trials is not None)
+    computed, drive, options = _computed(scenario, map_, fit, values, of_trials=trials is not None)
     if draws is not None:
         options["draws"] = draws
     if sigma:
@@ -138,19 +124,21 @@ def _computed(
     scenario: str | None,
     grid: Path | None,
     fit: Path | None,
-    given: Mapping[str, Any],
+    values: Mapping[str, Any],
     *,
     of_trials: bool,
 ) -> tuple[Any, Any, dict[str, Any]]:
     """Return what is computed, its drive (None: as measured), and how it starts."""
-    has_system = scenario is not None or given.get("system") is not None
+    has_system = scenario is not None or values.get("system") is not None
     if grid is not None:
         from latolato.io.files import load
 
         if not of_trials:
-            raise InputError("--map needs trials: --trials trials.csv")
+            raise InputError("--map needs trials", way_out="give --trials trials.csv")
         if fit is not None or has_system:
-            raise InputError("--map says what is computed: leave out system, scenario and --fit")
+            raise InputError(
+                "--map says what is computed", way_out="leave out system, scenario and --fit"
+            )
         return load(grid), None, {}
     if fit is not None:
         from latolato.experiment.fits.result import load_fit
@@ -159,22 +147,10 @@ def _computed(
             raise InputError("give a fit, or a system or scenario, not both")
         return load_fit(fit), None, {}
     missing = "name what is computed: --system, a scenario, --fit FILE or --map FILE"
-    system, drive, run = laws_of(given, scenario, missing=missing)
+    system, drive, run = laws_of(values, scenario, missing=missing)
     if not of_trials:
         return system, drive, {}
     return system, None, {k: _si(k, run[k]) for k in _START if run.get(k) is not None}
-
-
-def command() -> Callable[..., None]:
-    """Return the command with an option for each parameter of systems, drives and starts."""
-    from latolato.scenario.options import law_options
-
-    left = [
-        o.name
-        for o in law_options().values()
-        if o.owner == "noise" or (o.owner == "run" and o.name not in _START)
-    ]
-    return with_law_options(compare, without=left)
 
 
 def sigmas_of(texts: Sequence[str]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""What `latolato fit` does: one command for each fit."""
+"""`latolato fit`: one command for each fit."""
 
 from __future__ import annotations
 
@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from latolato.experiment.fits.registry import FitKind
     from latolato.experiment.fits.result import Fit
 
-TableArgument = Annotated[
-    Path, typer.Argument(help="Track table: .csv, .parquet or .nc.", show_default=False)
-]
+TableArgument = Annotated[Path, typer.Argument(help="Track table: .csv, .parquet or .nc.")]
 
 
 class FitGroup(RegistryGroup):
@@ -50,12 +48,12 @@ class FitGroup(RegistryGroup):
             output: OutputOption = None,
             plot: PlotOption = None,
             as_json: JsonOption = False,
-            **given: Any,
+            **values: Any,
         ) -> None:
             targets = Targets(output, plot)
             targets.check("the result of a fit")
             measured = read(table, columns_of(column))
-            result = kind.function(measured, **arguments_of(kind, own, given))
+            result = kind.function(measured, **arguments_of(kind, own, values))
             files = [str(path) for path in targets.write(result.dataset)]
             print_summary(result.to_dict() | {"files": files}, lines_of(result), as_json=as_json)
 
@@ -77,15 +75,15 @@ def read(path: Path, columns: Mapping[str, str] | None) -> xr.Dataset:
 
 
 def arguments_of(
-    kind: FitKind, own: Mapping[str, Parameter], given: Mapping[str, Any]
+    kind: FitKind, own: Mapping[str, Parameter], values: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the arguments of a fit that options give."""
     from latolato.scenario.analysis_options import read_value
 
     arguments = {
-        name: read_value(option, given[name])
+        name: read_value(option, values[name])
         for name, option in own.items()
-        if given.get(name) is not None
+        if values.get(name) is not None
     }
     for name, option in own.items():
         if option.several and option.kind is str and name in arguments:
@@ -95,7 +93,7 @@ def arguments_of(
         from latolato.physics.pendulum import systems
 
         missing = f"name the system: --system with one of {', '.join(systems)}"
-        arguments["system"], arguments["drive"], _ = laws_of(given, missing=missing)
+        arguments["system"], arguments["drive"], _ = laws_of(values, missing=missing)
     return arguments
 
 

@@ -1,4 +1,4 @@
-"""What `latolato import` does once its options are read."""
+"""`latolato import`: a track table from that of another program."""
 
 from __future__ import annotations
 
@@ -17,26 +17,20 @@ if TYPE_CHECKING:
 def import_(
     file: Annotated[Path, typer.Argument(help="Text table of another program.")],
     column: ColumnOption = None,
-    length: Annotated[
-        str | None, typer.Option(help="Pivot to ball centre, in m.", show_default=False)
-    ] = None,
-    radius: Annotated[
-        str | None, typer.Option(help="Radius of the ball, in m.", show_default=False)
-    ] = None,
+    length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
+    radius: Annotated[str | None, typer.Option(help="Radius of the ball, in m.")] = None,
     pivot: Annotated[
-        str | None,
-        typer.Option(help='Where the pivot is in the file: "x, y", in m.', show_default=False),
+        str | None, typer.Option(help='Where the pivot is in the file: "x, y", in m.')
     ] = None,
     angle_from: Annotated[
         str, typer.Option(help="Where angles count from: down, or right (the x axis).")
     ] = "down",
     y_axis: Annotated[str, typer.Option(help="Way in which y grows: up or down.")] = "up",
     angle_sigma: Annotated[
-        str | None, typer.Option(help="Uncertainty of the angles, in rad.", show_default=False)
+        str | None, typer.Option(help="Uncertainty of the angles, in rad.")
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option(help="Track table; by default beside the file, as .track.csv."),
+        Path | None, typer.Option(help="Track table; by default beside the file, as .track.csv.")
     ] = None,
 ) -> None:
     """Make a track table of another program's table: Tracker's exports, phones' sensors."""

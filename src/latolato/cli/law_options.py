@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def laws_of(
-    given: Mapping[str, Any], scenario: str | None = None, *, missing: str
+    values: Mapping[str, Any], scenario: str | None = None, *, missing: str
 ) -> tuple[System, Drive | str | None, Mapping[str, Any]]:
     """Return system, drive (None or "measured": as measured) and start that options name.
 
@@ -28,8 +28,8 @@ def laws_of(
     from latolato.scenario.scenario import changed_tables, find
     from latolato.scenario.tables import drive_from, law_from
 
-    is_measured = given.get("drive") == "measured"
-    changed = changes({k: v for k, v in given.items() if not (k == "drive" and is_measured)})
+    is_measured = values.get("drive") == "measured"
+    changed = changes({k: v for k, v in values.items() if not (k == "drive" and is_measured)})
     has_drive = "drive" in changed
     path = find(scenario) if scenario is not None else None
     if path is None and "kind" not in changed.get("system", {}):

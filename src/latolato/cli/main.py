@@ -3,45 +3,31 @@
 from __future__ import annotations
 
 import _thread
-import gc
 import signal
 import sys
 import threading
-import time
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
 
-from latolato.cli import app as app_command
-from latolato.cli import compare as compare_command
-from latolato.cli import importing as import_command
-from latolato.cli import reproduce as reproduce_command
-from latolato.cli import simulate as run_command
-from latolato.cli import site as site_command
-from latolato.cli import trials as trials_command
-from latolato.cli import videos as video_commands
 from latolato.cli.analyse import AnalysisGroup
+from latolato.cli.app import app as open_app
+from latolato.cli.compare import compare
 from latolato.cli.fit import FitGroup
-from latolato.cli.options import (
-    EachOptionOnce,
-    JsonOption,
-    PlotOption,
-    ScenarioArgument,
-    UsageError,
-    with_law_options,
-    with_options,
-)
-from latolato.cli.output import Targets, elapsed_since, print_summary
-from latolato.core.errors import InputError, refusal_of, report_of
-from latolato.experiment.parameters import VIDEO_PARAMETERS
-from latolato.io.progress import bar
-from latolato.scenario.options import changes
+from latolato.cli.importing import import_
+from latolato.cli.options import EachOptionOnce, UsageError
+from latolato.cli.plot import plot
+from latolato.cli.reproduce import reproduce
+from latolato.cli.simulate import simulate
+from latolato.cli.site import site
+from latolato.cli.sweep import sweep
+from latolato.cli.synthesise import synthesise
+from latolato.cli.track import track
+from latolato.cli.trials import trials
+from latolato.core.errors import refusal_of, report_of
 from latolato.scenario.scenario import find, load_scenario, scenarios
-from latolato.simulation.parameters import SWEEP_PARAMETERS
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
 _FAULT = 70
@@ -63,19 +49,21 @@ app.add_typer(analyse_app, name="analyse")
 app.add_typer(analyse_app, name="analyze", hidden=True)
 fit_app = typer.Typer(cls=FitGroup, help="Fit physics to a track table.")
 app.add_typer(fit_app, name="fit")
-app.command("import", cls=EachOptionOnce)(import_command.import_)
-app.command("trials", cls=EachOptionOnce)(trials_command.trials)
-app.command("compare", cls=EachOptionOnce)(compare_command.command())
-for _spelling in ("synthesise", "synthesize"):
-    app.command(_spelling, cls=EachOptionOnce, hidden=_spelling == "synthesize")(
-        with_law_options(video_commands.synthesise, without=("times", "samples", "frame"))
-    )
-app.command("track", cls=EachOptionOnce)(
-    with_options(video_commands.track, VIDEO_PARAMETERS.values())
-)
-app.command("reproduce", cls=EachOptionOnce)(reproduce_command.reproduce)
-app.command("app", cls=EachOptionOnce)(app_command.app)
-app.command("site", cls=EachOptionOnce)(site_command.site)
+for _name, _command in (
+    ("import", import_),
+    ("trials", trials),
+    ("compare", compare),
+    ("synthesise", synthesise),
+    ("track", track),
+    ("reproduce", reproduce),
+    ("app", open_app),
+    ("site", site),
+    ("simulate", simulate),
+    ("sweep", sweep),
+    ("plot", plot),
+):
+    app.command(_name, cls=EachOptionOnce)(_command)
+app.command("synthesize", cls=EachOptionOnce, hidden=True)(synthesise)
 
 
 @app.callback(invoke_without_command=True)
@@ -89,57 +77,6 @@ def _root(
         print(f"latolato {__version__}")
     elif context.invoked_subcommand is None:
         print(context.get_help())
-
-
-@app.command(cls=EachOptionOnce)
-@with_law_options
-def simulate(
-    scenario: ScenarioArgument = None,
-    rerun: Annotated[
-        Path | None,
-        typer.Option("--from", help="Run a result file again, at the same instants."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(help="Result file: .nc, .csv or .parquet.", rich_help_panel="Output"),
-    ] = None,
-    plot: PlotOption = None,
-    animate: Annotated[
-        Path | None,
-        typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output"),
-    ] = None,
-    speed: Annotated[
-        float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
-    ] = 1.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
-    as_json: JsonOption = False,
-    **given: Any,
-) -> None:
-    """Run one scenario, or a system given by options, and write what is asked for.
-
-    Options replace what the scenario says. Quantities may carry a unit: "24.5 cm", "20 deg",
-    "1.6 Hz"; without one they are in SI units. Existing files are replaced.
-    """
-    begun = time.perf_counter()
-    targets = Targets(output, plot)
-    animation = run_command.Animation(animate, speed, fps)
-    with _uncollected():
-        ready = run_command.scenario_of(scenario, rerun, given)
-        targets.check("the name of a result file", (".nc", ".csv", ".parquet"))
-        animation.check()
-        with bar("simulating") as progress:
-            run = ready.record(progress=progress)
-        files = targets.save(run)
-    if plot is not None or animate is not None:
-        dataset = run.to_dataset()
-        files += targets.draw(dataset) + animation.write(dataset)
-    from latolato.simulation.summary import summarise
-
-    summary = summarise(run) | {
-        "wall_time": elapsed_since(begun),
-        "files": [str(path) for path in files],
-    }
-    print_summary(summary, run_command.lines_of(summary), as_json=as_json)
 
 
 @scenarios_app.callback(invoke_without_command=True)
@@ -163,206 +100,6 @@ def show(name: Annotated[str, typer.Argument(help="The scenario's name.")]) -> N
 def _list_commands(context: typer.Context) -> None:
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-def _sweep(
-    scenario: ScenarioArgument = None,
-    rerun: Annotated[
-        Path | None,
-        typer.Option("--from", help="Run the sweep of a store or of a .nc file again."),
-    ] = None,
-    status: Annotated[
-        Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
-    ] = None,
-    verify: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="STORE",
-            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
-        ),
-    ] = None,
-    axis: Annotated[
-        list[str] | None,
-        typer.Option(
-            help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
-            '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
-            'radius = 2 cm, 3 cm". May be given several times.',
-            show_default=False,
-            rich_help_panel="Sweep",
-        ),
-    ] = None,
-    observable: Annotated[
-        list[str] | None,
-        typer.Option(
-            help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
-            "given several times.",
-            show_default=False,
-            rich_help_panel="Sweep",
-        ),
-    ] = None,
-    executor: Annotated[
-        str,
-        typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs"),
-    ] = "threads",
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            help="threads, or processes of a local Dask cluster", rich_help_panel="Where it runs"
-        ),
-    ] = None,
-    address: Annotated[
-        str | None,
-        typer.Option(
-            help="scheduler of a Dask cluster, tcp://HOST:8786", rich_help_panel="Where it runs"
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(help="Result: map.nc, or map.zarr, a store.", rich_help_panel="Output"),
-    ] = None,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            help="Zarr store, written as points are done and resumed if it exists.",
-            rich_help_panel="Output",
-        ),
-    ] = None,
-    plot: PlotOption = None,
-    variable: Annotated[
-        str | None,
-        typer.Option(
-            help="What the picture shows; by default the first observable.",
-            rich_help_panel="Output",
-        ),
-    ] = None,
-    as_json: JsonOption = False,
-    **given: Any,
-) -> None:
-    """Run a map of many trajectories over any parameters, and write what is asked for.
-
-    Options replace what the scenario says: an axis one that varies the same thing, a value one
-    that it fixes. A store is resumed; other existing files are replaced. Ctrl-C stops.
-    """
-    from latolato.cli import sweep as sweep_command
-
-    look = {"--status": status, "--verify": verify}
-    looks = [name for name, store_path in look.items() if store_path is not None]
-    if looks:
-        run_options = {"a scenario": scenario, "--from": rerun, "--axis": axis, "--output": output}
-        others = looks[1:] + [name for name, value in run_options.items() if value]
-        if others:
-            raise InputError(
-                f"{looks[0]} only looks at a store", way_out=f"leave out {', '.join(others)}"
-            )
-    if status is not None:
-        sweep_command.print_status(status, as_json)
-        return
-    if verify is not None:
-        if sweep_command.print_verification(verify, as_json):
-            raise typer.Exit(1)
-        return
-    if scenario is not None and rerun is not None:
-        raise InputError("give either a scenario or --from, not both")
-    table = {name: given.pop(name) for name in SWEEP_PARAMETERS}
-    plan = sweep_command.plan_of(
-        scenario,
-        rerun,
-        changes(given),
-        {name: value for name, value in table.items() if value is not None},
-        axis or [],
-        observable or [],
-    )
-    options = {"workers": workers, "client": address}
-    sweep_command.run(
-        plan,
-        executor,
-        {name: value for name, value in options.items() if value is not None},
-        sweep_command.SweepTargets(output, store, plot, variable),
-        as_json=as_json,
-    )
-
-
-app.command("sweep", cls=EachOptionOnce)(
-    with_law_options(
-        _sweep, without=("times", "samples", "frame"), further=SWEEP_PARAMETERS.values()
-    )
-)
-
-
-@app.command(cls=EachOptionOnce)
-def plot(
-    file: Annotated[Path, typer.Argument(help="A result file or a sweep's store.")],
-    output: Annotated[
-        Path | None, typer.Option(help="Picture; by default beside the file, as PNG.")
-    ] = None,
-    animate: Annotated[Path | None, typer.Option(help="Animation of a run: .mp4 or .gif.")] = None,
-    speed: Annotated[float, typer.Option(help="How much faster it plays.")] = 1.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
-    variable: Annotated[
-        str | None, typer.Option(help="What to draw of a map.", rich_help_panel="Maps")
-    ] = None,
-    log: Annotated[
-        bool, typer.Option("--log", help="Logarithmic scale.", rich_help_panel="Maps")
-    ] = False,
-    curves: Annotated[
-        bool,
-        typer.Option(
-            "--curves", help="Curves, one for each of few values.", rich_help_panel="Maps"
-        ),
-    ] = False,
-    select: Annotated[
-        list[str] | None,
-        typer.Option(
-            help='Value of a further dimension: "restitution=0.9".',
-            show_default=False,
-            rich_help_panel="Maps",
-        ),
-    ] = None,
-    overlay: Annotated[
-        list[str] | None,
-        typer.Option(help="tongue or lift_off.", show_default=False, rich_help_panel="Maps"),
-    ] = None,
-    points: Annotated[
-        Path | None,
-        typer.Option(
-            help="CSV of trials: drive_amplitude, drive_frequency or frequency_ratio, class.",
-            rich_help_panel="Maps",
-        ),
-    ] = None,
-) -> None:
-    """Draw a run, a map or an analysis; animate a run if asked to."""
-    from latolato.io.files import load
-
-    dataset = load(file)
-    picture = output or file.with_suffix(".png")
-    targets = Targets(plot=picture)
-    targets.check("the name of a picture")
-    animation = run_command.Animation(animate, speed, fps)
-    animation.check()
-    from latolato.figures import plot as pictures
-
-    of_map: dict[str, Any] = {
-        "variable": variable,
-        "log": log,
-        "curves": curves,
-        "select": run_command.selection_of(select or [], dataset),
-        "overlays": overlay or [],
-        "points": points,
-    }
-    kind = pictures.kind_of(dataset)
-    if kind != "run":
-        if animate is not None:
-            article = "an" if kind == "analysis" else "a"
-            raise InputError(f"'{file}' holds {article} {kind}: only a run can be animated")
-        from latolato.figures.style import save_figure
-
-        print(save_figure(pictures.plot(dataset, **of_map), picture))
-        return
-    unfit = [f"--{name.removesuffix('s')}" for name, value in of_map.items() if value]
-    if unfit:
-        raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
-    for path in targets.draw(dataset) + animation.write(dataset):
-        print(path)
 
 
 @app.command()
@@ -444,13 +181,3 @@ def _show_failed_cleanup(failure: Any) -> None:
         threading.Timer(0.01, _thread.interrupt_main).start()
         return
     _show_warning(f"{failure.exc_value} (after the work was done)")
-
-
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Look for no garbage: while modules load, that costs a sixth of a short command's time."""
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import inspect
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,17 +17,12 @@ from latolato.scenario.options import law_options
 # What typer raises for wrong options; its name has moved between versions.
 UsageError: Any = typer.BadParameter.__mro__[1]
 
-ScenarioArgument = Annotated[
-    str | None,
-    typer.Argument(help="A scenario's name or TOML file.", show_default=False),
-]
+ScenarioArgument = Annotated[str | None, typer.Argument(help="A scenario's name or TOML file.")]
 OutputOption = Annotated[
-    Path | None,
-    typer.Option(help="Result file: .nc.", rich_help_panel="Output"),
+    Path | None, typer.Option(help="Result file: .nc.", rich_help_panel="Output")
 ]
 PlotOption = Annotated[
-    Path | None,
-    typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output"),
+    Path | None, typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output")
 ]
 ColumnOption = Annotated[
     list[str] | None,
@@ -36,14 +30,17 @@ ColumnOption = Annotated[
         # Round brackets: square ones are taken for markup.
         help='Column of another program\'s table: time="t (s)", angle_1="theta (deg)". '
         "May be given several times.",
-        show_default=False,
         rich_help_panel="Table",
     ),
 ]
 JsonOption = Annotated[
-    bool,
-    typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output"),
+    bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
+StartOption = Annotated[str | None, typer.Option(help="First instant used, in s.")]
+EndOption = Annotated[str | None, typer.Option(help="Last instant used, in s.")]
+Command = Callable[..., None]
+# Options that choose the samples of a single run.
+SAMPLE_OPTIONS = ("times", "samples", "frame")
 
 
 class EachOptionOnce(TyperCommand):
@@ -51,9 +48,9 @@ class EachOptionOnce(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return the arguments that are left when the options are read."""
-        *_, given = self.make_parser(ctx).parse_args(list(args))
-        for parameter in given:
-            count = given.count(parameter)
+        *_, parameters = self.make_parser(ctx).parse_args(list(args))
+        for parameter in parameters:
+            count = parameters.count(parameter)
             if count > 1 and not getattr(parameter, "multiple", False):
                 flag = max(parameter.opts, key=len)
                 raise UsageError(f"option {flag} must be given once, it was given {count} times")
@@ -115,7 +112,6 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
         f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
         help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
         rich_help_panel=panel,
-        show_default=False,
         metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
     )
     return inspect.Parameter(
@@ -127,24 +123,21 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
 
 
 def with_law_options(
-    command: Callable[..., None],
-    without: Sequence[str] = (),
-    further: Iterable[Parameter] = (),
-) -> Callable[..., None]:
-    """Return a command with options of its own and one for each parameter of a law or a run."""
+    without: Container[str] = (), further: Iterable[Parameter] = ()
+) -> Callable[[Command], Command]:
+    """Return what gives a command an option for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)
-    return with_options(command, (*further, *own))
+    return with_options((*further, *own))
 
 
-def with_options(command: Callable[..., None], options: Iterable[Parameter]) -> Callable[..., None]:
-    """Return a command whose keyword arguments are spelled out as options."""
-    signature = inspect.signature(command, eval_str=True)
-    parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    parameters += [option_of(option, option.owner.title() or None) for option in options]
+def with_options(options: Iterable[Parameter]) -> Callable[[Command], Command]:
+    """Return what spells out the keyword arguments of a command as options."""
 
-    @functools.wraps(command)
-    def spelled_out(*args: Any, **kwargs: Any) -> None:
-        command(*args, **kwargs)
+    def spell_out(command: Command) -> Command:
+        signature = inspect.signature(command, eval_str=True)
+        parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        parameters += [option_of(option, option.owner.title() or None) for option in options]
+        command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        return command
 
-    spelled_out.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    return spelled_out
+    return spell_out

@@ -1,4 +1,4 @@
-"""What commands do with their results: write the files that are asked for, print a summary."""
+"""What commands do with their results: write files, print a summary."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from latolato.io.progress import bar
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,11 +41,11 @@ class Targets:
             check_suffix(self.plot, PICTURES, "the name of a picture")
 
     def write(self, dataset: xr.Dataset, variable: str | None = None) -> list[Path]:
-        """Write a dataset and its picture, where asked for, and return their names."""
+        """Write a dataset and its picture where the command names a file; return the names."""
         return self.save(dataset) + self.draw(dataset, variable)
 
     def save(self, dataset: xr.Dataset | Record) -> list[Path]:
-        """Write the result, where asked for, and return its name."""
+        """Write the result if the command names a file; return the name."""
         if self.output is None:
             return []
         from latolato.io.files import save
@@ -51,7 +53,7 @@ class Targets:
         return [save(dataset, self.output)]
 
     def draw(self, dataset: xr.Dataset, variable: str | None = None) -> list[Path]:
-        """Write the picture, where asked for, and return its name.
+        """Write the picture if the command names a file; return the name.
 
         Of a sweep it shows a variable, by default the first.
         """
@@ -61,6 +63,33 @@ class Targets:
         from latolato.figures.style import save_figure
 
         return [save_figure(plot(dataset, variable), self.plot)]
+
+
+@dataclass(frozen=True)
+class Animation:
+    """The animation that a command is asked to write."""
+
+    path: Path | None
+    speed: float
+    fps: float
+
+    def check(self) -> None:
+        """Raise before any work if it cannot be written."""
+        if self.path is not None:
+            from latolato.core.atomic import check_folder
+            from latolato.figures.animate import check_target
+
+            check_folder(self.path)
+            check_target(self.path, self.speed, self.fps)
+
+    def write(self, run: xr.Dataset) -> list[Path]:
+        """Write it if the command names a file; return the name."""
+        if self.path is None:
+            return []
+        from latolato.figures.animate import animate
+
+        with bar("animating") as progress:
+            return [animate(run, self.path, speed=self.speed, fps=self.fps, progress=progress)]
 
 
 def elapsed_since(begun: float) -> float:

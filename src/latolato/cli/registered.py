@@ -53,7 +53,7 @@ class RegistryGroup(TyperGroup):
 
 
 def _note(option: Parameter) -> str:
-    """Return what is said about an option that is left out."""
+    """Return what happens if an option is left out."""
     if option.is_required:
         has_law = option.name in law_options() and not option.several
         return "; by default the scenario's" if has_law else "; needed"
@@ -101,9 +101,9 @@ def command_of(
         for option in sorted(own.values(), key=lambda option: option.owner)
     ]
 
-    def command(**given: Any) -> None:
-        several = {name: given[name] for name in own if isinstance(given[name], list)}
-        run(**given | {name: ",".join(texts) for name, texts in several.items()})
+    def command(**values: Any) -> None:
+        several = {name: values[name] for name in own if isinstance(values[name], list)}
+        run(**values | {name: ",".join(texts) for name, texts in several.items()})
 
     command.__signature__ = signature.replace(  # type: ignore[attr-defined]
         parameters=[
@@ -119,5 +119,5 @@ def command_of(
         name.replace("_", "-"),
         cls=EachOptionOnce,
         help="\n\n".join([summary_of(function), *map(plain_text, source)]),
-    )(with_law_options(command, without=without))
+    )(with_law_options(without)(command))
     return typer.main.get_command(app)

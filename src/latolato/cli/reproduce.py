@@ -1,4 +1,4 @@
-"""What `latolato reproduce` does once its options are read."""
+"""`latolato reproduce`: the report on the paper."""
 
 from __future__ import annotations
 

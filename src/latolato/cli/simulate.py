@@ -1,69 +1,80 @@
-"""What `latolato simulate` does once its options are read, and `latolato plot` with a run."""
+"""`latolato simulate`: one run."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import gc
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Annotated, Any
 
-from latolato.cli.options import named_values
+import typer
+
+from latolato.cli.options import JsonOption, PlotOption, ScenarioArgument, with_law_options
+from latolato.cli.output import Animation, Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
 from latolato.scenario.options import changes
 from latolato.scenario.scenario import Scenario, changed_tables, find
 
-if TYPE_CHECKING:
-    import xarray as xr
+
+@with_law_options()
+def simulate(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None, typer.Option("--from", help="Run a result file again, at the same instants.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Result file: .nc, .csv or .parquet.", rich_help_panel="Output"),
+    ] = None,
+    plot: PlotOption = None,
+    animate: Annotated[
+        Path | None, typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output")
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
+    ] = 1.0,
+    fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
+    as_json: JsonOption = False,
+    **values: Any,
+) -> None:
+    """Run one scenario, or a system given by options, and write what is asked for.
+
+    Options replace what the scenario says. Quantities may carry a unit: "24.5 cm", "20 deg",
+    "1.6 Hz"; without one they are in SI units. Existing files are replaced.
+    """
+    begun = time.perf_counter()
+    targets = Targets(output, plot)
+    animation = Animation(animate, speed, fps)
+    with _uncollected():
+        ready = scenario_of(scenario, rerun, values)
+        targets.check("the name of a result file", (".nc", ".csv", ".parquet"))
+        animation.check()
+        with bar("simulating") as progress:
+            run = ready.record(progress=progress)
+        files = targets.save(run)
+    if plot is not None or animate is not None:
+        dataset = run.to_dataset()
+        files += targets.draw(dataset) + animation.write(dataset)
+    from latolato.simulation.summary import summarise
+
+    summary = summarise(run) | {
+        "wall_time": elapsed_since(begun),
+        "files": [str(path) for path in files],
+    }
+    print_summary(summary, lines_of(summary), as_json=as_json)
 
 
-def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any]) -> Scenario:
     """Return the scenario named by the command line with the options put in."""
     if source is not None and rerun is not None:
         raise InputError("give either a scenario or --from, not both")
-    changed = changes(given)
+    changed = changes(values)
     path = rerun or (find(source) if source is not None else None)
     tables, folder = changed_tables(path, changed)
     return Scenario.from_dict(tables, folder=folder)
-
-
-@dataclass(frozen=True)
-class Animation:
-    """The animation that a command is asked to write."""
-
-    path: Path | None
-    speed: float
-    fps: float
-
-    def check(self) -> None:
-        """Raise before any work if it cannot be written."""
-        if self.path is not None:
-            from latolato.core.atomic import check_folder
-            from latolato.figures.animate import check_target
-
-            check_folder(self.path)
-            check_target(self.path, self.speed, self.fps)
-
-    def write(self, run: xr.Dataset) -> list[Path]:
-        """Write it, where asked for, and return its name."""
-        if self.path is None:
-            return []
-        from latolato.figures.animate import animate
-
-        with bar("animating") as progress:
-            return [animate(run, self.path, speed=self.speed, fps=self.fps, progress=progress)]
-
-
-def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:
-    """Return the values of dimensions that options name, in SI units."""
-    from latolato.scenario.units import to_si
-
-    values: dict[str, Any] = {}
-    for name, value in named_values("--select", texts, "NAME=VALUE, as restitution=0.9").items():
-        is_text = name not in dataset.coords or dataset[name].dtype.kind not in "iuf"
-        unit = "1" if is_text else str(dataset[name].attrs.get("units", "1"))
-        values[name] = value if is_text and not value.isdigit() else to_si(name, value, unit)
-    return values
 
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
@@ -81,3 +92,13 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         "energy residual": f"{residual:.2g} J of {energy:.3g} J" if known else "unknown",
         "wall time": f"{summary['wall_time']:.2f} s",
     }
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Look for no garbage: while modules load, that costs a sixth of a short command's time."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()

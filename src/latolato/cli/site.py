@@ -1,4 +1,4 @@
-"""What `latolato site` does once its options are read."""
+"""`latolato site`: pages for any web space."""
 
 from __future__ import annotations
 
@@ -17,15 +17,9 @@ def site(
     folder: Annotated[Path, typer.Argument(help="Folder of the site.", metavar="FOLDER")],
     report: Annotated[
         Path | None,
-        typer.Option(
-            help="Folder of `latolato reproduce`; by default a quick report is made.",
-            show_default=False,
-        ),
+        typer.Option(help="Folder of `latolato reproduce`; by default a quick report is made."),
     ] = None,
-    docs: Annotated[
-        Path | None,
-        typer.Option(help="Folder of the built documentation.", show_default=False),
-    ] = None,
+    docs: Annotated[Path | None, typer.Option(help="Folder of the built documentation.")] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Write Play, Live, Map, the report and the documentation as a site for any web space."""

@@ -1,4 +1,4 @@
-"""What `latolato sweep` does once its options are read."""
+"""`latolato sweep`: many trajectories, and how far a store of them is."""
 
 from __future__ import annotations
 
@@ -10,18 +10,150 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from latolato.cli.options import (
+    SAMPLE_OPTIONS,
+    JsonOption,
+    PlotOption,
+    ScenarioArgument,
+    with_law_options,
+)
 from latolato.cli.output import Targets, elapsed_since, in_columns, print_summary
 from latolato.core.errors import InputError
+from latolato.scenario.options import changes
 from latolato.scenario.scenario import Scenario, changed_tables, find, read_tables
 from latolato.scenario.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
+from latolato.simulation.parameters import SWEEP_PARAMETERS
 
 if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
 
 STORE_SUFFIX = ".zarr"
 Changes = dict[str, dict[str, Any]]
+
+
+@with_law_options(without=SAMPLE_OPTIONS, further=SWEEP_PARAMETERS.values())
+def sweep(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None, typer.Option("--from", help="Run the sweep of a store or of a .nc file again.")
+    ] = None,
+    status: Annotated[
+        Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
+    ] = None,
+    verify: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="STORE",
+            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
+        ),
+    ] = None,
+    axis: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
+            '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
+            'radius = 2 cm, 3 cm". May be given several times.',
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    observable: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
+            "given several times.",
+            rich_help_panel="Sweep",
+        ),
+    ] = None,
+    executor: Annotated[
+        str, typer.Option(help="threads, dask, cuda or reference", rich_help_panel="Where it runs")
+    ] = "threads",
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            help="threads, or processes of a local Dask cluster", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            help="scheduler of a Dask cluster, tcp://HOST:8786", rich_help_panel="Where it runs"
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(help="Result: map.nc, or map.zarr, a store.", rich_help_panel="Output"),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            help="Zarr store, written as points are done and resumed if it exists.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    plot: PlotOption = None,
+    variable: Annotated[
+        str | None,
+        typer.Option(
+            help="What the picture shows; by default the first observable.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    as_json: JsonOption = False,
+    **values: Any,
+) -> None:
+    """Run a map of many trajectories over any parameters, and write what is asked for.
+
+    Options replace what the scenario says: an axis one that varies the same thing, a value one
+    that it fixes. A store is resumed; other existing files are replaced. Ctrl-C stops.
+    """
+    if status is not None or verify is not None:
+        _check_alone(
+            {
+                "--status": status,
+                "--verify": verify,
+                "a scenario": scenario,
+                "--from": rerun,
+                "--axis": axis,
+                "--output": output,
+            }
+        )
+    if status is not None:
+        print_status(status, as_json)
+        return
+    if verify is not None:
+        if print_verification(verify, as_json):
+            raise typer.Exit(1)
+        return
+    if scenario is not None and rerun is not None:
+        raise InputError("give either a scenario or --from, not both")
+    table = {name: values.pop(name) for name in SWEEP_PARAMETERS}
+    plan = plan_of(
+        scenario,
+        rerun,
+        changes(values),
+        {name: value for name, value in table.items() if value is not None},
+        axis or [],
+        observable or [],
+    )
+    options = {"workers": workers, "client": address}
+    run(
+        plan,
+        executor,
+        {name: value for name, value in options.items() if value is not None},
+        SweepTargets(output, store, plot, variable),
+        as_json=as_json,
+    )
+
+
+def _check_alone(options: Mapping[str, Any]) -> None:
+    """Raise if more than the first option is set: it only looks at a store."""
+    first, *others = (name for name, value in options.items() if value)
+    if others:
+        raise InputError(f"{first} only looks at a store", way_out=f"leave out {', '.join(others)}")
 
 
 @dataclass(frozen=True)
@@ -47,8 +179,9 @@ class SweepTargets:
         """Raise before any work if one of them cannot be written."""
         if self.folder is self.output is not None and self.store not in (None, self.output):
             raise InputError(
-                f"give one store, got --store {self.store} and --output {self.output}; "
-                "--output may be a .nc file beside the store"
+                "give one store",
+                value=[str(self.store), str(self.output)],
+                way_out="--output may be a .nc file beside the store",
             )
         if self.folder is not None and not self.folder.parent.is_dir():
             raise FileNotFoundError(
@@ -60,7 +193,7 @@ class SweepTargets:
 
             check_drawable(plan, self.variable)
         elif self.variable is not None:
-            raise InputError("--variable names what --plot shows: give --plot too")
+            raise InputError("--variable names what --plot shows", way_out="give --plot too")
 
 
 def plan_of(
@@ -86,7 +219,9 @@ def plan_of(
     path = find(source) if source is not None else None
     if rerun is not None:
         if rerun.suffix == ".toml":
-            raise InputError("--from takes a store or a .nc file; give a scenario without --from")
+            raise InputError(
+                "--from takes a store or a .nc file", way_out="give a scenario without --from"
+            )
         from latolato.io.plans import plan_from_store
 
         plan = plan_from_store(rerun)

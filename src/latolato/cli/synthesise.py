@@ -1,4 +1,4 @@
-"""What `latolato synthesise` does once its options are read."""
+"""`latolato synthesise`: a video of a run, with its true table."""
 
 from __future__ import annotations
 
@@ -8,10 +8,19 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from latolato.cli import simulate as run_command
-from latolato.cli.options import named_values
+from latolato.cli.options import (
+    SAMPLE_OPTIONS,
+    JsonOption,
+    ScenarioArgument,
+    named_values,
+    with_law_options,
+)
+from latolato.cli.output import elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.io.progress import bar
@@ -23,56 +32,86 @@ if TYPE_CHECKING:
     from latolato.scenario.scenario import Scenario
 
 
-def run(
-    ready: Scenario,
-    output: Path | None,
-    truth: Path | None,
-    *,
-    condition: str,
-    scene: Sequence[str],
-    camera: Sequence[str],
-    seed: int,
-) -> dict[str, Any]:
-    """Film a scenario and return the summary.
+@with_law_options(without=SAMPLE_OPTIONS)
+def synthesise(
+    scenario: ScenarioArgument = None,
+    rerun: Annotated[
+        Path | None, typer.Option("--from", help="Film the run of a result file.")
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Video: .mp4.", rich_help_panel="Output")
+    ] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(help="True track table: .csv, .parquet or .nc.", rich_help_panel="Output"),
+    ] = None,
+    condition: Annotated[
+        str,
+        typer.Option(
+            help="How it is filmed: clean, texture, wood, variable, rotated, tilted, blur, "
+            "lowlight, compressed, steel, occluded, rolling or lens.",
+            rich_help_panel="Filming",
+        ),
+    ] = "clean",
+    scene: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What is seen: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given several '
+            "times.",
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    camera: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='How the camera is: "fps = 120", "roll = 3 deg". May be given several times.',
+            rich_help_panel="Filming",
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(help="Of texture, noise and time stamps.", rich_help_panel="Filming")
+    ] = 0,
+    as_json: JsonOption = False,
+    **values: Any,
+) -> None:
+    """Film a run with exactly known truth: a video to test tracking with, and its true table.
 
-    Raises
-    ------
-    InputError
-        Without a name of the video, and for unknown conditions, names and values.
+    Options replace what the scenario says. Existing files are replaced.
     """
     from latolato.experiment.synthetic.conditions import conditions
     from latolato.experiment.synthetic.scene import Camera, Scene
     from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
 
     begun = time.perf_counter()
+    ready = scenario_of(scenario, rerun, values)
     if output is None:
         raise InputError("name the video: --output clip.mp4")
-    seen, filmed = conditions[condition].make(
-        values_of("--scene", scene, Scene), values_of("--camera", camera, Camera)
+    setting = conditions[condition].make(
+        values_of("--scene", scene or (), Scene), values_of("--camera", camera or (), Camera)
     )
     check_target(output, truth)
     with bar("simulating") as progress:
         motion = ready.simulate(progress=progress)
     with bar("filming") as progress:
         table = synthesise_video(
-            motion, output, seen, filmed, seed=seed, truth=truth, progress=progress
+            motion, output, *setting, seed=seed, truth=truth, progress=progress
         )
-    files = [str(path) for path in (output, truth) if path is not None]
-    return {
+    summary = {
         "condition": condition,
         **summarise(table),
-        "wall_time": round(time.perf_counter() - begun, 3),
-        "files": files,
+        "wall_time": elapsed_since(begun),
+        "files": [str(path) for path in (output, truth) if path is not None],
     }
+    print_summary(summary, lines_of(summary), as_json=as_json)
 
 
-def scenario_of(source: str | None, rerun: Path | None, given: Mapping[str, Any]) -> Scenario:
+def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any]) -> Scenario:
     """Return the scenario to film as the command line names it."""
     try:
-        return run_command.scenario_of(source, rerun, given)
+        return run_command.scenario_of(source, rerun, values)
     except ForeignParameterError as error:
         if error.parameter == "radius":
-            error.way_out = f'draw the ball with --scene "ball_radius = {given["radius"]}"'
+            error.way_out = f'draw the ball with --scene "ball_radius = {values["radius"]}"'
         raise
 
 

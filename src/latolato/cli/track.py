@@ -1,106 +1,140 @@
-"""What `latolato track` does once its options are read: one video, or many at once."""
+"""`latolato track`: its options, and what follows from them for each video."""
 
 from __future__ import annotations
 
-import json
-import multiprocessing
-import os
-import sys
-import warnings
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass, fields, replace
-from multiprocessing.connection import Connection
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from latolato.cli.options import place_of
-from latolato.cli.output import print_summary
-from latolato.core.errors import InputError, said_of
+import typer
+
+from latolato.cli.options import JsonOption, place_of, with_options
+from latolato.cli.track_jobs import Job, run
+from latolato.core.errors import InputError
 from latolato.core.registry import suggest
-from latolato.io.progress import bar
-
-# Share of the work that is tracking where an overlay or a report follow.
-_TRACKED = 0.7
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 
 
-@dataclass(frozen=True, kw_only=True)
-class Job:
-    """One video, how to track it and what to write."""
+@with_options(VIDEO_PARAMETERS.values())
+def track(
+    videos: Annotated[list[Path], typer.Argument(help="Videos.")],
+    balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
+    pivot: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            metavar="U,V",
+        ),
+    ] = None,
+    ball: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="The same of a ball's centre; given twice for two balls. What is not pointed at "
+            "is found in the video.",
+            metavar="U,V",
+        ),
+    ] = None,
+    sidecar: Annotated[
+        Path | None,
+        typer.Option(
+            help="Set-up of an earlier table; by default OUTPUT.track.toml, if it is of this video."
+        ),
+    ] = None,
+    propose: Annotated[
+        bool,
+        typer.Option("--propose", help="Only find pivot and balls, and draw them on a picture."),
+    ] = False,
+    limit: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", "--jobs", help="Videos tracked at once; by default one for each core."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            help="Table: .csv, .parquet or .nc. For several videos a folder, or a name with "
+            "{name} in it.",
+            rich_help_panel="Output",
+        ),
+    ] = None,
+    overlay: Annotated[
+        Path | None,
+        typer.Option(help="Video with what was found drawn on it: .mp4.", rich_help_panel="Output"),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
+    ] = None,
+    as_json: JsonOption = False,
+    **values: Any,
+) -> None:
+    """Measure pivot and balls in every frame of videos: angles with their errors, and flags.
 
-    video: Path
-    pivot: tuple[float, float] | None
-    balls: int | tuple[tuple[float, float], ...] | None
-    given: Mapping[str, Any]
-    sidecar: Path | None
-    output: Path | None
-    overlay: Path | None
-    report: Path | None
-    propose: bool = False
-
-
-def jobs_of(
-    videos: Sequence[Path],
-    *,
-    count: int | None,
-    pivot: str | None,
-    balls: Sequence[str],
-    values: Mapping[str, str | None],
-    limits: Sequence[str],
-    sidecar: Path | None,
-    targets: Mapping[str, Path | None],
-    propose: bool = False,
-) -> list[Job]:
-    """Return one job for each video, checked as far as that goes without reading it.
-
-    Raises
-    ------
-    InputError
-        For options that do not fit each other, and texts that are no such values.
-    OSError
-        If a target cannot be written.
+    Quantities may carry a unit: "24.5 cm". The set-up is written beside the table, from which the
+    same table is made again. Existing files are replaced.
     """
-    places = tuple(place_of("--ball", text) for text in balls)
-    if count is not None and count not in (1, 2):
-        raise InputError("must be 1 or 2", parameter="--balls", value=count)
-    if count is not None and places and len(places) != count:
-        raise InputError(f"--balls {count} needs --ball {count} times, got it {len(places)} times")
-    if len(places) > 2:
-        raise InputError(f"--ball may be given twice at most, got it {len(places)} times")
-    if sidecar is not None and len(videos) > 1:
-        raise InputError("--sidecar is about one video; leave it out to read each one's own")
-    if sidecar is not None and not sidecar.is_file():
-        raise FileNotFoundError(f"there is no file '{sidecar}'")
-    if sidecar is not None and (pivot is not None or places):
-        raise InputError("give either --sidecar or places, not both")
+    places = tuple(place_of("--ball", text) for text in ball or ())
+    _check_places(balls, places)
+    if sidecar is not None:
+        _check_sidecar(sidecar, videos, pivot is not None or bool(places))
     common: dict[str, Any] = {
         "pivot": None if pivot is None else place_of("--pivot", pivot),
-        "balls": places or count,
-        "given": _given(values, limits),
+        "balls": places or balls,
+        "values": _in_si(values, limit or []),
         "sidecar": sidecar,
         "propose": propose,
     }
-    endings = {
-        "output": ".proposal.png" if propose else ".csv",
-        "overlay": ".overlay.mp4",
-        "report": ".html",
+    targets = {
+        "output": (output, ".proposal.png" if propose else ".csv"),
+        "overlay": (overlay, ".overlay.mp4"),
+        "report": (report, ".html"),
     }
     jobs = []
     for video in videos:
-        files = {
-            name: _target(target, video, endings[name], len(videos) > 1)
-            for name, target in targets.items()
+        files: dict[str, Any] = {
+            name: _target(target, video, ending, len(videos) > 1)
+            for name, (target, ending) in targets.items()
         }
-        own: dict[str, Any] = {**files, **common}
-        jobs.append(Job(video=video, **own))
+        jobs.append(Job(video=video, **files, **common))
     _check_targets(jobs)
-    return jobs
+    code = run(jobs, workers, as_json=as_json)
+    if code:
+        raise typer.Exit(code)
 
 
-def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
+def _check_places(count: int | None, places: Sequence[tuple[float, float]]) -> None:
+    """Raise unless so many balls can be at these places."""
+    if count is not None and count not in (1, 2):
+        raise InputError("must be 1 or 2", parameter="--balls", value=count)
+    if count is not None and places and len(places) != count:
+        raise InputError(f"--balls {count} needs as many --ball places", value=len(places))
+    if len(places) > 2:
+        raise InputError("may be given twice at most", parameter="--ball", value=len(places))
+
+
+def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -> None:
+    """Raise unless a set-up of its own can be used."""
+    if len(videos) > 1:
+        raise InputError(
+            "--sidecar is about one video", way_out="leave it out to read each one's own"
+        )
+    if not sidecar.is_file():
+        raise FileNotFoundError(f"there is no file '{sidecar}'")
+    if is_pointed_at:
+        raise InputError("give either --sidecar or places, not both")
+
+
+def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
     from latolato.experiment.calibration.lens import Optics
-    from latolato.experiment.parameters import VIDEO_PARAMETERS
     from latolato.experiment.video import Limits
     from latolato.scenario.units import to_si
 
@@ -126,7 +160,7 @@ def _given(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
             raise InputError("must be NAME=VALUE", parameter="--limit", value=text)
         number = to_si(f"--limit {name}", value, of_limits[name])
         if not number > 0.0:
-            raise InputError(f"--limit {name} must be positive, got {value}")
+            raise InputError("must be positive", parameter=f"--limit {name}", value=number)
         kinds = {field.name: field.type for field in fields(Limits)}
         bounds[name] = int(number) if kinds[name] == "int" else number
     if bounds:
@@ -144,8 +178,8 @@ def _target(target: Path | None, video: Path, ending: str, several: bool) -> Pat
         return target / f"{video.stem}{ending}"
     if several:
         raise InputError(
-            f"several videos need a folder or a name such as '{{name}}{target.suffix}', "
-            f"got '{target}'"
+            f"several videos need a folder or a name such as '{{name}}{target.suffix}'",
+            value=str(target),
         )
     return target
 
@@ -156,7 +190,7 @@ def _check_targets(jobs: Sequence[Job]) -> None:
     from latolato.experiment.track_table import SUFFIXES
     from latolato.io.files import check_suffix, check_target
 
-    seen: dict[Path, Path] = {}
+    owners: dict[Path, Path] = {}
     for job in jobs:
         for file in (job.output, job.overlay, job.report):
             if file is None:
@@ -164,13 +198,14 @@ def _check_targets(jobs: Sequence[Job]) -> None:
             if len(jobs) > 1:
                 file.parent.mkdir(parents=True, exist_ok=True)
             check_folder(file)
-            if file.resolve() in seen:
+            path = file.resolve()
+            if path in owners:
                 raise InputError(
-                    f"'{job.video}' and '{seen[file.resolve()]}' would both be written to '{file}'"
+                    f"'{job.video}' and '{owners[path]}' would both be written to '{file}'"
                 )
-            seen[file.resolve()] = job.video
-            if file.resolve() == job.video.resolve():
-                raise InputError(f"'{file}' is the video itself; name another file")
+            owners[path] = job.video
+            if path == job.video.resolve():
+                raise InputError(f"'{file}' is the video itself", way_out="name another file")
         if job.propose and job.output is not None:
             check_suffix(job.output, (".png",), "the name of a proposal's picture")
         elif job.output is not None:
@@ -180,258 +215,3 @@ def _check_targets(jobs: Sequence[Job]) -> None:
             check_suffix(job.overlay, (".mp4",), "the name of an overlay")
         if job.report is not None:
             check_suffix(job.report, (".html",), "the name of a report")
-
-
-def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
-    """Track the videos, print a summary of each, and return the exit code.
-
-    With several videos a bad one does not stop the others: it is named at the end, and the code
-    is 1.
-    """
-    if workers is not None and workers < 1:
-        raise InputError("must be 1 or more", parameter="--workers", value=workers)
-    if len(jobs) == 1:
-        with bar("tracking") as progress:
-            summary = work(jobs[0], progress)
-        print_summary(summary, lines_of(summary), as_json=as_json)
-        return 0
-    failed: list[tuple[Path, str]] = []
-    count = min(len(jobs), workers or os.cpu_count() or 1)
-    results: list[dict[str, Any]] = []
-    shares = dict.fromkeys(range(len(jobs)), 0.0)
-    with bar(f"tracking {len(jobs)} videos") as progress, ThreadPoolExecutor(count) as pool:
-
-        def teller_of(k: int) -> Callable[[float], None]:
-            def tell(share: float) -> None:
-                shares[k] = share
-                if progress:
-                    progress(sum(shares.values()) / len(shares))
-
-            return tell
-
-        futures = {pool.submit(_apart, job, teller_of(k)): job for k, job in enumerate(jobs)}
-        try:
-            for future in as_completed(futures):
-                job = futures[future]
-                try:
-                    summary = future.result()
-                except (InputError, OSError) as error:
-                    failed.append((job.video, said_of(error)))
-                    continue
-                results.append(summary)
-                if not as_json:
-                    print_summary(summary, lines_of(summary), as_json=False)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            _end_children()
-            raise
-    if as_json:
-        ordered = {str(job.video): k for k, job in enumerate(jobs)}
-        results.sort(key=lambda summary: ordered[summary["video"]])
-        refused = [{"video": str(video), "error": text} for video, text in failed]
-        print(json.dumps({"tracked": results, "failed": refused}))
-    for video, text in failed:
-        message = text if str(video) in text else f"{video}: {text}"
-        print(f"latolato: {message}", file=sys.stderr)
-    if failed:
-        print(f"latolato: {len(failed)} of {len(jobs)} videos failed", file=sys.stderr)
-    return 1 if failed else 0
-
-
-_children: list[Any] = []
-
-
-def _end_children() -> None:
-    """End the processes of videos that are being tracked."""
-    for child in _children:
-        if child.is_alive():
-            child.terminate()
-
-
-def _apart(job: Job, tell: Callable[[float], None]) -> dict[str, Any]:
-    """Track one video in a process of its own, which may fail without the others."""
-    context = multiprocessing.get_context("spawn")
-    here, there = context.Pipe(duplex=False)
-    child = context.Process(target=_child, args=(job, there), daemon=True)
-    _children.append(child)
-    child.start()
-    there.close()
-    try:
-        while True:
-            kind, value = here.recv()
-            if kind == "progress":
-                tell(value)
-            elif kind == "failed":
-                raise InputError(value)
-            else:
-                tell(1.0)
-                done: dict[str, Any] = value
-                return done
-    except EOFError:
-        child.join()
-        raise ChildProcessError(
-            f"{job.video}: its process ended with code {child.exitcode}; was there memory enough?"
-        ) from None
-    finally:
-        here.close()
-        child.join()
-        _children.remove(child)
-
-
-def _child(job: Job, pipe: Connection) -> None:
-    """Track one video and send the summary."""
-    last = 0.0
-
-    def tell(share: float) -> None:
-        nonlocal last
-        if share - last > 0.01:
-            last = share
-            pipe.send(("progress", share))
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            pipe.send(("done", work(job, tell)))
-    except Exception as error:
-        pipe.send(("failed", said_of(error)))
-    except KeyboardInterrupt:
-        pass
-    finally:
-        pipe.close()
-
-
-def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
-    """Track one video, write what is asked for and return the summary."""
-    from latolato.experiment import track
-    from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
-    from latolato.experiment.track_table import write_table
-
-    tell = progress or (lambda share: None)
-    more = job.overlay is not None or job.report is not None
-    part = _TRACKED if more else 1.0
-    sidecar = job.sidecar
-    is_pointed_at = job.pivot is not None or isinstance(job.balls, tuple)
-    if sidecar is None and job.output is not None and not (job.propose or is_pointed_at):
-        sidecar = own_sidecar(job.output, job.video)
-    task = track.prepare(
-        job.video, job.pivot, job.balls, dict(job.given), sidecar, lambda share: tell(part * share)
-    )
-    if job.propose:
-        return _proposed(job, task)
-    table = track.run(task, lambda share: tell(part * share))
-    files: list[Path] = []
-    if job.output is not None:
-        files.append(write_table(table, job.output))
-        files.append(write_sidecar(task.setup, job.video, sidecar_path(job.output)))
-    if job.overlay is not None:
-        from latolato.experiment.overlay import write_overlay
-
-        files.append(
-            write_overlay(
-                table,
-                task.video,
-                job.overlay,
-                progress=lambda share: tell(part + (1.0 - part) * share),
-            )
-        )
-    if job.report is not None:
-        from latolato.report.track_page import write_track_report
-
-        files.append(write_track_report(table, task.video, job.report))
-    return {
-        "video": str(job.video),
-        "setup_file": None if task.setup_file is None else str(task.setup_file),
-        **summarise(table),
-        "files": [str(file) for file in files],
-    }
-
-
-def _proposed(job: Job, task: Any) -> dict[str, Any]:
-    """Write a picture of the proposal and return the summary."""
-    from latolato.experiment.overlay import draw_proposal
-
-    picture = job.output or job.video.with_name(f"{job.video.stem}.proposal.png")
-    setup = task.setup
-    return {
-        "video": str(job.video),
-        "setup_file": None if task.setup_file is None else str(task.setup_file),
-        "pivot": setup.pivot,
-        "ball": list(setup.balls),
-        "is_proposed": setup.is_proposed,
-        "files": [str(draw_proposal(task.video, setup, picture, task.radius))],
-    }
-
-
-def summarise(table: Any) -> dict[str, Any]:
-    """Return the numbers of a table that a summary contains."""
-    from latolato.experiment.quality import drive_of, flag_shares, typical_sigma
-    from latolato.experiment.track_table import balls_of
-
-    attrs = table.attrs
-    numbers: dict[str, Any] = {
-        "frames": int(table.sizes["frame"]),
-        "duration": float(table["time"][-1] - table["time"][0]),
-        "balls": balls_of(table),
-        "geometry": attrs["geometry"],
-        "flags": flag_shares(table),
-        "angle_sigma": typical_sigma(table),
-    }
-    amplitude, frequency = drive_of(table)
-    numbers |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
-    for name in (
-        "exposure",
-        "circle_residual",
-        "metres_per_pixel",
-        "angle_offset_sigma",
-        "period",
-        "period_sigma",
-    ):
-        if name in attrs:
-            numbers[name] = attrs[name]
-    numbers["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []
-    return numbers
-
-
-def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
-    """Return a summary as names and texts for reading."""
-    if "is_proposed" in summary:
-        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in summary["ball"])
-        if summary["pivot"] is not None:
-            u, v = summary["pivot"]
-            clicks = f"--pivot {u:g},{v:g} {clicks}"
-        return {"video": summary["video"], **_setup_file(summary), "places": clicks}
-    shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in summary["flags"].items())
-    lines = {
-        "video": f"{summary['video']}, {summary['frames']} frames, {summary['duration']:.6g} s",
-        **_setup_file(summary),
-        "balls": f"{summary['balls']}, {shares}",
-    }
-    if summary["angle_sigma"] is not None:
-        lines["angle sigma"] = f"{1e3 * summary['angle_sigma']:.3g} mrad"
-    if summary["geometry"] == "unknown":
-        lines["geometry"] = "unknown: positions in pixels, no angles"
-    elif summary["geometry"] == "angles":
-        lines["geometry"] = "angles only: positions in pixels"
-    if "period" in summary:
-        lines["period"] = f"{summary['period']:.6g} s, sigma {summary['period_sigma']:.2g} s"
-    if summary["drive_amplitude"] is not None:
-        from math import tau
-
-        unit = ("pixel", 1.0) if summary["geometry"] == "angles" else ("mm", 1e3)
-        rate = summary["drive_frequency"]
-        lines["pivot"] = (
-            f"{summary['drive_amplitude'] * unit[1]:.5g} {unit[0]} at {rate:.6g} rad/s "
-            f"({rate / tau:.5g} Hz)"
-        )
-    elif summary["geometry"] != "unknown":
-        lines["pivot"] = "rests"
-    if "exposure" in summary:
-        lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
-    for k, text in enumerate(summary["warnings"]):
-        lines["warning" if k == 0 else f"warning {k + 1}"] = text
-    return lines
-
-
-def _setup_file(summary: Mapping[str, Any]) -> dict[str, str]:
-    """Return the line that names the file of the set-up, if it was read from one."""
-    return {"set-up read from": summary["setup_file"]} if summary["setup_file"] else {}

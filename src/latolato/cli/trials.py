@@ -1,4 +1,4 @@
-"""What `latolato trials` does once its options are read."""
+"""`latolato trials`: the table of trials."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of
+from latolato.cli.options import EndOption, JsonOption, StartOption, place_of
 from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
@@ -22,59 +22,38 @@ _VIDEO = "Videos without a table"
 
 
 def trials(
-    source: Annotated[
-        list[Path], typer.Argument(help="Folders, track tables and videos.", show_default=False)
-    ],
-    length: Annotated[
-        str | None, typer.Option(help="Pivot to ball centre, in m.", show_default=False)
-    ] = None,
-    gravity: Annotated[
-        str | None, typer.Option(help="Gravity, in m/s^2; 9.8 by default.", show_default=False)
-    ] = None,
+    source: Annotated[list[Path], typer.Argument(help="Folders, track tables and videos.")],
+    length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
+    gravity: Annotated[str | None, typer.Option(help="Gravity, in m/s^2; 9.8 by default.")] = None,
     transient: Annotated[
         str | None,
         typer.Option(
             help="Time after which the angle counts as settled, in s; by default the last "
-            "third of the record counts.",
-            show_default=False,
+            "third of the record counts."
         ),
     ] = None,
-    start: Annotated[
-        str | None, typer.Option(help="First instant used, in s.", show_default=False)
-    ] = None,
-    end: Annotated[
-        str | None, typer.Option(help="Last instant used, in s.", show_default=False)
-    ] = None,
+    start: StartOption = None,
+    end: EndOption = None,
     sets: Annotated[
         str, typer.Option(help="What makes a set: auto, folder or amplitude.")
     ] = "auto",
-    balls: Annotated[
-        int | None, typer.Option(help="1 or 2.", show_default=False, rich_help_panel=_VIDEO)
-    ] = None,
+    balls: Annotated[int | None, typer.Option(help="1 or 2.", rich_help_panel=_VIDEO)] = None,
     pivot: Annotated[
         str | None,
         typer.Option(
             help='Pivot in the first frame: "u, v" in pixels, for all videos.',
-            show_default=False,
             rich_help_panel=_VIDEO,
         ),
     ] = None,
     ball: Annotated[
         list[str] | None,
-        typer.Option(
-            help="Ball in the first frame, once or twice.",
-            show_default=False,
-            rich_help_panel=_VIDEO,
-        ),
+        typer.Option(help="Ball in the first frame, once or twice.", rich_help_panel=_VIDEO),
     ] = None,
     radius: Annotated[
-        str | None,
-        typer.Option(help="Radius of a ball, in m.", show_default=False, rich_help_panel=_VIDEO),
+        str | None, typer.Option(help="Radius of a ball, in m.", rich_help_panel=_VIDEO)
     ] = None,
     workers: Annotated[int, typer.Option(help="Processes.")] = 1,
-    output: Annotated[
-        Path | None, typer.Option(help="Trial table: .csv or .nc.", show_default=False)
-    ] = None,
+    output: Annotated[Path | None, typer.Option(help="Trial table: .csv or .nc.")] = None,
     as_json: JsonOption = False,
 ) -> int:
     """Make the table of trials: drive, largest and settled angle, class.
@@ -88,17 +67,17 @@ def trials(
     Targets(output).check("the name of a trial table", SUFFIXES)
     numbers = {"length": (length, "m"), "radius": (radius, "m"), "gravity": (gravity, "m/s^2"),
                "transient": (transient, "s"), "start": (start, "s"), "end": (end, "s")}  # fmt: skip
-    given: dict[str, Any] = {
+    arguments: dict[str, Any] = {
         name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
     }
     if balls is not None and ball and len(ball) != balls:
         raise InputError(f"--balls {balls} needs as many --ball places", value=len(ball))
-    given["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
-    given["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
+    arguments["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
+    arguments["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
     with bar("trials") as progress, warnings.catch_warnings():
         # The summary contains them.
         warnings.simplefilter("ignore", RuntimeWarning)
-        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **given)
+        table = collect_trials(source, sets=sets, workers=workers, progress=progress, **arguments)
     files = [str(write_trials(table, output))] if output is not None else []
     failed = [text for text in table.attrs["failed"].split(" | ") if text]
     summary = summarise(table)

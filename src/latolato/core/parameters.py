@@ -83,7 +83,7 @@ class Parameter:
     @property
     def help(self) -> str:
         """What it does, with the words that it may be."""
-        words = f": {' or '.join(self.choices)}" if self.choices else ""
+        words = f"; one of {', '.join(self.choices)}" if self.choices else ""
         return self.description + words
 
     @property

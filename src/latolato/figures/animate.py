@@ -117,8 +117,10 @@ def _frames(
     count = math.floor(span / step) + 1
     if count > MOST_FRAMES:
         raise InputError(
-            f"the animation would have {count} frames, more than {MOST_FRAMES}; "
-            f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or lower fps"
+            f"an animation may have {MOST_FRAMES} frames",
+            value=count,
+            way_out=f"raise speed to {math.ceil(span / step / MOST_FRAMES)} times as much, or "
+            "lower fps",
         )
     instants = float(run["time"][0]) + step * np.arange(count)
     with style.use_style():
@@ -183,7 +185,7 @@ class Scene:
         return np.asarray(self._canvas.buffer_rgba())
 
     def _add(self, axes: Any, artist: Any) -> Any:
-        """Return an artist that is drawn anew in every picture."""
+        """Return an artist that is redrawn in every picture."""
         artist.set_animated(True)
         self._moving.append((axes, artist))
         return artist

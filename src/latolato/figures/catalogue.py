@@ -11,55 +11,14 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
+import latolato.figures
 from latolato.core.registry import suggest
-from latolato.figures.claim import FILE, Claim, Numbers, Statement, read_statements
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
+from latolato.figures import chain_table
+from latolato.figures.claim import FILE, Evidence, Statement, read_statements
 
 _MODULE = re.compile(r"fig\d\d\w*|text_\w+")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Evidence:
-    """A figure, or a set of runs without one, and the claims that it decides.
-
-    Attributes
-    ----------
-    title : str
-        What it is about.
-    data : callable
-        ``data(quick=False)`` computes everything that is drawn and judged. With `needs_video` it
-        also takes ``full``, to film all that it can.
-    numbers : callable
-        Returns the numbers that the statements name, in SI units, from the dataset.
-    statements : tuple of Statement
-        The claims that the numbers decide.
-    caption : str
-        Of the figure; empty without one.
-    draw : callable, optional
-        Returns the figure drawn from the dataset.
-    needs_video : bool
-        It goes through a video, which needs the extra `video`.
-    """
-
-    title: str
-    data: Callable[..., xr.Dataset]
-    numbers: Callable[[xr.Dataset], Numbers]
-    statements: tuple[Statement, ...] = ()
-    caption: str = ""
-    draw: Callable[[xr.Dataset], Figure] | None = None
-    needs_video: bool = False
-
-    def judge(self, dataset: xr.Dataset) -> list[Claim]:
-        """Return the claims that a dataset decides."""
-        numbers = self.numbers(dataset)
-        return [statement.judge(numbers) for statement in self.statements]
 
 
 def evidence() -> dict[str, Evidence]:
@@ -70,9 +29,6 @@ def evidence() -> dict[str, Evidence]:
     ValueError
         If ``claims.toml`` holds claims of something that does not exist.
     """
-    import latolato.figures
-    from latolato.figures import chain_table
-
     modules = [module.name for module in pkgutil.iter_modules(latolato.figures.__path__)]
     names = sorted([*filter(_MODULE.fullmatch, modules), *chain_table.FIGURES])
     statements = read_statements(FILE)
@@ -101,19 +57,8 @@ def title_of(name: str) -> str:
 
 def _evidence(name: str, statements: tuple[Statement, ...]) -> Evidence:
     """Return the evidence of a row of the table, or else of a module of this package."""
-    from latolato.figures import chain_table
-
     if name in chain_table.FIGURES:
-        row = chain_table.FIGURES[name]
-        return Evidence(
-            title=row.title,
-            caption=row.caption,
-            statements=statements,
-            data=row.data,
-            numbers=row.numbers,
-            draw=row.draw,
-            needs_video=True,
-        )
+        return replace(chain_table.FIGURES[name], statements=statements)
     module = importlib.import_module(f"latolato.figures.{name}")
     return Evidence(
         title=module.TITLE,

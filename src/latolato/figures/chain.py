@@ -152,6 +152,13 @@ def still_of(clip: Clip, number: int = 0) -> Any:
     return variable(("row", "column", "rgb"), shrunk, units="1", long_name="frame of the video")
 
 
+def error_of(table: xr.Dataset) -> tuple[Any, Any, dict[str, str]]:
+    """Return the error of the tracked angle as a variable."""
+    return variable(
+        (), table.attrs["rms_error"], units="rad", long_name="error of the tracked angle"
+    )
+
+
 def draw_still(axes: Axes, dataset: xr.Dataset, letter: str) -> None:
     """Draw the frame of the video and say that it is synthetic."""
     axes.imshow(dataset.still.values, interpolation="bilinear")

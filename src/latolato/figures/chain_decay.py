@@ -33,9 +33,7 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
             "damping", (), clip.system.damping, long_name="damping that was rendered"
         ),
         frames=variable((), frames, units="1", long_name="frames of the video"),
-        rms_error=variable(
-            (), table.attrs["rms_error"], units="rad", long_name="error of the tracked angle"
-        ),
+        rms_error=chain.error_of(table),
     )
     made = f"One synthetic video of {frames} frames, tracked."
     dataset.attrs |= {"title": title, "chain": made}

@@ -11,7 +11,6 @@ from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
 AMPLITUDES, RATIOS = (0.008, 0.040), (1.70, 2.45)  # of the map; m and 1
 POINTS, QUICK_POINTS = (71, 111), (36, 56)
@@ -58,12 +57,4 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     }
 
 
-@style.styled
-def draw(dataset: xr.Dataset) -> Figure:
-    """Return the map with the trials over it."""
-    figure, axes = style.new_figure(width=0.85 * style.PAGE, height=4.2)
-    handles = comparisons.draw_trials(axes[0, 0], dataset)
-    square = chain_trials.draw_squares(axes[0, 0], dataset, dataset.x.values, dataset.y.values)
-    handles += [] if square is None else [square]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
-    return figure
+draw = style.styled(comparisons.draw)

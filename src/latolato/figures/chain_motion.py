@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import chain, comparisons, style
-from latolato.figures.cases import variable
 from latolato.figures.claim import Numbers
 
 if TYPE_CHECKING:
@@ -35,9 +34,7 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
         made = f"Made from {count} samples that are simulated with the tracker's noise."
     else:
         dataset["still"] = chain.still_of(clip, int(_STILL_AT * count))
-        dataset["rms_error"] = variable(
-            (), table.attrs["rms_error"], units="rad", long_name="error of the tracked angle"
-        )
+        dataset["rms_error"] = chain.error_of(table)
         made = f"One synthetic video of {count} frames, tracked."
     dataset.attrs |= {"title": title, "chain": made}
     return dataset

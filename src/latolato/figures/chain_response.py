@@ -53,10 +53,6 @@ def numbers(dataset: xr.Dataset) -> Numbers:
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the response curves."""
-    figure, axes = style.new_figure(width=0.85 * style.PAGE, height=3.6)
-    panel = axes[0, 0]
-    panel.axvspan(*paper.PEAK_RATIOS, color=style.ORANGE, alpha=0.22, lw=0, zorder=0)
-    x, y = dataset.trial_ratio.values, np.degrees(dataset.largest_angle_after_transient.values)
-    chain_trials.draw_squares(panel, dataset, x, y)
-    comparisons.draw_responses(panel, dataset)
+    figure = comparisons.draw(dataset)
+    figure.axes[0].axvspan(*paper.PEAK_RATIOS, color=style.ORANGE, alpha=0.22, lw=0, zorder=0)
     return figure

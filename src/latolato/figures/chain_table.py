@@ -14,9 +14,9 @@ import numpy as np
 
 from latolato.figures import chain_decay, chain_map, chain_motion, chain_response
 from latolato.figures import paper_systems as paper
-from latolato.figures.catalogue import Evidence
 from latolato.figures.chain import Clip
 from latolato.figures.chain_trials import Trials
+from latolato.figures.claim import Evidence
 from latolato.physics.drives import FrequencySchedule, Harmonic
 
 

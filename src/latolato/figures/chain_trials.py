@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.figures import chain, style
+from latolato.figures import chain
 from latolato.figures.cases import variable
 from latolato.physics.drives import Harmonic
 from latolato.physics.pendulum import LatoLato, Pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,16 +99,3 @@ def note_sources(dataset: xr.Dataset, title: str, failed: str) -> xr.Dataset:
         made += f" {len(failed.split(' | '))} more gave no row: {failed}."
     dataset.attrs |= {"title": title, "chain": made}
     return dataset
-
-
-def draw_squares(axes: Axes, dataset: xr.Dataset, x: Any, y: Any) -> Any:
-    """Draw a square around each trial by video and return the legend's entry, None without any."""
-    own = dataset.by_video.values == 1
-    if not own.any():
-        axes.set_title("all trials simulated")
-        return None
-    axes.set_title("trials simulated or by synthetic video")
-    return axes.scatter(
-        x[own], y[own], s=70.0, marker="s", facecolors="none", edgecolors=style.INK,
-        linewidths=0.9, zorder=5, label="by synthetic video",
-    )  # fmt: skip

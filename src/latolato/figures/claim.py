@@ -2,7 +2,7 @@
 
 A `Statement` holds what is known before anything is computed: the paper's words and the limits
 that numbers must keep for them to be true. They all stand in ``claims.toml``. `Statement.judge`
-turns numbers into a `Claim`.
+turns numbers into a `Claim`. `Evidence` computes and draws what the numbers come from.
 """
 
 from __future__ import annotations
@@ -10,14 +10,18 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from enum import Enum
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from latolato.core.registry import suggest
 from latolato.figures.style import unit_after
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 Numbers = Mapping[str, float]
 FILE = Path(__file__).with_name("claims.toml")
@@ -191,6 +195,43 @@ class Statement:
             why=self.why.format(**numbers),
             numbers=dict(numbers),
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """A figure, or a set of runs without one, and the claims that it decides.
+
+    Attributes
+    ----------
+    title : str
+        What it is about.
+    data : callable
+        ``data(quick=False)`` computes everything that is drawn and judged. With `needs_video` it
+        also takes ``full``, to film all that it can.
+    numbers : callable
+        Returns the numbers that the statements name, in SI units, from the dataset.
+    statements : tuple of Statement
+        The claims that the numbers decide.
+    caption : str
+        Of the figure; empty without one.
+    draw : callable, optional
+        Returns the figure drawn from the dataset.
+    needs_video : bool
+        It goes through a video, which needs the extra `video`.
+    """
+
+    title: str
+    data: Callable[..., xr.Dataset]
+    numbers: Callable[[xr.Dataset], Numbers]
+    statements: tuple[Statement, ...] = ()
+    caption: str = ""
+    draw: Callable[[xr.Dataset], Figure] | None = None
+    needs_video: bool = False
+
+    def judge(self, dataset: xr.Dataset) -> list[Claim]:
+        """Return the claims that a dataset decides."""
+        numbers = self.numbers(dataset)
+        return [statement.judge(numbers) for statement in self.statements]
 
 
 def read_statements(path: Path = FILE) -> dict[str, tuple[Statement, ...]]:

@@ -82,7 +82,7 @@ def draw_angles(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
-    """Draw what is left, over the deviation of the computed motion."""
+    """Draw the residual over the deviation of the computed motion."""
     time = dataset.time.values
     wide = 2e3 * dataset.angle_computed_sigma.values
     axes.fill_between(
@@ -144,6 +144,7 @@ def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
                 edgecolors=style.RED, linewidths=1.0, zorder=3, label="classes differ",
             )
         )  # fmt: skip
+    handles += _draw_squares(axes, dataset, x, y)
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
     up, across = ground.dims
@@ -171,6 +172,22 @@ def _draw_boundary(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     return [] if handle is None else [handle]
 
 
+def _draw_squares(axes: Axes, dataset: xr.Dataset, x: Any, y: Any) -> list[Any]:
+    """Draw a square around each trial by synthetic video, and say where the others come from."""
+    if "by_video" not in dataset:
+        return []
+    own = dataset.by_video.values == 1
+    if not own.any():
+        axes.set_title("all trials simulated")
+        return []
+    axes.set_title("trials simulated or by synthetic video")
+    squares = axes.scatter(
+        x[own], y[own], s=70.0, marker="s", facecolors="none", edgecolors=style.INK,
+        linewidths=0.9, zorder=5, label="by synthetic video",
+    )  # fmt: skip
+    return [squares]
+
+
 def draw_responses(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw measured points and computed curves of each set, and where they peak."""
     import matplotlib as mpl
@@ -196,6 +213,8 @@ def draw_responses(axes: Axes, dataset: xr.Dataset) -> None:
             xerr=float(dataset.peak_measured_sigma[i]), fmt="v", ms=4.0, lw=1.0, color=colour,
             mec=style.INK, mew=0.5, capsize=2.0, zorder=4,
         )  # fmt: skip
+    angle = np.degrees(dataset.largest_angle_after_transient.values)
+    _draw_squares(axes, dataset, dataset.trial_ratio.values, angle)
     axes.plot([], [], "v", ms=4.0, color=style.GREY, mec=style.INK, mew=0.5, label="peak")
     axes.plot([], [], color=style.GREY, lw=0.7, label="computed")
     axes.set_xlim(float(dataset.frequency_ratio[0]), float(dataset.frequency_ratio[-1]))

@@ -60,7 +60,7 @@ def check_drawable(plan: Plan, variable: str | None) -> None:
 
 
 def _variable(known: list[str], name: str | None) -> str:
-    """Return the variable that is asked for, or the first."""
+    """Return the variable of this name, or the first."""
     if name is None:
         return known[0]
     if name not in known:
@@ -73,11 +73,13 @@ def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
     if len(lengths) > 2:
         dims = ", ".join(f"{dim} ({length})" for dim, length in lengths.items())
         raise InputError(
-            f"{variable} varies over {dims}; a picture shows two of them: select a value of the "
-            f"others, as in `latolato plot FILE --select {next(iter(lengths))}=VALUE`"
+            f"varies over {dims}; a picture shows two of them",
+            parameter=variable,
+            way_out="select a value of the others, as in "
+            f"`latolato plot FILE --select {next(iter(lengths))}=VALUE`",
         )
     if not lengths:
-        raise InputError("is a single value: select fewer dimensions", parameter=variable)
+        raise InputError("is a single value", parameter=variable, way_out="select fewer dimensions")
 
 
 def _order(dims: list[str], right: str | None) -> list[str]:
@@ -198,11 +200,15 @@ class Drawing:
         if self.classes:
             self.values = np.round(self.values)
         if log and self.classes:
-            raise InputError("has classes, not a scale: leave out log", parameter=self.name)
+            raise InputError(
+                "has classes, not a scale", parameter=self.name, way_out="leave out log"
+            )
         if log and np.nanmin(self.values, initial=0.0) < 0.0:
             raise InputError(
-                f"{self.name} goes down to {np.nanmin(self.values):g}: a log scale cannot show "
-                "negative values; leave out log"
+                "must not be negative on a log scale",
+                parameter=self.name,
+                value=float(np.nanmin(self.values)),
+                way_out="leave out log",
             )
 
     @property
@@ -315,8 +321,9 @@ class Drawing:
             values, sides = values.T, sides[::-1]
         if len(values) > _MOST_CURVES:
             raise InputError(
-                f"{len(values)} curves cannot be told apart, at most {_MOST_CURVES}: leave out "
-                "curves for a map, or select a value"
+                f"at most {_MOST_CURVES} curves can be told apart",
+                value=len(values),
+                way_out="leave out curves for a map, or select a value",
             )
         with style.use_style():
             figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)

@@ -60,7 +60,8 @@ class Context:
         if not ((x in FREQUENCIES and y in AMPLITUDES) or (y in FREQUENCIES and x in AMPLITUDES)):
             raise InputError(
                 f"overlays and points need a map of amplitude ({', '.join(AMPLITUDES)}) and "
-                f"frequency ({', '.join(FREQUENCIES)}), got {y} and {x}"
+                f"frequency ({', '.join(FREQUENCIES)})",
+                value=[y, x],
             )
         side = "right_" if "right_length" in {*grid.attrs, *grid.coords} else ""
         drags = [_number(grid, side + n) for n in ("quadratic_damping", "coulomb_damping")]
@@ -96,10 +97,16 @@ def _number(grid: xr.Dataset, name: str) -> float:
     """Return a parameter that does not vary over the picture."""
     if name in grid.coords:
         if grid[name].ndim:
-            raise InputError(f"overlays need one {name}, but it varies: select a value")
+            raise InputError(
+                "overlays need one {parameter}, but it varies",
+                parameter=name,
+                way_out="select a value",
+            )
         return float(grid[name])
     if name not in grid.attrs:
-        raise InputError(f"this map does not say its {name}, which overlays need")
+        raise InputError(
+            "this map does not say its {parameter}, which overlays need", parameter=name
+        )
     return float(grid.attrs[name])
 
 
@@ -267,15 +274,18 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError(f"{path} is no text file; save the trials as UTF-8 CSV") from None
+        raise InputError(
+            f"'{path}' is no text file", way_out="save the trials as UTF-8 CSV"
+        ) from None
     table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
     columns = [name.strip() for name in table.fieldnames or ()]
     table.fieldnames = columns
     frequency = next((name for name in FREQUENCIES if name in columns), None)
     if not {"drive_amplitude", "class"} <= set(columns) or frequency is None:
         raise InputError(
-            f"{path} must have the columns drive_amplitude, class and one of "
-            f"{', '.join(FREQUENCIES)}, got {', '.join(columns) or 'none'}"
+            f"'{path}' must have the columns drive_amplitude, class and one of "
+            f"{', '.join(FREQUENCIES)}",
+            value=columns,
         )
     units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
     trials = []
@@ -283,8 +293,9 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
         kind = (row["class"] or "").strip().lower()
         if kind not in TRIALS:
             raise InputError(
-                f"trial {number} of {path} has the class {kind!r}: it must be one of "
-                f"{', '.join(TRIALS)}"
+                f"{{parameter}} of trial {number} of '{path}' must be one of {', '.join(TRIALS)}",
+                parameter="class",
+                value=kind,
             )
         try:
             a, w = (
@@ -292,6 +303,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
                 for name in ("drive_amplitude", frequency)
             )
         except InputError as error:
-            raise InputError(f"trial {number} of {path}: {error}") from None
+            error.where = f"trial {number} of '{path}'"
+            raise
         trials.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
     return trials

@@ -33,12 +33,10 @@ PUSH = 0.2  # rad above the low contact angle
 LARGEST_AMPLITUDE_RATIO = 0.5
 LARGEST_FREQUENCY_RATIO = 5.0
 SWEEP_DURATION = 300.0  # s
-CROSSING_ANGLE = 2.0  # rad
 
 # Single-pendulum experiment: text and captions of Figs. 7 and 8.
 SINGLE = Pendulum(length=0.3630, mass=0.10804, damping=0.00274)
 SINGLE_FREQUENCY = 10.09  # rad/s
-SINGLE_RATIO = 1.942  # w/w0
 SINGLE_AMPLITUDE = 0.015  # m, assumed: not printed
 SINGLE_START = math.radians(1.0)  # rad, assumed: not printed
 

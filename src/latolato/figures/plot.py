@@ -33,7 +33,7 @@ def plot(
     """Return a figure of a run, of an analysis, or of one variable of a sweep over parameters.
 
     A run shows its angles, its energies, where these came from and went, and the pivot; an analysis
-    what it found. The further arguments belong to sweeps over one or two parameters.
+    its result. The further arguments belong to sweeps over one or two parameters.
 
     Parameters
     ----------
@@ -77,9 +77,7 @@ def plot(
     import xarray as xr
 
     if not isinstance(run, xr.Dataset):
-        raise InputError(
-            f"plot needs a run: a dataset with angle over time, got {type(run).__name__}"
-        )
+        raise InputError("plot needs a run: a dataset with angle over time", value=run)
     kind = kind_of(run)
     if kind == "map":
         from latolato.figures.map import Drawing

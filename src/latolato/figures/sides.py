@@ -105,6 +105,6 @@ def spaced(side: Side, log: Any) -> Side:
     if log and not side.values[0] > 0.0:
         label = str(side.attributes.get("long_name", side.name))
         raise InputError(
-            f"{label}: a logarithmic axis must begin above zero, this map has {side.values[0]:g}"
+            f"{label}: a logarithmic axis must begin above zero", value=float(side.values[0])
         )
     return replace(side, is_log=log)

@@ -196,7 +196,7 @@ def save_figure(figure: Figure, path: Path | str, *, dpi: float = DPI) -> Path:
         "pdf": {"CreationDate": None, "ModDate": None, "Creator": None, "Producer": None},
     }
     if kind not in nameless:
-        raise InputError(f"a picture's name must end in .png, .svg or .pdf, got '{path.name}'")
+        raise InputError("a picture's name must end in .png, .svg or .pdf", value=path.name)
     with use_style(), atomic_path(path) as unfinished:
         figure.savefig(unfinished, format=kind, dpi=dpi, metadata=nameless[kind])
     return path

@@ -83,7 +83,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
         import xarray as xr
 
         if not isinstance(dataset, xr.Dataset):
-            raise InputError(f"save needs a dataset, got {type(dataset).__name__}")
+            raise InputError("save needs a dataset", value=dataset)
         dataset = dataset.assign_attrs(format=FORMAT)
     path = checked_path("path", path)
     check_target(path)
@@ -107,7 +107,9 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
             write(as_table(dataset), "point", first)
         return path
     if "time" not in dataset.dims:
-        raise InputError(f"{suffix} files hold runs and sweeps; use .nc for other datasets")
+        raise InputError(
+            f"{suffix} files hold runs and sweeps", way_out="use .nc for other datasets"
+        )
     if dataset.attrs.get("contact", "none") != "none":
         # The inner one is put in place first: the file that is asked for appears with its contacts.
         with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
@@ -317,7 +319,8 @@ def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
             result[str(name)] = (variable.values, dict(variable.attrs))
         elif variable.dims != ("ball", dimension):
             raise InputError(
-                f"{name} over {', '.join(map(str, variable.dims))} fits no table; use .nc"
+                f"{name} over {', '.join(map(str, variable.dims))} fits no table",
+                way_out="use .nc",
             )
         else:
             for i, ball in enumerate(dataset["ball"].values):
@@ -327,7 +330,6 @@ def _columns(dataset: xr.Dataset, dimension: str) -> Columns:
 
 def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) -> xr.Dataset:
     """Return the dataset that was taken apart by `_columns`."""
-    import numpy as np
     import xarray as xr
 
     two = f"angle_{BALLS[0]}" in columns
@@ -348,8 +350,6 @@ def _assembled(columns: Columns, contacts: Columns, attributes: dict[str, Any]) 
 
 def _no_contacts(two: bool) -> Columns:
     """Return the empty contact table of a system without walls."""
-    import numpy as np
-
     names = ["contact_time", "contact_kind"]
     for name in ("angular_velocity_before", "angular_velocity_after"):
         names += [f"{name}_{ball}" for ball in BALLS] if two else [name]

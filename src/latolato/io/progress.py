@@ -24,26 +24,26 @@ def bar(text: str) -> Iterator[Callable[[float], None] | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    shown: Any = None
+    display: Any = None
     begun = time.perf_counter()
 
     def show(fraction: float) -> None:
-        nonlocal shown
-        if shown is None and time.perf_counter() - begun > _PATIENCE:
+        nonlocal display
+        if display is None and time.perf_counter() - begun > _PATIENCE:
             from rich.console import Console
             from rich.progress import Progress
 
-            shown = Progress(console=Console(stderr=True), transient=True)
-            shown.add_task(text, total=1.0)
-            shown.start()
-        if shown is not None:
-            shown.update(shown.task_ids[0], completed=fraction)
+            display = Progress(console=Console(stderr=True), transient=True)
+            display.add_task(text, total=1.0)
+            display.start()
+        if display is not None:
+            display.update(display.task_ids[0], completed=fraction)
 
     try:
         yield show
     finally:
-        if shown is not None:
-            shown.stop()
+        if display is not None:
+            display.stop()
 
 
 @contextmanager
@@ -53,37 +53,37 @@ def working(text: str) -> Iterator[None]:
     For work whose end nobody knows. Kernels compile on their first use, for seconds in which
     nothing else is heard of them.
     """
-    shown: Any = None
+    display: Any = None
     if sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-        shown = Progress(
+        display = Progress(
             SpinnerColumn(),
             TextColumn("{task.description}"),
             TimeElapsedColumn(),
             console=Console(stderr=True),
             transient=True,
         )
-        shown.add_task(text, total=None)
-    told = False
+        display.add_task(text, total=None)
+    is_announced = False
 
     def tell() -> None:
-        nonlocal told
-        if shown is not None:
-            shown.update(shown.task_ids[0], description=f"{text}, compiling")
-        elif not told:
+        nonlocal is_announced
+        if display is not None:
+            display.update(display.task_ids[0], description=f"{text}, compiling")
+        elif not is_announced:
             print(
                 "latolato: compiling, once for each kind of motion and question (some 10 s)",
                 file=sys.stderr, flush=True,
             )  # fmt: skip
-        told = True
+        is_announced = True
 
     def done() -> None:
-        if shown is not None:
-            shown.update(shown.task_ids[0], description=text)
+        if display is not None:
+            display.update(display.task_ids[0], description=text)
 
-    timer = threading.Timer(_PATIENCE, shown.start) if shown is not None else None
+    timer = threading.Timer(_PATIENCE, display.start) if display is not None else None
     if timer is not None:
         timer.start()
     try:
@@ -93,7 +93,7 @@ def working(text: str) -> Iterator[None]:
         if timer is not None:
             timer.cancel()
             timer.join()
-            shown.stop()
+            display.stop()
 
 
 @contextmanager
@@ -144,7 +144,7 @@ class SweepProgress:
     def __init__(self) -> None:
         self.done = self.total = 0
         self._bar: Any = None
-        self._told = time.monotonic()
+        self._last_line = time.monotonic()
         # Points and time that the rate counts from: compiling is over with the first chunk.
         self._from: tuple[int, float] | None = None
         self._updates = 0
@@ -168,8 +168,8 @@ class SweepProgress:
         self._updates += 1
         if sys.stderr.isatty():
             self._show(done, total)
-        elif now - self._told > _PAUSE and done < total:
-            self._told = now
+        elif now - self._last_line > _PAUSE and done < total:
+            self._last_line = now
             print(f"latolato: {done} of {total} points, {self.pace()}", file=sys.stderr, flush=True)
 
     def pace(self) -> str:

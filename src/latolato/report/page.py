@@ -339,17 +339,23 @@ def _parameters(dataset: xr.Dataset) -> str:
                 name in _OFTEN_ZERO and set(values) <= {"0.0", "null"}
             ):
                 rows.append((name, [json.loads(value) for value in values]))
-    body = "".join(_parameter(name, values) for name, values in rows)
-    head = _head(("parameter", "value"))
-    return f'<div class="scroll"><table class="numbers">{head}<tbody>{body}</tbody></table></div>'
-
-
-def _parameter(name: str, values: list[Any]) -> str:
-    """Return one row of the table of parameters."""
-    return (
+    body = (
         f'<tr><th scope="row">{_text(_meaning(name))}</th>'
         f"<td>{_text(_values(name, values))}</td></tr>"
+        for name, values in rows
     )
+    return _scrolled(("parameter", "value"), body)
+
+
+def _scrolled(heads: Iterable[str], rows: Iterable[str]) -> str:
+    """Return a table of numbers that scrolls on a narrow screen."""
+    body = f"{_head(heads)}<tbody>{''.join(rows)}</tbody>"
+    return f'<div class="scroll"><table class="numbers">{body}</table></div>'
+
+
+def _row(cells: Iterable[str]) -> str:
+    """Return a row of a table."""
+    return "<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>"
 
 
 def _meaning(name: str) -> str:
@@ -430,7 +436,7 @@ def _method(parts: Sequence[Part]) -> str:
             _grouped(contacts),
             f"{worst:.0e}",
         )
-        rows.append("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
+        rows.append(_row(cells))
     heads = ("part", "", "exact runs", "tolerance [rad]", "step [ms]", "contacts", "worst residual")
     versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
     notes = [f"{part.name}: {text}" for part in parts for text in part.warnings]
@@ -447,8 +453,7 @@ def _method(parts: Sequence[Part]) -> str:
             "error of the angle that regular motion is aimed at. Chaotic motion keeps its averages "
             "but not its digits."
         )
-        + f'</p><div class="scroll"><table class="numbers">{_head(heads)}'
-        + f"<tbody>{''.join(rows)}</tbody></table></div>{_method_of_maps(parts)}"
+        + f"</p>{_scrolled(heads, rows)}{_method_of_maps(parts)}"
         + (f"<p>Warnings of the runs:</p>{_list(notes)}" if notes else "")
         + f'<p class="meta">{_text(f"Python {platform.python_version()}, {versions}.")}</p>'
     )
@@ -475,12 +480,11 @@ def _method_of_maps(parts: Sequence[Part]) -> str:
                 else f"{flat['tolerance']:.0e}",
                 str(int(lost)),
             )
-            rows.append("<tr>" + "".join(f"<td>{_text(cell)}</td>" for cell in cells) + "</tr>")
+            rows.append(_row(cells))
     if not rows:
         return ""
     heads = ("part", "sweep", "runs", "duration [s]", "tolerance [rad]", "without an answer")
-    table = f'<table class="numbers">{_head(heads)}<tbody>{"".join(rows)}</tbody></table>'
-    return f'<div class="scroll">{table}</div>'
+    return _scrolled(heads, rows)
 
 
 def _rerun(parts: Sequence[Part]) -> str:

@@ -362,7 +362,7 @@ def _image(content: bytes, kind: str, text: str) -> str:
 
 
 def _fitted(picture: np.ndarray, width: int) -> np.ndarray:
-    """Return a picture that is not wider than asked for."""
+    """Return a picture at most so wide."""
     from latolato.experiment.tracking.blobs import import_cv2
 
     cv2 = import_cv2()

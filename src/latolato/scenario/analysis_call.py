@@ -43,12 +43,12 @@ class AnalysisCall:
     own: Mapping[str, Parameter]
 
     def arguments(
-        self, source: str | None, given: Mapping[str, Any], tables: Tables | None = None
+        self, source: str | None, values: Mapping[str, Any], tables: Tables | None = None
     ) -> dict[str, Any]:
         """Return the arguments that a scenario, by its name or its tables, and options give."""
         from latolato.core.registry import describe
 
-        scenario, sweep = self._scenario(source, given, tables)
+        scenario, sweep = self._scenario(source, values, tables)
         drive = _moving(scenario)
         result: dict[str, Any] = {"system": scenario.system}
         if "drive" in inspect.signature(self.function).parameters:
@@ -62,8 +62,10 @@ class AnalysisCall:
             if option.owner == "run":
                 if name in run:
                     result[name] = run[name]
-            elif given.get(name) is not None:
-                result[name] = read_value(option, given[name], self._unit(option, given, scenario))
+            elif values.get(name) is not None:
+                result[name] = read_value(
+                    option, values[name], self._unit(option, values, scenario)
+                )
             elif name in kicks:
                 result[name] = kicks[name]
             elif name in sweep:
@@ -74,14 +76,14 @@ class AnalysisCall:
         return result
 
     def _scenario(
-        self, source: str | None, given: Mapping[str, Any], tables: Tables | None
+        self, source: str | None, values: Mapping[str, Any], tables: Tables | None
     ) -> tuple[Scenario, Mapping[str, Any]]:
         """Return the scenario with the options put in, and what of ``[sweep]`` sets its run."""
         from latolato.physics.pendulum import systems
         from latolato.scenario.options import changes
         from latolato.scenario.scenario import Scenario, changed_tables, find
 
-        kept = {k: v for k, v in given.items() if k not in self.own or self.own[k].owner == "run"}
+        kept = {k: v for k, v in values.items() if k not in self.own or self.own[k].owner == "run"}
         changed = changes(kept)
         path = find(source) if source is not None else None
         if path is None and tables is None and "kind" not in changed.get("system", {}):
@@ -94,8 +96,8 @@ class AnalysisCall:
         run = {k: v for k, v in tables.get("run", {}).items() if k not in ("samples", "frame")}
         tables["run"] = {k: sweep[k] for k in ("duration", "tolerance") if k in sweep} | run
         for name, option in self.own.items():
-            if given.get(name) is not None and option.owner != "run":
-                _set_law(tables, option, given[name])
+            if values.get(name) is not None and option.owner != "run":
+                _set_law(tables, option, values[name])
         scenario = Scenario.from_dict(tables, folder=folder)
         return scenario, {k: v for k, v in sweep.items() if k in _OF_SWEEP}
 
@@ -116,7 +118,7 @@ class AnalysisCall:
             parameter=option.name,
         )
 
-    def _unit(self, option: Parameter, given: Mapping[str, Any], scenario: Scenario) -> str:
+    def _unit(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
         if not option.unit_of:
             return option.unit
@@ -127,7 +129,7 @@ class AnalysisCall:
         drive = _moving(scenario) or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
         known = {n: p.quantity for n, p in parameters_of(scenario.system, drive).items()}
         known = QUANTITIES | known
-        name = given.get(option.unit_of) or self.own[option.unit_of].default
+        name = values.get(option.unit_of) or self.own[option.unit_of].default
         return known[name].unit if name in known else "1"
 
     def _tell_left_out(self, scenario: Scenario) -> None:
@@ -155,7 +157,7 @@ def _moving(scenario: Scenario) -> Any:
     return scenario.drive if scenario.drive.moves else None
 
 
-def _set_law(tables: Tables, option: Parameter, given: Any) -> None:
+def _set_law(tables: Tables, option: Parameter, value: Any) -> None:
     """Put the value of an option into the law of that name too, if the scenario has it.
 
     Of several values the first one stands there where the law has none: the analysis varies it.
@@ -176,11 +178,11 @@ def _set_law(tables: Tables, option: Parameter, given: Any) -> None:
     if kind not in registry or target not in {f.name for f in fields(registry[kind])}:
         return
     if not option.several:
-        tables |= overridden(tables, {part: {option.name: given}})
+        tables |= overridden(tables, {part: {option.name: value}})
         return
     names = {target, *(ratio for ratio, plain in RATIOS.items() if plain == target)}
     if not names & tables[part].keys():
-        tables[part] = {**tables[part], option.name: read_value(option, given)[0]}
+        tables[part] = {**tables[part], option.name: read_value(option, value)[0]}
 
 
 def axes_of(source: str | None) -> list[str]:

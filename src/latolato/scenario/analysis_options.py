@@ -34,19 +34,19 @@ def options_of(function: Callable[..., Any]) -> dict[str, Parameter]:
     return result
 
 
-def read_value(option: Parameter, given: Any, unit: str | None = None) -> Any:
+def read_value(option: Parameter, value: Any, unit: str | None = None) -> Any:
     """Return what a function gets for the text of an option; without a unit, of its own."""
     unit = unit or option.unit
     if option.kind in (bool, str):
-        return [part.strip() for part in given.split(",")] if option.several else given
-    if not option.several or (option.or_one and not set(",:") & set(str(given))):
-        return given if option.kind is int else to_si(option.name, given, unit)
+        return [part.strip() for part in value.split(",")] if option.several else value
+    if not option.several or (option.or_one and not set(",:") & set(str(value))):
+        return value if option.kind is int else to_si(option.name, value, unit)
     known = {option.name: Quantity(unit, "", option.name)}
-    values = read_axes({option.name: given}, known, Path())[option.name]
+    values = read_axes({option.name: value}, known, Path())[option.name]
     if option.kind is not int:
         return list(values)
     if any(number != int(number) for number in values):
-        raise InputError("must be whole numbers", parameter=option.name, value=given)
+        raise InputError("must be whole numbers", parameter=option.name, value=value)
     return [int(number) for number in values]
 
 

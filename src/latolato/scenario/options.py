@@ -47,22 +47,22 @@ def law_options() -> dict[str, Parameter]:
     return result | run_options() | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
 
 
-def table_value(parameter: Parameter, given: Any) -> Any:
+def table_value(parameter: Parameter, value: Any) -> Any:
     """Return what a scenario's table gets; names of data files begin in the working directory."""
     if not parameter.several:
-        return given
-    return to_si_list(parameter.name, given, parameter.unit)
+        return value
+    return to_si_list(parameter.name, value, parameter.unit)
 
 
-def changes(given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def changes(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the tables of a scenario's changes that options ask for, those not given left out."""
     result: dict[str, dict[str, Any]] = {}
     for name, option in law_options().items():
-        if given.get(name) is None:
+        if values.get(name) is None:
             continue
         *inner, key = option.path
         place = result.setdefault(option.owner, {})
         for part in inner:
             place = place.setdefault(part, {})
-        place[key] = table_value(option, given[name])
+        place[key] = table_value(option, values[name])
     return result

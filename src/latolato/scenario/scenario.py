@@ -177,8 +177,8 @@ class Scenario:
         if self.varied:
             name = self.name or "this scenario"
             raise InputError(
-                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run: use "
-                f"`latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python",
+                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run",
+                way_out=f"use `latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python",
             )
         return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
 
@@ -213,8 +213,8 @@ class Scenario:
         if not self.varied.get("axes"):
             name = f"'{self.name}' names" if self.name else "there is"
             raise InputError(
-                f"{name} nothing to vary: give axes, for example "
-                '--axis "drive_amplitude = 0 : 0.5 : 40 m"'
+                f"{name} nothing to vary",
+                way_out='give axes, for example --axis "drive_amplitude = 0 : 0.5 : 40 m"',
             )
         run = {k: v for k, v in self.run.items() if k not in _OF_ONE_RUN}
         if "duration" not in run:
@@ -324,9 +324,9 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
     return merged
 
 
-def _replaced(given: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+def _replaced(arguments: dict[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of `simulate` with some replaced, and those that exclude them gone."""
-    kept = given
+    kept = arguments
     for group in ALTERNATIVES:
         if group & overrides.keys():
             kept = {k: v for k, v in kept.items() if k not in group}

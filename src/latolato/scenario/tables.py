@@ -227,12 +227,12 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
             known = known_quantities(kinds["system"], kinds["drive"])
             varied[name] = read_axes(value, known, folder)
         elif name == "observables":
-            given = [value] if isinstance(value, str) else value
-            if not isinstance(given, (list, tuple)):
+            entries = [value] if isinstance(value, str) else value
+            if not isinstance(entries, (list, tuple)):
                 raise InputError(
                     "must be a list of names or tables", parameter="observables", value=value
                 )
-            varied[name] = tuple(_observable(each, folder) for each in given)
+            varied[name] = tuple(_observable(each, folder) for each in entries)
         elif name in SWEEP_PARAMETERS:
             unit = SWEEP_PARAMETERS[name].unit
             varied[name] = to_si(name, value, unit) if unit else value
@@ -247,11 +247,11 @@ def with_sweep(tables: Tables, folder: Path) -> tuple[Tables, dict[str, Any]]:
     return (shared | {"drive": drive} if "drive" in tables else shared), varied
 
 
-def _observable(given: Any, folder: Path) -> Any:
+def _observable(value: Any, folder: Path) -> Any:
     """Return an observable, from a table with its kind and parameters; names are left as such."""
-    if not isinstance(given, Mapping):
-        return given
-    table = dict(given)
+    if not isinstance(value, Mapping):
+        return value
+    table = dict(value)
     kind = table.pop("kind", None)
     if not isinstance(kind, str):
         raise InputError(f"an observable's table needs a kind: {', '.join(observables)}")

@@ -128,27 +128,26 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     match = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
     if match is None:
         raise _refusal(name, value, unit)
-    number, given = float(match["number"]), (match["unit"] or "").strip()
-    if given.replace(" ", "*") in ("", unit):
+    number, written = float(match["number"]), (match["unit"] or "").strip()
+    if written.replace(" ", "*") in ("", unit):
         return number
-    if (given, unit) in _COMMON:
-        return float(Decimal(match["number"]) * _COMMON[given, unit])
+    if (written, unit) in _COMMON:
+        return float(Decimal(match["number"]) * _COMMON[written, unit])
     import pint
 
     registry = _registry()
     try:
-        written = registry.parse_units(given.replace("²", "^2").replace("³", "^3"))
-        wanted = registry.parse_units("" if unit == "1" else unit)
-        return float(registry.Quantity(Decimal(match["number"]), written).to(wanted).magnitude)
+        source = registry.parse_units(written.replace("²", "^2").replace("³", "^3"))
+        target = registry.parse_units("" if unit == "1" else unit)
+        return float(registry.Quantity(Decimal(match["number"]), source).to(target).magnitude)
     except (pint.PintError, ArithmeticError, AssertionError, AttributeError, ValueError):
         raise _refusal(name, value, unit) from None
 
 
 def _refusal(name: str, value: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity."""
-    rule = "a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
-    given = "as " if unit == "1" else ""
-    return InputError(f"must be given {given}{rule}", parameter=name, value=value)
+    rule = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
+    return InputError(f"must be given {rule}", parameter=name, value=value)
 
 
 def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> Any:
@@ -224,25 +223,36 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
         with path.open(encoding="utf-8-sig") as lines:
             first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
     except UnicodeDecodeError:
-        raise InputError(f"{name}: {path} is no text file; save it as UTF-8 text") from None
+        raise InputError(
+            f"{{parameter}}: '{path}' is no text file",
+            parameter=name,
+            way_out="save it as UTF-8 text",
+        ) from None
     if not first:
-        raise InputError(f"{name}: {path} holds no numbers")
+        raise InputError(f"{{parameter}}: '{path}' holds no numbers", parameter=name)
     delimiter = next((d for d in ",;\t" if d in first), None)
     titles = [title.strip() for title in first.split(delimiter)]
     has_header = any(_TEXT.fullmatch(title) is None for title in titles)
     if not column and len(titles) > 1:
         raise InputError(
-            f"{name}: {path} has {len(titles)} columns; name one, as in {path.name}:{titles[0]}"
+            f"{{parameter}}: '{path}' has {len(titles)} columns",
+            parameter=name,
+            way_out=f"name one, as in {path.name}:{titles[0]}",
         )
     known = [*(titles if has_header else []), *(str(i + 1) for i in range(len(titles)))]
     if column and column not in known:
-        raise InputError(f"{name}: {path} has no column '{column}': {suggest(column, known)}")
+        raise InputError(
+            f"{{parameter}}: '{path}' has no column '{column}': {suggest(column, known)}",
+            parameter=name,
+        )
     index = known.index(column) % len(titles) if column else 0
     try:
         with path.open(encoding="utf-8-sig") as lines:
             body = (line for line in lines if not (has_header and line == first))
             numbers = np.loadtxt(body, delimiter=delimiter, usecols=index, ndmin=1)
     except ValueError as error:
-        raise InputError(f"{name}: {path} cannot be read as numbers: {error}") from None
+        raise InputError(
+            f"{{parameter}}: '{path}' cannot be read as numbers: {error}", parameter=name
+        ) from None
     result: list[float] = numbers.tolist()
     return result

@@ -73,44 +73,44 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
     if not isinstance(axes, Mapping):
         raise InputError("must be a table of names and values", parameter="axes", value=axes)
     result: dict[str, Any] = {}
-    for name, given in axes.items():
-        if isinstance(given, Mapping) and not (set(_RANGE) & given.keys() or name in known):
-            result[name] = {p: _read_values(p, v, known, folder) for p, v in given.items()}
+    for name, value in axes.items():
+        if isinstance(value, Mapping) and not (set(_RANGE) & value.keys() or name in known):
+            result[name] = {p: _read_values(p, v, known, folder) for p, v in value.items()}
         else:
-            result[name] = _read_values(name, given, known, folder)
+            result[name] = _read_values(name, value, known, folder)
     return result
 
 
-def _read_values(name: str, given: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
+def _read_values(name: str, value: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
     """Return the values of one parameter."""
     if name not in known:
         raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
     unit = known[name].unit
-    values = _listed(name, given, unit, folder)
+    values = _listed(name, value, unit, folder)
     if isinstance(values, str) or not isinstance(values, Sequence):
         raise InputError(
-            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=given
+            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=value
         )
     if not values:
-        raise InputError(f"axis {name} has no values: a sweep needs at least one point")
+        raise InputError("axis {parameter} needs at least one value", parameter=name)
     return tuple(values)
 
 
-def _listed(name: str, given: Any, unit: str, folder: Path) -> Any:
+def _listed(name: str, value: Any, unit: str, folder: Path) -> Any:
     """Return the values that a text, a table or a list stands for."""
-    if isinstance(given, Mapping):
-        return _from_table(name, given, unit)
-    if isinstance(given, str):
-        parts = [part.strip() for part in given.split(":")]
-        if len(parts) == 3 and not (folder / given).is_file():
+    if isinstance(value, Mapping):
+        return _from_table(name, value, unit)
+    if isinstance(value, str):
+        parts = [part.strip() for part in value.split(":")]
+        if len(parts) == 3 and not (folder / value).is_file():
             return _from_text(name, parts, unit)
         if len(parts) == 2 and re.match(r"[-+.\d]", parts[0]):
             raise InputError(
                 "axis {parameter} must be low : high : count or a list of values",
                 parameter=name,
-                value=given,
+                value=value,
             )
-    return to_si_list(name, given.tolist() if hasattr(given, "tolist") else given, unit, folder)
+    return to_si_list(name, value.tolist() if hasattr(value, "tolist") else value, unit, folder)
 
 
 def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:
@@ -118,8 +118,10 @@ def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:
     match = _COUNT.fullmatch(parts[2])
     if match is None:
         raise InputError(
-            f"axis {name} needs a whole number of values after its ends, got {parts[2]!r}; "
-            f"{_EXAMPLE}"
+            "axis {parameter} needs a whole number of values after its ends",
+            parameter=name,
+            value=parts[2],
+            way_out=_EXAMPLE,
         )
     ends = parts[:2]
     if match["unit"]:
@@ -132,15 +134,24 @@ def _from_table(name: str, table: Mapping[str, Any], unit: str) -> Values:
     """Return the values that ``{low, high, count, spacing}`` stands for."""
     for key in table:
         if key not in _RANGE:
-            raise InputError(f"unknown entry '{key}' of axis {name}: {suggest(key, list(_RANGE))}")
+            raise InputError(
+                f"unknown entry '{key}' of axis {{parameter}}: {suggest(key, list(_RANGE))}",
+                parameter=name,
+            )
     for key in _RANGE[:3]:
         if key not in table:
-            raise InputError(f"axis {name} needs '{key}' beside {', '.join(table)}")
+            raise InputError(
+                f"axis {{parameter}} needs '{key}' beside {', '.join(table)}", parameter=name
+            )
     count, spacing = table["count"], table.get("spacing", "linear")
     if isinstance(count, bool) or not isinstance(count, int):
-        raise InputError(f"count of axis {name} must be a whole number", value=count)
+        raise InputError(
+            "count of axis {parameter} must be a whole number", parameter=name, value=count
+        )
     if spacing not in ("linear", "log"):
-        raise InputError(f"spacing of axis {name} must be 'linear' or 'log'", value=spacing)
+        raise InputError(
+            "spacing of axis {parameter} must be 'linear' or 'log'", parameter=name, value=spacing
+        )
     low, high = (to_si(name, table[key], unit) for key in ("low", "high"))
     return _spread(name, low, high, count, spacing == "log", unit)
 
@@ -155,9 +166,14 @@ def _spread(name: str, low: Any, high: Any, count: int, is_log: bool, unit: str)
             f"axis {{parameter}} must have 1 to {MOST_VALUES} values", parameter=name, value=count
         )
     if count == 1 and low != high:
-        raise InputError(f"axis {name} needs at least 2 values to go from {low:g} to {high:g}")
+        raise InputError(
+            f"axis {{parameter}} needs at least 2 values to go from {low:g} to {high:g}",
+            parameter=name,
+        )
     if is_log and not (low > 0.0 and high > 0.0):
-        raise InputError(f"axis {name} with log spacing must lie above 0, got {low:g} to {high:g}")
+        raise InputError(
+            "axis {parameter} with log spacing must lie above 0", parameter=name, value=[low, high]
+        )
     make = np.geomspace if is_log else np.linspace
     return tuple(make(low, high, count).tolist())
 
@@ -175,7 +191,7 @@ def parse_axis(text: str) -> tuple[str, Any]:
     head, equals, rest = text.partition("=")
     together, colon, first = head.partition(":")
     if not equals or not head.strip():
-        raise InputError(f"an axis must be NAME=VALUES, {_EXAMPLE}", value=text)
+        raise InputError("an axis must be NAME=VALUES", value=text, way_out=_EXAMPLE)
     if not colon:
         return _name(head), rest.strip()
     columns: dict[str, str] = {}
@@ -196,7 +212,7 @@ def parse_axes(texts: Sequence[str]) -> dict[str, Any]:
     for text in texts:
         name, values = parse_axis(text)
         if name in result:
-            raise InputError(f"axis {name} must be given once")
+            raise InputError("axis {parameter} must be given once", parameter=name)
         result[name] = values
     return result
 
@@ -243,8 +259,9 @@ def merged_axes(
     for name in _parameters(new):
         if TARGETS.get(name, name) in fixed:
             raise InputError(
-                f"{fixed[TARGETS.get(name, name)]} is given as a value and varied along axis "
-                f"{name}: drop one"
+                f"{{parameter}} is given as a value and varied along axis {name}",
+                parameter=fixed[TARGETS.get(name, name)],
+                way_out="drop one",
             )
     varied = {TARGETS.get(name, name) for name in _parameters(new)}
     kept: dict[str, Any] = {}
@@ -255,8 +272,9 @@ def merged_axes(
             kept[name] = new.get(name, values)
         elif len(targets) > 1:
             raise InputError(
-                f"{taken.pop()} varies together with others along axis {name} of the scenario: "
-                f"give a new axis {name} instead"
+                f"varies together with others along axis {name} of the scenario",
+                parameter=taken.pop(),
+                way_out=f"give a new axis {name} instead",
             )
     return {**kept, **new}
 

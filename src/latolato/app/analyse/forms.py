@@ -151,9 +151,9 @@ def about_request(request: RunRequest) -> dict[str, Any]:
 
 
 def _first(scenario: Scenario, unfit: Mapping[str, str]) -> str:
-    """Return the question that tells most of a system and a drive, and is answered soon."""
-    wanted = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
-    order = (*wanted, "bifurcation_diagram", "lyapunov_spectrum")
+    """Return the question that says most about a system and a drive and is answered quickly."""
+    standing = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
+    order = (*standing, "bifurcation_diagram", "lyapunov_spectrum")
     result: str = next(name for name in order if name not in unfit)
     return result
 

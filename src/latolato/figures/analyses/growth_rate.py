@@ -1,4 +1,4 @@
-"""The growth rate over the driving frequency, at the amplitude that was asked for."""
+"""The growth rate over the driving frequency, at one amplitude."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import POSITION_WORDS, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import parameters_in_words
+from latolato.figures.analyses.tongues import RATIO_LABEL, mark_answer, parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,9 +54,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         ]
         axes.plot(ratios, rates, color=style.BLUE)
         axes.fill_between(ratios, 0.0, np.maximum(rates, 0.0), color=style.PALE_BLUE, lw=0.0)
-    axes.plot(place, rate, "o", ms=4.0, color=style.INK, clip_on=False)
-    style.note(axes, f"{rate:.5g} 1/s", (place, rate), (6.0, 0.0))
-    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    mark_answer(axes, (place, rate), f"{rate:.5g} 1/s")
+    axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(style.label(dataset.growth_rate))
     names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
     axes.set_title(f"{about['position']}\n{parameters_in_words(dataset, *names)}")
@@ -78,7 +77,7 @@ QUESTION = Question(
     title="Does a small swing grow or die away?",
     term="growth rate, Floquet exponent",
     reading="To the right the speed of the drive, upwards how fast a small swing grows. Above zero "
-    "it grows, below it dies away. The dot is the speed of now.",
+    "it grows, below it dies away. The dot marks the present speed.",
     first=("position",),
     conditions=(can_hang, is_even),
     place=3,

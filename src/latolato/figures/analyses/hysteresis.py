@@ -73,7 +73,7 @@ def verdict(dataset: xr.Dataset) -> str:
     if status == "not settled":
         return "Both ways differ, but the runs are too short, or too wild, to tell: lengthen them."
     if status != "hysteresis":
-        return "It cannot be told: at some of these speeds a run has no answer."
+        return "There is no verdict: at some of these speeds a run has no answer."
     low, high = (number(float(row[f"bistable_{end}"])) for end in ("low", "high"))
     where = f"at ω/ω₀ = {low}" if low == high else f"from ω/ω₀ = {low} to {high}"
     text = f"Yes: {where} the past decides"

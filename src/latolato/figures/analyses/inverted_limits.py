@@ -13,7 +13,12 @@ from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_stand
 from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import parameters_in_words
+from latolato.figures.analyses.tongues import (
+    LENGTH_LABEL,
+    RATIO_LABEL,
+    mark_answer,
+    parameters_in_words,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,14 +57,13 @@ def draw(dataset: xr.Dataset) -> Figure:
     for name in _ENDS:
         value = float(dataset[name])
         if math.isfinite(value):
-            axes.plot(place, value / length, "o", ms=4.0, color=style.INK)
-            style.note(axes, f"{value:.5g} m", (place, value / length), (6.0, 6.0))
+            mark_answer(axes, (place, value / length), f"{value:.5g} m", (6.0, 6.0))
     axes.set_xscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.0, top)
     style.plain_ticks(axes.xaxis)
-    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
-    axes.set_ylabel("driving amplitude over length $A_0/l$")
+    axes.set_xlabel(RATIO_LABEL)
+    axes.set_ylabel(LENGTH_LABEL)
     names = ("length", "mass", "damping", "connecting_rod_length")
     axes.set_title(f"upright is stable inside\n{parameters_in_words(dataset, *names)}")
     return figure

@@ -59,7 +59,7 @@ class Question:
     place : int
         Smaller ones come first in a group.
     title, reading : str
-        The question, and what its picture tells and how it is read.
+        The question, and what its picture shows and how to read it.
     term : str
         What physicists call it.
     first : tuple of str
@@ -74,7 +74,7 @@ class Question:
     labels : mapping of str to str
         Of options that only this analysis has and that are no quantities.
     verdict : callable
-        Says in one sentence what was found.
+        Returns the answer in one sentence.
     """
 
     group: str
@@ -137,12 +137,12 @@ def is_even(system: Any, drive: Any) -> str | None:
 
 
 def ends_as_cosine(system: Any, drive: Any) -> str | None:
-    """Say whether the pivot moves as a cosine at last."""
+    """Say whether the pivot ends up moving as a cosine."""
     from latolato.analysis.protocol_search import last_cosine
 
     last = last_cosine(drive)
     if last is None or last.frequency == 0.0:
-        return "The pivot must move as a cosine at last: choose the drive Harmonic."
+        return "The pivot must end up moving as a cosine: choose the drive Harmonic."
     return None
 
 

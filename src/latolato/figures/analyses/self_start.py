@@ -13,7 +13,7 @@ from latolato.figures import style
 from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
 from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import parameters_in_words
+from latolato.figures.analyses.tongues import RATIO_LABEL, mark_answer, parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,15 +45,14 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.note(axes, r"$A_0\omega^2 = g$", (float(ratios[0]), cosine[0]), (6.0, 5.0))
     amplitude = float(dataset.drive_amplitude)
     if math.isfinite(amplitude):
-        axes.plot(place, amplitude, "o", ms=4.0, color=style.INK)
-        style.note(axes, f"{amplitude:.5g} m", (place, amplitude), (6.0, 6.0))
+        mark_answer(axes, (place, amplitude), f"{amplitude:.5g} m", (6.0, 6.0))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.8 * float(np.nanmin([*amplitudes, *cosine])), ceiling / 1.5)
     style.plain_ticks(axes.xaxis)
     style.plain_ticks(axes.yaxis)
-    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
+    axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(style.label(dataset.drive_amplitude))
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
     axes.set_title(f"leaves rest inside\n{parameters_in_words(dataset, *names)}")

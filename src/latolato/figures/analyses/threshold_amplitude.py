@@ -9,7 +9,7 @@ from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
+from latolato.figures.analyses.tongues import draw_tongues, mark_answer, parameters_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,9 +35,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlim(min(0.5, 0.8 * ratio), max(3.2, 1.1 * ratio))
     axes.axvline(ratio, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)
     if exists:
-        axes.plot(ratio, amplitude / length, "o", ms=4.0, color=style.INK, clip_on=False)
-        text = f"{1e3 * amplitude:.4g} mm"
-        style.note(axes, text, (ratio, amplitude / length), (6.0, 0.0))
+        mark_answer(axes, (ratio, amplitude / length), f"{1e3 * amplitude:.4g} mm")
     names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
     axes.set_title(f"hanging is unstable inside\n{parameters_in_words(dataset, *names)}")
     return figure

@@ -1,4 +1,4 @@
-"""The tongues up to twice the amplitude, with the edges that were asked for."""
+"""The tongues up to twice the amplitude, with the edges at one."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ QUESTION = Question(
     title="At which speeds does hanging still become impossible?",
     term="parametric resonance, Mathieu-Hill tongue",
     reading="Inside the coloured tongues the smallest swing grows by itself, as on a garden swing. "
-    "The dashed line is the amplitude asked for; the dots are the edges on it.",
+    "The dashed line marks the chosen amplitude; the dots are the edges on it.",
     first=("drive_amplitude", "order", "position"),
     conditions=(can_hang, is_shaken),
     place=1,

@@ -1,4 +1,4 @@
-"""Tongues over amplitude and frequency, which several pictures share."""
+"""What pictures over amplitude and frequency share: tongues, labels, the answer's dot."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+RATIO_LABEL = r"driving over natural frequency $\omega/\omega_0$"
+LENGTH_LABEL = "driving amplitude over length $A_0/l$"
 _ORDERS = (1, 2, 3)
 _COLOURS = {1: style.BLUE, 2: style.RED, 3: style.GREEN}
 _HALVINGS = 12  # of the amplitude between a closed and an open tongue
@@ -50,8 +52,16 @@ def draw_tongues(
         style.note(axes, f"n = {order}", place, (0.0, -8.0), ha="center", colour=colour)
     axes.set_xlim(0.5 if position == "hanging" else 0.0, right)
     axes.set_ylim(0.0, largest / length)
-    axes.set_xlabel(r"driving over natural frequency $\omega/\omega_0$")
-    axes.set_ylabel("driving amplitude over length $A_0/l$")
+    axes.set_xlabel(RATIO_LABEL)
+    axes.set_ylabel(LENGTH_LABEL)
+
+
+def mark_answer(
+    axes: Axes, place: tuple[float, float], text: str, shift: tuple[float, float] = (6.0, 0.0)
+) -> None:
+    """Mark the answer of an analysis with a dot and its number."""
+    axes.plot(*place, "o", ms=4.0, color=style.INK, clip_on=False)
+    style.note(axes, text, place, shift)
 
 
 def _tip(

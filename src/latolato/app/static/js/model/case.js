@@ -35,7 +35,7 @@ export async function specify(registry, request) {
   const preset = registry.scenarios[request.scenario ?? ""];
   if (preset?.sweep)
     throw new InputError(`${request.scenario} is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, `
-      + `not one run: use \`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`);
+      + `not one run; use \`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`);
   const kind = String(options.system);
   if (!Object.hasOwn(registry.systems, kind))
     throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);

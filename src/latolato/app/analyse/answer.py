@@ -1,0 +1,155 @@
+"""The answer to a question: computed and written in a process of its own, with its picture."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.app.analyse.forms import label_of
+from latolato.app.analyse.request import AnalysisRequest
+from latolato.core.errors import InputError
+from latolato.figures.analyses.question import question_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
+_PICTURE_DPI = 200
+_BY = " \N{MULTIPLICATION SIGN} "
+
+
+def compute(
+    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
+) -> dict[str, Any]:
+    """Answer a question and write the result: what the job `analyse` does in its process."""
+    import warnings
+
+    from latolato.figures.plot import plot
+    from latolato.figures.style import save_figure
+    from latolato.io.files import save
+
+    question = AnalysisRequest.from_json(request)
+    result = question.function(**question.arguments())
+    save(result, folder / "result.nc")
+    (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
+    panels: list[dict[str, Any]] = []
+    try:
+        figure = plot(result)
+    except InputError as error:  # without a picture
+        warnings.warn(str(error), RuntimeWarning, stacklevel=1)
+    else:
+        save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
+        save_figure(figure, folder / "result.svg")
+        panels = panels_of(figure, result)
+    words = question_of(question.name)
+    return {
+        "analysis": question.name,
+        "verdict": words.verdict(result),
+        "lines": numbers_of(result),
+        "panels": panels,
+    }
+
+
+def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Return what an analysis found as rows of a table: what it is, and its value with unit."""
+    from latolato.analysis.summary import as_lines
+
+    rows = []
+    for name, text in as_lines(dataset.squeeze()).items():
+        if name == "analysis":
+            continue
+        variable = dataset.variables.get(name)
+        label = str(variable.attrs.get("long_name") or name) if variable is not None else name
+        rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
+    return rows
+
+
+def _counted(match: re.Match[str]) -> str:
+    """Return how many values a range is of, for a text that names their dimensions."""
+    sizes = re.findall(r"(?<=\w )\d+(?= x |$)", match["dims"])
+    return f"({_BY.join(sizes)} values{match['rest']})"
+
+
+def panels_of(figure: Figure, dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the panels on which a point stands for parameters or for a start.
+
+    Returns
+    -------
+    list of dict
+        ``box``: left, top, right and bottom as shares of the picture; ``x`` and ``y``: the option,
+        its unit and its values at both ends, None where an axis is of something else.
+    """
+    panels = []
+    for axes in figure.axes:
+        x = _axis_of(dataset, axes, "x")
+        y = _axis_of(dataset, axes, "y")
+        if x is None and y is None:
+            continue
+        place = axes.get_position()
+        box = [place.x0, 1.0 - place.y1, place.x1, 1.0 - place.y0]
+        panels.append({"box": [float(side) for side in box], "x": x, "y": y})
+    return panels
+
+
+def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
+    """Return the option along a straight axis of a picture, by the label of a coordinate."""
+    from latolato.figures.style import label
+    from latolato.scenario.options import law_options
+
+    if getattr(axes, f"get_{side}scale")() != "linear":
+        return None
+    shared = getattr(axes, f"get_shared_{side}_axes")().get_siblings(axes)
+    texts = {getattr(each, f"get_{side}label")() for each in [axes, *shared]} - {""}
+    for name, variable in dataset.coords.items():
+        if name not in law_options() or (
+            str(name).startswith("initial") and "ball" in dataset.dims
+        ):
+            continue
+        if texts & {label(variable), label(variable, short=True)}:
+            low, high = getattr(axes, f"get_{side}lim")()
+            unit = str(variable.attrs.get("units", "1"))
+            return {
+                "name": str(name),
+                "unit": "" if unit == "1" else unit,
+                "label": label_of(str(name)),
+                "ends": [float(low), float(high)],
+            }
+    return None
+
+
+def to_csv(dataset: xr.Dataset) -> str:
+    """Return an analysis as text: its labels, its single numbers, a table for each shape."""
+    import csv
+    import io
+
+    import numpy as np
+
+    from latolato.io.files import without_complex
+
+    plain = without_complex(dataset)
+    text = io.StringIO()
+    write = csv.writer(text, lineterminator="\n").writerow
+    for key, value in plain.attrs.items():
+        print(f"# {key}: {' '.join(str(value).split())}", file=text)
+    tables: dict[tuple[str, ...], list[str]] = {}
+    for name, variable in plain.data_vars.items():
+        tables.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
+    for dims, names in sorted(tables.items(), key=lambda item: len(item[0])):
+        print(f"\n# over {', '.join(dims) or 'nothing'}", file=text)
+        shape = tuple(plain.sizes[dim] for dim in dims)
+        grids = np.meshgrid(*(plain[dim].values for dim in dims), indexing="ij")
+        columns = [grid.ravel() for grid in grids]
+        columns += [np.broadcast_to(plain[name].values, shape).ravel() for name in names]
+        write([*dims, *(_headed(plain, name) for name in names)])
+        for row in zip(*(column.tolist() for column in columns), strict=True):
+            write(row)
+    return text.getvalue()
+
+
+def _headed(dataset: xr.Dataset, name: str) -> str:
+    """Return the head of a column, with its unit."""
+    unit = str(dataset[name].attrs.get("units", "1"))
+    return name if unit in ("", "1") else f"{name} [{unit}]"

@@ -1,0 +1,170 @@
+"""A question as a page asks it: the analysis, what it is of, and the options typed for it."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latolato.app.analyse.forms import own_options
+from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
+from latolato.app.lines import constructor, literal
+from latolato.core.errors import InputError
+
+if TYPE_CHECKING:
+    from latolato.core.parameters import Parameter
+
+_RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
+
+
+@dataclass(frozen=True)
+class AnalysisRequest:
+    """An analysis, what it is of, and the options that were typed for it."""
+
+    name: str
+    request: RunRequest
+    settings: Mapping[str, str]
+
+    @classmethod
+    def from_json(cls, value: Any) -> AnalysisRequest:
+        """Return what a page asks: ``{"analysis", "scenario", "options", "settings": texts}``.
+
+        Raises
+        ------
+        InputError
+            For another form, and for unknown analyses and options.
+        """
+        from latolato.analysis import analyses
+        from latolato.core.registry import suggest
+
+        request = RunRequest.from_json(value)
+        name, settings = value.get("analysis"), value.get("settings") or {}
+        if not isinstance(name, str):
+            raise InputError("must be a name", parameter="analysis", value=name)
+        function = analyses[name]
+        if not isinstance(settings, Mapping) or not all(
+            isinstance(v, str) for v in settings.values()
+        ):
+            raise InputError("must be an object of texts", parameter="settings")
+        own, _ = own_options(function)
+        for option in settings:
+            if option not in own:
+                raise InputError(
+                    f"has no option '{option}': {suggest(option, list(own))}", parameter=name
+                )
+        return cls(name, request, {n: v.strip() for n, v in settings.items() if v.strip()})
+
+    @property
+    def function(self) -> Callable[..., Any]:
+        """The analysis."""
+        from latolato.analysis import analyses
+
+        return analyses[self.name]
+
+    def arguments(self) -> dict[str, Any]:
+        """Return what the analysis is called with, as `latolato analyse` would.
+
+        Raises
+        ------
+        InputError
+            For wrong values and units, and for what the analysis needs and nobody gave.
+        """
+        from latolato.scenario.analysis_call import AnalysisCall
+        from latolato.scenario.analysis_options import options_of
+
+        own = options_of(self.function)
+        typed = {name: _typed(own[name], text) for name, text in self.settings.items()}
+        scenario = self.request.to_scenario()
+        call = AnalysisCall(self.name, self.function, own)
+        try:
+            return call.arguments(None, typed, scenario.to_dict())
+        except InputError as error:
+            if scenario.varied:
+                error.add_way_out(
+                    f"{scenario.name or 'this scenario'} is a map: take a point of it"
+                )
+            raise
+
+    def python(self, arguments: Mapping[str, Any]) -> str:
+        """Return a Python program that asks the same."""
+        parameters = inspect.signature(self.function).parameters
+        lines = [
+            "import latolato as ll",
+            f"from latolato.analysis import {self.name}",
+            "",
+            f"system = {constructor(arguments['system'])}",
+        ]
+        texts = ["system"]
+        if arguments.get("drive") is not None:
+            lines.append(f"drive = {constructor(arguments['drive'])}")
+            texts.append("drive")
+        for name, value in arguments.items():
+            if name in ("system", "drive") or value == parameters[name].default:
+                continue
+            is_law = hasattr(value, "__dataclass_fields__")
+            texts.append(f"{name}={constructor(value) if is_law else literal(value)}")
+        call = f"result = {self.name}({', '.join(texts)})"
+        return "\n".join([*lines, call, f'll.plot(result).savefig("{self.name}.png")'])
+
+    def command(self) -> str:
+        """Return the command that asks the same, quoted for a shell."""
+        from latolato.scenario.analysis_call import unfit_options
+        from latolato.scenario.analysis_options import options_of
+        from latolato.scenario.options import law_options
+
+        own = options_of(self.function)
+        unfit = set(unfit_options(self.function, own))
+        words = ["latolato", "analyse", self.name.replace("_", "-")]
+        if self.request.scenario:
+            words.append(self.request.scenario)
+        laws = law_options()
+        request = {n: v for n, v in (self.request.options or {}).items() if v is not None}
+        run = {n: v for n, v in request.items() if n in own and own[n].owner == "run"}
+        law = {n: v for n, v in request.items() if n not in unfit and n not in run}
+        for name, value in {**law, **run, **self.settings}.items():
+            is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
+            flag = "--" + name.replace("_", "-")
+            if is_switch:
+                is_on = str(value).lower() == "true"
+                if is_on or name in own:
+                    words.append(flag if is_on else f"--no-{flag[2:]}")
+                continue
+            listed = isinstance(value, (list, tuple))
+            text = ", ".join(map(str, value)) if listed else str(value)
+            words += [f"{flag}={text}"] if text.startswith("-") else [flag, text]
+        return shlex.join(words)
+
+
+def _typed(option: Parameter, text: str) -> Any:
+    """Return what the text of an option stands for; it never names a file.
+
+    Raises
+    ------
+    InputError
+        If it is of another kind.
+    """
+    if option.several:
+        if ":" in text:
+            match = _RANGE.fullmatch(text)
+            if match is None or Path(text).is_file():
+                raise InputError("must be low : high : count", parameter=option.name, value=text)
+            if int(match["count"]) > MOST_LISTED:
+                raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
+            return text
+        parts = [part.strip() for part in text.split(",") if part.strip()]
+        if len(parts) > MOST_LISTED:
+            raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
+        return parts[0] if option.or_one and len(parts) == 1 else parts
+    if option.kind is bool:
+        if text.lower() not in ("true", "false"):
+            raise InputError("must be true or false", parameter=option.name, value=text)
+        return text.lower() == "true"
+    if option.kind is int:
+        if not re.fullmatch(r"[-+]?\d{1,18}", text):
+            raise InputError("must be a whole number", parameter=option.name, value=text)
+        return int(text)
+    return text
