@@ -10,10 +10,12 @@ import re
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from latolato.app import STATIC
 from latolato.app.blocks import pack
 from latolato.app.given import MOST_SAMPLES
-from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
+from latolato.app.runs import about, arrays_of
 from latolato.core.errors import InputError, import_extra
 from latolato.scenario.scenario import Scenario
 
@@ -43,6 +45,12 @@ MODULES = (
 )
 SHEETS = ("vendor/uPlot.css", "app.css", "notebook.css")
 PICTURE_DPI = 100
+# What the player draws.
+_COLUMNS = (
+    "angle", "angular_velocity", "pivot_height", "kinetic_energy", "potential_energy",
+    "total_energy", "drive_power", "damping_power", "tension",
+)  # fmt: skip
+_ATTRIBUTES = ("natural_frequency", "contact_angle_low", "contact_angle_high")
 _IMPORT = re.compile(
     r'^import (?:\{(?P<names>[^}]*)\}|(?P<default>\w+)) from "(?P<path>[^"]+)";$', re.M
 )
@@ -84,9 +92,9 @@ def block_of(run: xr.Dataset) -> bytes:
         raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
-    return pack(
-        {**about(scenario, thinned), "warnings": []}, arrays_of(scenario, thinned, USUAL_COLUMNS)
-    )
+    said = about(scenario, thinned)
+    kept = {name: said["attributes"][name] for name in _ATTRIBUTES if name in said["attributes"]}
+    return pack({**said, "attributes": kept}, arrays_of(scenario, thinned, _COLUMNS, np.float32))
 
 
 def picture_of(run: xr.Dataset) -> str:
