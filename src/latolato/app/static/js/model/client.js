@@ -37,6 +37,8 @@ export class Runner {
     this.registry = registry;
     /** @type {Worker | Inline | null} */
     this.worker = null;
+    /** Whether the worker has begun to answer: one that still loads is not ended. */
+    this.isReady = false;
     this.number = 0;
     /** @type {{question: Question, resolve: (block: Block) => void, reject: (error: Error) => void,
      *   begun: number} | null} */
@@ -56,14 +58,14 @@ export class Runner {
     } catch {
       return this.startInline(); // refused by the page's policy or by the browser
     }
-    let hasSpoken = false;
+    this.isReady = false;
     worker.addEventListener("message", ({ data }) => {
-      hasSpoken = true;
+      this.isReady = true;
       if (data) this.receive(data);
     });
     worker.addEventListener("error", (event) => {
       const { pending } = this;
-      if (!hasSpoken) {
+      if (!this.isReady) {
         this.worker = this.startInline();
         if (pending) void this.worker.postMessage(pending.question);
         return;
@@ -101,7 +103,7 @@ export class Runner {
     if (!pending) return;
     this.pending = null;
     pending.reject(aborted());
-    if (performance.now() - pending.begun > PATIENCE) this.end();
+    if (this.isReady && performance.now() - pending.begun > PATIENCE) this.end();
   }
 
   /** End the worker; the next run begins another one. */
