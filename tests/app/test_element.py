@@ -156,6 +156,15 @@ def test_a_bad_attribute_is_refused_in_the_sentence_of_python(visit, name, value
     assert "options" in visit.evaluate(SET, [0, {"scenario": "toy", "duration": "1 s"}])
 
 
+@pytest.mark.parametrize("name", ["pivot_heights", "height_sigma"])
+def test_a_drive_that_pages_do_not_have_is_left_to_the_program(visit, name):
+    options = {**base_of(name), name: text_of(name)}
+    assert options["drive"] == "measured_pivot"
+    found = visit.evaluate(SET, [0, dashed(options)])
+    text = "the drive measured_pivot is computed by the installed program, not in a page"
+    assert found == {"error": text}
+
+
 def test_two_elements_of_a_page_have_runs_of_their_own(visit):
     for which, length in ((0, "50 cm"), (1, "80 cm")):
         visit.evaluate(SET, [which, {"scenario": "fig02", "length": length, "duration": "2 s"}])
