@@ -2,7 +2,6 @@
 
 import io
 import json
-import tomllib
 
 import numpy as np
 import pytest
@@ -11,11 +10,10 @@ from starlette.testclient import TestClient
 import latolato as ll
 from app_server import frames_of
 from latolato.app.blocks import unpack
-from latolato.app.downloads import FPS, MOST_FRAMES, request_of, to_toml, without_none
+from latolato.app.downloads import FPS, MOST_FRAMES, request_of
 from latolato.app.given import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.io.files import load
-from latolato.scenario.scenario import Scenario, load_scenario, scenarios
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/animation"
@@ -46,14 +44,12 @@ def stored(client, kind, folder):
     return path
 
 
-def test_csv_and_netcdf_hold_the_run_that_python_makes(client, run, tmp_path):
-    stored(client, "contacts.csv", tmp_path)
-    for kind in ("csv", "nc"):
-        found = load(stored(client, kind, tmp_path))
-        assert set(found.variables) == set(run.variables)
-        for name in ("time", "angle", "total_energy", "contact_time"):
-            np.testing.assert_array_equal(found[name].values, run[name].values)
-        assert list(found["contact_kind"].values) == list(run["contact_kind"].values)
+def test_netcdf_holds_the_run_that_python_makes(client, run, tmp_path):
+    found = load(stored(client, "nc", tmp_path))
+    assert set(found.variables) == set(run.variables)
+    for name in ("time", "angle", "total_energy", "contact_time"):
+        np.testing.assert_array_equal(found[name].values, run[name].values)
+    assert list(found["contact_kind"].values) == list(run["contact_kind"].values)
 
 
 def test_pictures_are_pictures(client, tmp_path):
@@ -68,38 +64,17 @@ def test_pictures_are_pictures(client, tmp_path):
     assert text.rstrip().endswith("</svg>")
 
 
-def test_the_toml_file_makes_the_same_run(client, run, tmp_path):
-    again = load_scenario(stored(client, "toml", tmp_path)).simulate()
-    np.testing.assert_array_equal(again["angle"].values, run["angle"].values)
-
-
-@pytest.mark.parametrize("name", scenarios())
-def test_a_scenario_written_as_toml_is_the_same_scenario(name):
-    scenario = scenarios()[name]
-    again = Scenario.from_dict(tomllib.loads(to_toml(scenario)))
-    assert again.system == scenario.system
-    assert again.drive == scenario.drive
-    assert again.run == scenario.run
-    assert again.varied == scenario.varied
-    assert again.description == scenario.description
-
-
-def test_what_toml_lacks_is_left_out_or_made_plain():
-    found = without_none({"a": None, "b": (np.float64(1.5), [np.int64(2)]), "c": {"d": None}})
-    assert found == {"b": [1.5, [2]], "c": {}}
-
-
 @pytest.mark.parametrize(
     "path, status, words",
     [
         ("run.exe?scenario=zeno", 422, "is stored as"),
-        ("run.csv?scenario=fig05", 422, "is a map"),
-        ("run.csv?scenario=nothing", 422, "no scenario"),
-        ("run.csv?scenario=zeno&radius=9 m", 422, "radius"),
-        ("run.csv?scenario=zeno&duration=1e9 s", 413, "must not exceed"),
-        ("run.csv?scenario=zeno&samples=500000", 413, "at most 200000 samples"),
-        ("run.contacts.csv?scenario=fig02&duration=1 s", 422, "no table of contacts"),
-        ("run.csv?scenario=../../etc/passwd", 422, "no scenario"),
+        ("run.nc?scenario=fig05", 422, "is a map"),
+        ("run.nc?scenario=nothing", 422, "no scenario"),
+        ("run.nc?scenario=zeno&radius=9 m", 422, "radius"),
+        ("run.nc?scenario=zeno&duration=1e9 s", 413, "must not exceed"),
+        ("run.nc?scenario=zeno&samples=500000", 413, "at most 200000 samples"),
+        ("run.csv?scenario=zeno", 422, "is stored as"),
+        ("run.nc?scenario=../../etc/passwd", 422, "no scenario"),
         ("run.nc", 422, "name what to run"),
     ],
 )
@@ -112,8 +87,8 @@ def test_what_cannot_be_stored_is_refused_with_one_line(client, path, status, wo
 
 def test_nothing_stays_on_disk(client, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    client.get(f"/download/run.csv?{QUERY}")
-    client.get("/download/run.contacts.csv?scenario=fig02&duration=1 s")
+    client.get(f"/download/run.nc?{QUERY}")
+    client.get("/download/run.png?scenario=fig02&duration=1 s")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -33,8 +33,7 @@ ASKED = {
             },
             "additionalProperties": True,
         },
-        "columns": {"type": "array", "items": {"type": "string"}},
-        "samples": {"type": ["integer", "null"]},
+        "most_samples": {"type": ["integer", "null"]},
     },
 }
 ANSWERS = {str(code): {"description": "known"} for code in (200, 400, 404, 405, 413, 422)}

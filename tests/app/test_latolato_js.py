@@ -89,6 +89,8 @@ WRONG = [
         {**HARMONIC, "drive_amplitude": -1}, {**HARMONIC, "frequency_ratio": 2},
         {**RATIO, "frequency_ratio": -2}, {**RATIO, "frequency_ratio": "x"},
         without(HARMONIC, "drive_amplitude"), {**HARMONIC, "connecting_rod_length": 1},
+        {**SCHEDULE, "frequency_ratio": 2}, {**RATIO, "frequency_ratios": [1, 2]},
+        {"frequency_ratio": 2, "drive": "fixed_pivot"},
         {**CRANK, "connecting_rod_length": 0.05}, {**CRANK, "guide": "left"},
         without(CRANK, "connecting_rod_length"), {**SCHEDULE, "drive_times": [1, 2]},
         {**SCHEDULE, "drive_times": [0, 0]}, {**SCHEDULE, "drive_times": [0]},

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+import base64
 import math
 
 import pytest
 
 import latolato as ll
-from latolato.app.widget import bundle
+from latolato.app.widget import bundle, modules
 from notebooks import (
     RUN,
     balls,
     expected_balls,
     in_player,
     jupyter,
+    jupyter_export,
     marimo,
+    marimo_export,
     offline_page,
     shown_time,
 )
 
 # Keys that delete, add, cut, select and run cells in the notebooks' command modes.
 DANGEROUS = ("a", "x", "d", "d", "m", "ArrowDown", "Enter")
-PLACES = ("canvas.scene", "button.play", "select", ".scrub", ".chart")
+PLACES = ("canvas.scene", "button.play", "select", ".scrub", ".chart", ".form input[type=text]")
 
 
 def run_from(**start):
@@ -38,13 +41,13 @@ def run():
 def player(page, which=0):
     """Wait for a player and its curves."""
     page.get_by_role("button", name="Play", exact=True).nth(which).wait_for()
-    page.locator(".player.notebook .ledger-row").nth(4 * which).wait_for()
-    return page.locator(".player.notebook").nth(which)
+    page.locator(".inset .ledger-row").nth(4 * which).wait_for()
+    return page.locator(".inset").nth(which)
 
 
 def check_balls(page, run, which=0):
     """Compare the pixels of the balls with the run at instants that the slider reaches exactly."""
-    scrub = page.locator(".player.notebook .scrub").nth(which)
+    scrub = page.locator(".inset .scrub").nth(which)
     scrub.focus()
     for key, share in (("Home", 0.0), ("PageUp", 0.1), ("PageUp", 0.2), ("End", 1.0)):
         scrub.press(key)
@@ -59,7 +62,7 @@ def check_balls(page, run, which=0):
 
 def check_play(page):
     """Play and pause by the keyboard after a click on the picture."""
-    page.locator(".player.notebook canvas.scene").first.click()
+    page.locator(".inset canvas.scene").first.click()
     page.keyboard.press("Home")
     before = shown_time(page)
     page.keyboard.press(" ")
@@ -74,13 +77,17 @@ def check_keys(page, cells):
     """Press keys in all parts of the player: the notebook must keep its cells."""
     count = page.locator(cells).count()
     for place in PLACES:
-        page.locator(f".player.notebook {place}").first.click()
+        page.locator(f".inset {place}").first.click()
         for key in DANGEROUS:
             page.keyboard.press(key)
         assert page.locator(cells).count() == count, place
         inside = in_player(page, 0, "root.activeElement !== null")
         assert inside, f"the focus left {place}"
     page.keyboard.press("Escape")
+    # Letters are no value of a field.
+    page.locator(".inset .error:visible").wait_for()
+    page.get_by_role("button", name="Back to the run of this cell").click()
+    page.locator(".inset .error:visible").wait_for(state="detached")
 
 
 def theme(page, which=0):
@@ -118,15 +125,17 @@ def test_jupyterlab_shows_a_player_that_plays(browser, run, tmp_path):
         assert theme(page) == "dark"
         check_balls(page, run)
 
+        check_fields(page)
+
         # Another run in the same place.
         page.locator(".jp-InputArea-editor").nth(1).click()
         command(page, "notebook:run-cell")
         other = run_from(initial_angle=1.0, duration=7.0)
-        page.locator(".player.notebook tbody tr").nth(other.sizes["contact"] - 1).wait_for()
+        page.locator(".inset tbody tr").nth(other.sizes["contact"] - 1).wait_for()
         check_balls(page, other)
 
         # The view that a second run of the cell replaces leaves nothing behind.
-        page.locator(".player.notebook canvas.scene").click()
+        page.locator(".inset canvas.scene").click()
         page.keyboard.press(" ")
         page.get_by_role("button", name="Pause").wait_for()
         before = page.evaluate("() => counted.listeners")
@@ -157,6 +166,7 @@ def test_marimo_shows_a_player_that_plays(browser, run, tmp_path):
         page.locator("body.light").wait_for(state="attached")
         assert theme(page) == "light"
         check_balls(page, run)
+        check_fields(page)
 
 
 @pytest.mark.slow
@@ -173,6 +183,34 @@ def test_a_marimo_application_shows_a_player_that_was_hidden_at_first(browser, r
             check_balls(page, run, which)
 
 
+def check_fields(page):
+    """Move a slider: the page computes the run that Python would, without a kernel."""
+    slider = page.get_by_label("coefficient of restitution, slider")
+    slider.focus()
+    slider.press("ArrowLeft")
+    page.get_by_text("restitution=0.8975").wait_for(state="attached")
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.8975)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
+    wanted = ll.simulate(toy, drive, initial_angle=0.5, duration=3.0)
+    check_balls(page, wanted)
+    times = page.locator(".inset tbody tr td:first-child").all_inner_texts()
+    assert [float(time) for time in times] == pytest.approx(wanted["contact_time"].values, rel=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tool", ["jupyter", "marimo"])
+def test_fields_of_an_exported_page_need_no_kernel(browser, run, tmp_path, tool):
+    if tool == "jupyter":
+        file = jupyter_export(tmp_path, f"import latolato as ll\n{RUN}\nll.play(run)")
+    else:
+        file = marimo_export(tmp_path, ["ll.play(run)"])
+    with offline_page(browser, color_scheme="light") as page:
+        page.goto(file.as_uri())
+        player(page)
+        check_balls(page, run)
+        check_fields(page)
+
+
 def test_an_export_without_widgets_shows_the_picture(run):
     import nbconvert
     import nbformat
@@ -185,17 +223,26 @@ def test_an_export_without_widgets_shows_the_picture(run):
     assert f'src="data:image/png;base64,{data["image/png"][:40]}' in html
 
 
-def test_the_modules_of_many_widgets_run_once_in_a_page(browser):
+def test_the_modules_of_many_widgets_run_once_in_a_page(browser, run):
     page = browser.new_page()
     page.set_content("<body></body>")
-    same = page.evaluate(
-        """async (source) => {
-          const load = () => import(
-            URL.createObjectURL(new Blob([source], { type: "text/javascript" })));
-          const [one, other] = [await load(), await load()];
-          return one !== other && one.default.render === other.default.render;
+    made = page.evaluate(
+        """async ([source, block]) => {
+          let made = 0;
+          const make = URL.createObjectURL;
+          URL.createObjectURL = (blob) => { made += 1; return make(blob); };
+          const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
+          const model = { get: () => new DataView(bytes.buffer), on() {}, off() {} };
+          const counts = [];
+          for (let i = 0; i < 2; i += 1) {
+            const url = make(new Blob([source], { type: "text/javascript" }));
+            const { default: widget } = await import(url);
+            await widget.render({ model, el: document.body });
+            counts.push(made);
+          }
+          return counts;
         }""",
-        bundle(),
+        [bundle(), base64.b64encode(ll.play(run).block).decode()],
     )
     page.close()
-    assert same
+    assert made == [len(modules())] * 2

@@ -10,7 +10,6 @@ from starlette.testclient import TestClient
 from latolato.app import report as paper
 from latolato.app.blocks import unpack
 from latolato.app.given import RunRequest, check_size
-from latolato.app.runs import simulate_request
 from latolato.app.server import Settings, make_app
 from latolato.io.files import save
 from latolato.scenario.scenario import scenarios
@@ -74,7 +73,7 @@ def test_every_link_to_a_scenario_leads_to_what_can_be_computed(name):
         assert scenario.plan().size > 0
     else:
         check_size(scenario)
-        _, run = simulate_request(RunRequest(name, {"duration": "0.5 s"}), 5)
+        run = RunRequest(name, {"duration": "0.5 s"}).to_scenario().record()
         assert run.attrs["status"] == "complete"
 
 
@@ -105,7 +104,7 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(made, name):
         assert found["drive"] == wanted["drive"]
         assert "gravity" not in case["options"]  # what is usual would only lengthen addresses
         check_size(RunRequest(None, case["options"]).to_scenario())
-    _, run = simulate_request(RunRequest(None, {**cases[-1]["options"], "duration": 0.5}), 5)
+    run = RunRequest(None, {**cases[-1]["options"], "duration": 0.5}).to_scenario().record()
     assert run.attrs["status"] == "complete"
 
 

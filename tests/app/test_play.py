@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from urllib.parse import urlencode
 
+import numpy as np
 import pytest
 
+import latolato as ll
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
+from latolato.app.given import RunRequest
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 240_000
@@ -177,6 +181,31 @@ def test_a_run_that_does_not_come_at_once_says_so(page):
     page.get_by_role("status").filter(has_text="Computing").wait_for()
     page.wait_for_selector("[data-runs]")
     assert page.get_by_text("Computing").count() == 0
+
+
+def test_a_run_that_pages_cannot_compute_comes_from_the_program(page, tmp_path):
+    times, heights = [0.25 * k for k in range(9)], [0, 10, 20, 15, 5, 0, -5, 0, 10]
+    query = {
+        "system": "latolato", "length": "0.2 m", "mass": "50 g", "radius": "20 mm",
+        "drive": "measured_pivot", "drive_times": ", ".join(f"{time} s" for time in times),
+        "pivot_heights": ", ".join(f"{height} mm" for height in heights),
+        "initial_angle": "0.5 rad", "duration": "2 s",
+    }  # fmt: skip
+    open_play(page, f"&{urlencode(query)}")
+    page.get_by_text("Python and command line", exact=True).click()
+    page.get_by_text("ll.MeasuredPivot(").wait_for()
+    page.get_by_text("Download", exact=True).click()
+    for button, name in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
+        with page.expect_download() as caught:
+            page.locator(".downloads").get_by_role("button", name=button, exact=True).click()
+        caught.value.save_as(tmp_path / name)
+    wanted = RunRequest(None, query).to_scenario().simulate()
+    found = ll.load(tmp_path / "run.csv")
+    assert set(found.variables) == set(wanted.variables)
+    for name in ("time", "angle", "tension", "contact_time"):
+        np.testing.assert_array_equal(found[name], wanted[name])
+    assert list(found["contact_kind"].values) == list(wanted["contact_kind"].values)
+    assert found.attrs["scenario"] == wanted.attrs["scenario"]
 
 
 def test_a_row_can_be_added_before_the_run_has_come(page):

@@ -12,21 +12,20 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.app import STATIC
 from latolato.app.blocks import unpack
-from latolato.app.widget import MODULES, bundle, style_sheet
+from latolato.app.widget import bundle, modules
 
 # What anywidget is to a widget: a model that holds its values.
-PAGE = """async ({ source, block, sheet }) => {
+PAGE = """async ({ source, block }) => {
   const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-  const values = { block: new DataView(bytes.buffer), sheet };
+  const values = { block: new DataView(bytes.buffer) };
   const model = { get: (name) => values[name], on() {}, off() {} };
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const { default: widget } = await import(url);
   document.body.replaceChildren();
   const cell = document.createElement("div");
   document.body.append(cell);
-  window.end = widget.render({ model, el: cell });
+  window.end = await widget.render({ model, el: cell });
   window.inside = cell.firstChild.shadowRoot;
   await new Promise((resolve) => setTimeout(resolve, 300));
 }"""
@@ -41,12 +40,20 @@ def run():
 
 def show(page, widget):
     """Show a widget on a page as anywidget would."""
-    given = {
-        "source": bundle(),
-        "block": base64.b64encode(widget.block).decode(),
-        "sheet": style_sheet(),
-    }
+    given = {"source": bundle(), "block": base64.b64encode(widget.block).decode()}
     page.evaluate(PAGE, given)
+
+
+@pytest.fixture
+def cell(browser):
+    """A page that shows widgets; what goes wrong on it fails the test."""
+    page = browser.new_page()
+    faults: list[str] = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.set_content("<body></body>")
+    yield page
+    page.close()
+    assert not faults
 
 
 def test_the_widget_holds_the_run(run):
@@ -120,27 +127,23 @@ def test_a_file_is_played_like_the_run_that_it_holds(run, tmp_path):
     )
 
 
-def test_every_module_of_the_bundle_comes_after_those_that_it_imports():
+def test_every_module_of_the_program_comes_after_those_that_it_names():
     known: set[str] = set()
-    for path in MODULES:
-        source = (STATIC / path).read_text(encoding="utf-8")
-        wanted = set(re.findall(r'^import .* from "[^"]*?([\w.]+)";$', source, re.MULTILINE))
-        assert wanted <= known, path
-        known.add(path.rpartition("/")[2])
+    for path, source in modules():
+        assert set(re.findall(r'"latolato:(.+?)"', source)) <= known, path
+        known.add(path)
+    assert {"js/notebook.js", "js/model/worker.js", "js/kernels/run.js"} <= known
 
 
-def test_no_value_is_called_style_which_views_of_jupyter_take_for_css(run):
-    assert {"block", "sheet"} <= set(ll.play(run).keys)
-    assert "style" not in ll.play(run).keys
+def test_the_program_holds_all_that_it_names():
+    for path, source in modules():
+        assert not re.search(r'(from |import\(|URL\()"\.', source), path
+        assert "import.meta" not in source, path
+    assert bundle().count("\nexport ") == 1
 
 
-def test_the_bundle_holds_every_module_and_asks_for_none():
-    text = bundle()
-    for path in MODULES:
-        assert f'modules["{path.rpartition("/")[2]}"] =' in text
-    assert "\nimport " not in text
-    assert text.count("\nexport ") == 1
-    assert ":root" not in style_sheet()
+def test_a_cell_carries_less_than_a_megabyte():
+    assert len(bundle()) < 300_000
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -231,3 +234,89 @@ def test_the_theme_is_that_of_the_page_around(browser, run):
         "contrast": "dark",
         "text": "light",
     }
+
+
+def test_a_slider_computes_the_run_of_python_in_the_page(cell, run):
+    show(cell, ll.play(run))
+    slider = cell.get_by_label("coefficient of restitution, slider")
+    slider.focus()
+    slider.press("ArrowLeft")
+    cell.get_by_text("restitution=0.8975").wait_for(state="attached")
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.8975)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
+    check_shown(cell, ll.simulate(toy, drive, initial_angle=0.5, duration=3.0))
+    cell.get_by_role("button", name="Back to the run of this cell").click()
+    check_shown(cell, run)
+
+
+def check_shown(cell, run):
+    """Compare the table of contacts in a cell with a run."""
+    rows = cell.locator("table tbody tr")
+    cell.wait_for_function(
+        "n => window.inside.querySelectorAll('.table-scroll tbody tr').length === n",
+        arg=run.sizes["contact"],
+    )
+    for k in range(run.sizes["contact"]):
+        at, kind, before, after = rows.nth(k).locator("td").all_inner_texts()
+        assert float(at) == pytest.approx(float(run["contact_time"][k]), rel=1e-5)
+        assert kind == str(run["contact_kind"][k].values)
+        assert float(before) == pytest.approx(float(run["angular_velocity_before"][k]), rel=1e-3)
+        assert float(after) == pytest.approx(float(run["angular_velocity_after"][k]), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["fig12", "ballpair_asymmetric", "crank_slider", "fig02_mathieu"])
+def test_every_kind_of_run_has_its_fields(cell, name):
+    run = ll.load_scenario(name).simulate(duration=2.0)
+    show(cell, ll.play(run))
+    field = cell.get_by_label("duration", exact=False).first
+    field.fill("1.5")
+    field.press("Enter")
+    cell.get_by_text("duration=1.5").wait_for(state="attached")
+    assert cell.locator(".error:visible").all_inner_texts() == []
+
+
+def test_a_bad_value_is_explained_next_to_its_field(cell, run):
+    show(cell, ll.play(run))
+    field = cell.get_by_label("radius of one ball", exact=False).first
+    field.fill("2000")
+    field.press("Enter")
+    cell.get_by_text("must lie in [0, length)").wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+
+
+def test_a_run_that_ends_before_its_time_says_so(cell):
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02)
+    run = ll.simulate(toy, initial_angle=0.5, duration=0.9, contact_limit=3)
+    show(cell, ll.play(run))
+    field = cell.get_by_label("duration", exact=False).first
+    field.fill("4")
+    field.press("Enter")
+    cell.get_by_text("Note: the run stopped at t = ").wait_for()
+    cell.get_by_role("button", name="Back to the run of this cell").click()
+    assert cell.get_by_text("Note:").count() == 0
+
+
+def test_a_run_that_pages_cannot_compute_has_no_fields_and_says_why(cell):
+    heights = 0.01 * np.sin(np.linspace(0.0, 12.0, 50)) ** 2
+    drive = ll.MeasuredPivot(times=np.linspace(0.0, 2.0, 50), pivot_heights=heights)
+    pendulum = ll.Pendulum(length=1.0, mass=0.5)
+    show(cell, ll.play(ll.simulate(pendulum, drive, initial_angle=0.3, duration=2.0)))
+    cell.get_by_text("pages do not have its law “measured_pivot”").wait_for()
+    assert cell.locator("form").count() == 0
+    cell.get_by_role("button", name="Play", exact=True).wait_for()
+
+
+@pytest.mark.parametrize("policy", ["worker-src 'none'", "worker-src blob:"])
+def test_a_page_that_allows_no_workers_computes_by_itself(browser, run, policy):
+    page = browser.new_page()
+    workers: list[str] = []
+    page.on("worker", lambda worker: workers.append(worker.url))
+    page.set_content(f'<meta http-equiv="Content-Security-Policy" content="{policy}"><body></body>')
+    show(page, ll.play(run))
+    # A worker that is still loading stays when a newer run is wanted.
+    for _ in range(4):
+        page.get_by_label("driving amplitude, slider").press("ArrowRight")
+        page.wait_for_timeout(100)
+    page.get_by_text("drive_amplitude=0.025").wait_for(state="attached")
+    assert len(workers) == ("blob" in policy)
+    page.close()

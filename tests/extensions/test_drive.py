@@ -21,9 +21,10 @@ from latolato.analysis import (
 )
 from latolato.app.analyse.answer import compute
 from latolato.app.analyse.forms import about_request
+from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.given import RunRequest
-from latolato.app.runs import simulate_request
+from latolato.app.runs import compute
 from latolato.core.quantities import NON_NEGATIVE, UNIT_INTERVAL, quantity_field
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, PeriodicDrive, drives
@@ -275,7 +276,8 @@ def test_it_has_a_form_and_runs_in_the_app():
     asked = {"options": {"system": "pendulum", "length": "1", "mass": "1", "drive": "sharp",
              "drive_amplitude": "5 cm", "drive_frequency": "6", "sharpness": "0.2",
              "initial_angle": "0.1", "duration": "1"}}  # fmt: skip
-    assert simulate_request(RunRequest.from_json(asked))
+    about, _ = unpack(compute(RunRequest.from_json(asked)))
+    assert about["attributes"]["sharpness"] == 0.2
 
 
 def test_the_command_line_knows_it(tmp_path):

@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -31,7 +32,7 @@ const players = [];
 const walk = (root) => {
   for (const { shadowRoot } of root.querySelectorAll("*")) {
     if (!shadowRoot) continue;
-    if (shadowRoot.querySelector(".player.notebook")) players.push(shadowRoot);
+    if (shadowRoot.querySelector(".inset")) players.push(shadowRoot);
     walk(shadowRoot);
   }
 };
@@ -145,9 +146,8 @@ def jupyter(folder: Path, cells: Sequence[str]) -> Iterator[str]:
         yield address
 
 
-@contextmanager
-def marimo(folder: Path, mode: str, cells: Sequence[str]) -> Iterator[str]:
-    """Give the address of marimo that runs or edits a notebook of these cells."""
+def write_marimo(folder: Path, cells: Sequence[str]) -> None:
+    """Write a notebook of these cells, and how marimo shows it."""
     bodies = ["\n".join(f"    {line}" for line in cell.splitlines()) for cell in cells]
     code = "".join(f"@app.cell\ndef _(ll, mo, run):\n{body}\n    return\n\n" for body in bodies)
     first = "\n".join(f"    {line}" for line in RUN.splitlines())
@@ -159,6 +159,12 @@ def marimo(folder: Path, mode: str, cells: Sequence[str]) -> Iterator[str]:
     (folder / "pyproject.toml").write_text(
         '[tool.marimo.display]\ntheme = "system"\n[tool.marimo.runtime]\nauto_instantiate = true\n'
     )
+
+
+@contextmanager
+def marimo(folder: Path, mode: str, cells: Sequence[str]) -> Iterator[str]:
+    """Give the address of marimo that runs or edits a notebook of these cells."""
+    write_marimo(folder, cells)
     port = _free_port()
     command = ["marimo", "-q", mode, "play.py", "--headless", "--no-token"]
     command += ["--host", "127.0.0.1", "--port", str(port)]
@@ -174,6 +180,57 @@ def marimo(folder: Path, mode: str, cells: Sequence[str]) -> Iterator[str]:
         yield address
 
 
+def marimo_export(folder: Path, cells: Sequence[str]) -> Path:
+    """Return the page that marimo exports of a notebook of these cells."""
+    write_marimo(folder, cells)
+    command = [sys.executable, "-m", "marimo", "-q", "export", "html", "play.py", "-o", "play.html"]
+    subprocess.run(command, cwd=folder, check=True, timeout=PATIENCE)
+    return folder / "play.html"
+
+
+def jupyter_export(folder: Path, source: str) -> Path:
+    """Return the page that nbconvert exports of a notebook that ran, with the state of widgets."""
+    import nbconvert
+    import nbformat
+    from nbconvert.preprocessors import ExecutePreprocessor
+
+    node = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
+    run = ExecutePreprocessor(timeout=PATIENCE, kernel_name="python3")
+    run.preprocess(node, {"metadata": {"path": str(folder)}})
+    html, _ = nbconvert.HTMLExporter().from_notebook_node(node)
+    (folder / "play.html").write_text(html, encoding="utf-8")
+    return folder / "play.html"
+
+
+# What scripts of the network do for a page of nbconvert: they show widgets in their places.
+_MANAGER = """
+const { state } = JSON.parse(document.querySelector(
+  'script[type="application/vnd.jupyter.widget-state+json"]').textContent);
+for (const place of document.querySelectorAll(
+  'script[type="application/vnd.jupyter.widget-view+json"]')) {
+  const { state: values, buffers } = state[JSON.parse(place.textContent).model_id];
+  for (const { path, data } of buffers)
+    values[path[0]] = new DataView(Uint8Array.from(atob(data), (c) => c.charCodeAt(0)).buffer);
+  const source = new Blob([values._esm], { type: "text/javascript" });
+  import(URL.createObjectURL(source)).then(({ default: widget }) => {
+    const cell = document.createElement("div");
+    place.after(cell);
+    widget.render({ model: { get: (name) => values[name], on() {}, off() {} }, el: cell });
+  });
+}
+"""
+
+
+def from_network(address: str) -> str | Path | None:
+    """Return what stands for a script that an exported page fetches from the network."""
+    if "@marimo-team/frontend" in address:
+        folder = Path(str(find_spec("marimo").origin)).parent / "_static"
+        return folder / urlsplit(address).path.partition("/dist/")[2]
+    if address.endswith("embed-amd.js"):
+        return _MANAGER
+    return "" if urlsplit(address).hostname == "cdnjs.cloudflare.com" else None
+
+
 def _free_port() -> int:
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
@@ -187,13 +244,21 @@ def _listens(port: int) -> bool:
 
 @contextmanager
 def offline_page(browser: Any, **options: Any) -> Iterator[Any]:
-    """Give a page without a network; nothing may be asked from elsewhere and nothing may fail."""
+    """Give a page without a network; nothing may be asked from elsewhere and nothing may fail.
+
+    Exported pages fetch the scripts of notebooks, which `from_network` has.
+    """
     faults: list[str] = []
 
     def route(found: Any) -> None:
         parts = urlsplit(found.request.url)
-        if parts.scheme in ("data", "blob") or parts.hostname in ("127.0.0.1", "localhost"):
+        kept = from_network(found.request.url)
+        if parts.scheme in ("data", "blob", "file") or parts.hostname in ("127.0.0.1", "localhost"):
             found.continue_()
+        elif isinstance(kept, Path):
+            found.fulfill(path=kept, headers={"access-control-allow-origin": "*"})
+        elif kept is not None:
+            found.fulfill(body=kept, content_type="text/javascript")
         else:
             faults.append(f"request to elsewhere: {found.request.url}")
             found.abort()

@@ -1,4 +1,4 @@
-"""Files of the run on show: its numbers, its picture, its animation and its scenario."""
+"""Files of the run on show that pages do not write themselves: NetCDF, pictures, animations."""
 
 from __future__ import annotations
 
@@ -17,27 +17,19 @@ from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
 from latolato.app.blocks import pack_files
-from latolato.app.given import RunRequest, TooLargeError, check_size
+from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.jobs import Job, serve_job
-from latolato.core.errors import InputError, import_extra
+from latolato.app.runs import sampled, scenario_of
+from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from latolato.scenario.scenario import Scenario
 
-TYPES = {
-    "csv": "text/csv",
-    "contacts.csv": "text/csv",
-    "nc": "application/x-netcdf",
-    "png": "image/png",
-    "svg": "image/svg+xml",
-    "toml": "application/toml",
-}
+TYPES = {"nc": "application/x-netcdf", "png": "image/png", "svg": "image/svg+xml"}
 # Names of the address that are no options of a run.
 _OF_PAGE = ("view", "token", "scenario")
-# Samples of a run that is stored; as many as its default has, up to this number.
-MOST_SAMPLES = 200_000
 # Frames of an animation: three minutes, made in a minute or two.
 MOST_FRAMES = 5400
 FPS = 30.0
@@ -92,15 +84,6 @@ def file_response(request: RunRequest, kind: str) -> Response:
     return Response(content, media_type=TYPES[kind], headers={"Content-Disposition": disposition})
 
 
-def scenario_of(request: RunRequest) -> Scenario:
-    """Return the scenario of one run that is neither a map nor too large."""
-    scenario = request.to_scenario()
-    if scenario.varied:
-        raise InputError(f"{scenario.name or 'this scenario'} is a map, not one run: open it there")
-    check_size(scenario)
-    return scenario
-
-
 def file_name(scenario: Scenario) -> str:
     """Return what a file of a run is called, without its ending.
 
@@ -120,70 +103,24 @@ def file_name(scenario: Scenario) -> str:
 
 def simulate_for_file(scenario: Scenario) -> xr.Dataset:
     """Return the run as `Scenario.simulate` gives it, with at most 200000 samples."""
-    import numpy as np
-
-    from latolato.simulation.run import SAMPLES_PER_PERIOD
-
-    end = float(scenario.run.get("duration") or 0.0)
-    fastest = max(scenario.system.natural_frequency, scenario.drive.fastest_frequency)
-    usual = math.ceil(SAMPLES_PER_PERIOD * end * fastest / (2.0 * math.pi)) + 1
-    times = scenario.run.get("times")
-    if times is not None and len(times) > MOST_SAMPLES:
-        raise TooLargeError(
-            f"must not exceed {MOST_SAMPLES} here", parameter="samples", value=len(times)
-        )
-    if times is None and usual > MOST_SAMPLES:
-        return scenario.simulate(times=np.linspace(0.0, end, MOST_SAMPLES))
-    return scenario.simulate()
+    return scenario.simulate(**sampled(scenario, MOST_SAMPLES))
 
 
 def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
     """Return what a file of a run holds."""
-    if kind == "toml":
-        return to_toml(scenario).encode()
     run = simulate_for_file(scenario)
-    if kind == "contacts.csv" and run.attrs.get("contact", "none") == "none":
-        raise InputError("no ball can touch anything in this run: it has no table of contacts")
-    path = folder / f"run.{kind.rpartition('.')[2]}"
-    if kind in ("png", "svg"):
+    path = folder / f"run.{kind}"
+    if kind == "nc":
+        from latolato.io.files import save
+
+        save(run, path)
+    else:
         from latolato.figures.plot import plot
         from latolato.figures.style import save_figure
 
         with drawing_lock:
             save_figure(plot(run), path, dpi=PICTURE_DPI)
-    else:
-        from latolato.io.files import save
-
-        save(run, path)
-    return path.with_name(f"run.{kind}").read_bytes()
-
-
-def to_toml(scenario: Scenario) -> str:
-    """Return a scenario as a TOML file that `latolato simulate` takes, in SI units.
-
-    Raises
-    ------
-    InputError
-        Without the extra `app`.
-    """
-    from latolato.app.lines import command_line
-
-    tomli_w = import_extra("tomli_w", "app", "TOML")
-
-    tables = {k: v for k, v in without_none(scenario.to_dict()).items() if k != "name"}
-    head = f"# SI units. Run it: latolato simulate {file_name(scenario)}.toml"
-    return f"{head}\n# The same on one line: {command_line(scenario)}\n\n{tomli_w.dumps(tables)}"
-
-
-def without_none(tables: Any) -> Any:
-    """Return tables as plain Python values without entries that are None, which TOML lacks."""
-    if hasattr(tables, "tolist"):
-        tables = tables.tolist()
-    if isinstance(tables, Mapping):
-        return {k: without_none(v) for k, v in tables.items() if v is not None}
-    if isinstance(tables, (list, tuple)):
-        return [without_none(v) for v in tables]
-    return tables
+    return path.read_bytes()
 
 
 def prepare_animation(body: Any) -> Job:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from latolato.figures.map import Look
 
-KINDS = {**{kind: TYPES[kind] for kind in ("csv", "nc", "png", "svg")}, "zarr": "application/zip"}
+KINDS = {"csv": "text/csv", **TYPES, "zarr": "application/zip"}
 SCALES = ("viridis", "cividis", "magma")
 # Of a stored sweep with more axes than two.
 MOST_BYTES = 200_000_000

@@ -214,10 +214,7 @@ def _listener(host: str, port: int | None) -> socket.socket:
 
 
 def _warm() -> None:
-    """Load the kernel of a usual run, so that the first one on screen need not wait."""
+    """Make what every page asks for first."""
     from latolato.app.forms import registry
-    from latolato.app.given import RunRequest
-    from latolato.app.runs import run_block
 
     registry()
-    run_block(RunRequest("toy", {"duration": "1 s"}))

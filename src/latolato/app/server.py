@@ -19,11 +19,12 @@ from starlette.routing import BaseRoute, Route
 from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
-from latolato.app.given import RunRequest
+from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.guard import Guard
 from latolato.app.pages import page_file, static
 from latolato.app.processes import Workers
 from latolato.core.errors import InputError
+from latolato.core.registry import checked_count
 from latolato.io.progress import compiling
 
 # Addresses that stand for all of this machine's.
@@ -175,10 +176,10 @@ async def _run(request: Request) -> Response:
 
 
 def _run_response(body: Any) -> Response:
-    from latolato.app.runs import USUAL_COLUMNS, run_block
+    from latolato.app.runs import USUAL_SAMPLES, compute
 
     request = RunRequest.from_json(body)
-    columns, samples = body.get("columns", USUAL_COLUMNS), body.get("samples")
-    if not isinstance(columns, (list, tuple)) or not all(isinstance(c, str) for c in columns):
-        raise InputError("columns must be a list of names")
-    return Response(run_block(request, columns, samples), media_type="application/octet-stream")
+    most = checked_count("most_samples", body.get("most_samples", USUAL_SAMPLES))
+    if most > MOST_SAMPLES:
+        raise TooLargeError(f"must not exceed {MOST_SAMPLES}", parameter="most_samples", value=most)
+    return Response(compute(request, most), media_type="application/octet-stream")

@@ -3,51 +3,46 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import hashlib
 import io
 import json
+import posixpath
 import re
-from functools import lru_cache
+from functools import lru_cache, partial
+from graphlib import TopologicalSorter
+from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from latolato.app import STATIC
 from latolato.app.blocks import pack
+from latolato.app.forms import registry
 from latolato.app.given import MOST_SAMPLES
-from latolato.app.runs import USUAL_COLUMNS, about, arrays_of
+from latolato.app.runs import about, arrays_of
 from latolato.core.errors import InputError, import_extra
 from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Modules of the player, each after those that it imports.
-MODULES = (
-    "vendor/uPlot.esm.js",
-    "js/strings.js",
-    "js/shared/dom.js",
-    "js/shared/units.js",
-    "js/shared/block.js",
-    "js/shared/motion.js",
-    "js/shared/clock.js",
-    "js/shared/clack.js",
-    "js/shared/keys.js",
-    "js/shared/later.js",
-    "js/shared/band.js",
-    "js/shared/scene.js",
-    "js/shared/shades.js",
-    "js/shared/axis.js",
-    "js/shared/plane.js",
-    "js/shared/curves.js",
-    "js/shared/player.js",
-    "js/notebook.js",
-)
-SHEETS = ("vendor/uPlot.css", "app.css", "notebook.css")
+# What anywidget calls; the modules that it imports come along.
+ENTRY = "js/notebook.js"
+# The module that finds files, in whose place the program has one that holds them.
+CONTENT = "js/kernels/content.js"
+SHEETS = ("vendor/uPlot.css", "app.css", "inset.css")
 PICTURE_DPI = 100
-_IMPORT = re.compile(
-    r'^import (?:\{(?P<names>[^}]*)\}|(?P<default>\w+)) from "(?P<path>[^"]+)";$', re.M
+# What the player draws.
+_COLUMNS = (
+    "angle", "angular_velocity", "pivot_height", "kinetic_energy", "potential_energy",
+    "total_energy", "drive_power", "damping_power", "tension",
+)  # fmt: skip
+_ATTRIBUTES = ("natural_frequency", "contact_angle_low", "contact_angle_high")
+# Every way in which a module of the pages names another one.
+_NAMED = re.compile(
+    r'(?P<before>from |import\(|new URL\()"(?P<path>\.[^"]+\.js)"(?P<url>, import\.meta\.url\))?'
 )
-_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const|let) (?P<name>\w+))", re.M)
-_DEFAULT = re.compile(r"^export \{ (?P<name>\w+) as default \};$", re.M)
 
 
 def play(run: xr.Dataset) -> Any:
@@ -84,9 +79,9 @@ def block_of(run: xr.Dataset) -> bytes:
         raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
-    return pack(
-        {**about(scenario, thinned), "warnings": []}, arrays_of(scenario, thinned, USUAL_COLUMNS)
-    )
+    said = about(scenario, thinned)
+    kept = {name: said["attributes"][name] for name in _ATTRIBUTES if name in said["attributes"]}
+    return pack({**said, "attributes": kept}, arrays_of(scenario, thinned, _COLUMNS, np.float32))
 
 
 def picture_of(run: xr.Dataset) -> str:
@@ -111,12 +106,10 @@ def _widget_class() -> Any:
 
         _esm = bundle()
         block = traitlets.Bytes().tag(sync=True)
-        # Not `style`, which widgets of Jupyter have already.
-        sheet = traitlets.Unicode().tag(sync=True)
 
         def __init__(self, run: xr.Dataset) -> None:
             self._run = run
-            super().__init__(block=block_of(run), sheet=style_sheet())
+            super().__init__(block=block_of(run))
 
         @property
         def run(self) -> xr.Dataset:
@@ -141,41 +134,93 @@ def _widget_class() -> Any:
 
 @lru_cache(maxsize=1)
 def bundle() -> str:
-    """Return the modules of the player as one, which is what widgets are made of.
+    """Return the program of the player as one module, which is what widgets are made of.
 
-    Each module becomes a function of those before it, so that names do not meet. Every widget
-    brings the whole text along, which runs once in a page.
+    It holds the modules of the pages and their files, compressed: with the address of each module
+    in the place of its name they are modules of the page, each loaded once however many cells bring
+    them, and workers load them too.
     """
-    parts = ["const modules = {};"]
-    for path in MODULES:
-        source = (STATIC / path).read_text(encoding="utf-8")
-        names = {name: name for name in _EXPORT.findall(source)}
-        if whole := _DEFAULT.search(source):
-            names = {"default": whole["name"]}
-        body = _DEFAULT.sub("", _EXPORT.sub("", _IMPORT.sub(_lookup, source)))
-        exports = ", ".join(f'"{name}": {own}' for name, own in names.items())
-        name = path.rpartition("/")[2]
-        parts.append(f'modules["{name}"] = (() => {{\n{body}\nreturn {{ {exports} }};\n}})();')
-    body = "\n".join(parts)
-    key = f"latolato {hashlib.sha256(body.encode()).hexdigest()[:16]}"
-    return (
-        f'const shared = (globalThis[Symbol.for("{key}")] ??= (() => {{\n{body}\n'
-        "return modules;\n})());\n"
-        'export default { render: shared["notebook.js"].render };\n'
-    )
+    text = json.dumps(modules(), ensure_ascii=False)
+    packed = base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode()
+    key = f"latolato {hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    return _PROGRAM.replace("KEY", key).replace("ENTRY", ENTRY).replace("PACKED", packed)
 
 
-def _lookup(match: re.Match[str]) -> str:
-    """Return the line that stands for an import: names of a module that came before."""
-    module = f'modules["{match["path"].rpartition("/")[2]}"]'
-    if match["default"]:
-        return f"const {match['default']} = {module}.default;"
-    return f"const {{ {match['names'].replace(' as ', ': ').strip()} }} = {module};"
+_PROGRAM = """
+const load = async () => {
+  const bytes = Uint8Array.from(atob("PACKED"), (letter) => letter.charCodeAt(0));
+  const text = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const addresses = {};
+  for (const [path, source] of await new Response(text).json()) {
+    const whole = source.replace(/"latolato:(.+?)"/g, (_, name) => `"${addresses[name]}"`);
+    addresses[path] = URL.createObjectURL(new Blob([whole], { type: "text/javascript" }));
+  }
+  return import(addresses["ENTRY"]);
+};
+export default {
+  render: async (cell) => (await (globalThis[Symbol.for("KEY")] ??= load())).render(cell),
+};
+""".lstrip()
 
 
-@lru_cache(maxsize=1)
-def style_sheet() -> str:
-    """Return the style sheet for the inside of a widget, which has a root of its own."""
-    sheets = [(STATIC / name).read_text("utf-8") for name in SHEETS]
-    text = re.sub(r":root((?:\[[^\]]*\]|:not\([^)]*\))+)", r":host(\1)", "\n".join(sheets))
-    return text.replace(":root", ":host")
+def modules() -> list[tuple[str, str]]:
+    """Return path and source of each module of the player, after those that it names."""
+    sources: dict[str, str] = {}
+    names: dict[str, list[str]] = {}
+    wanted = [ENTRY]
+    while wanted:
+        path = wanted.pop()
+        if path in sources:
+            continue
+        source = _content() if path == CONTENT else (STATIC / path).read_text(encoding="utf-8")
+        folder = PurePosixPath(path).parent
+        names[path] = [_joined(folder, match["path"]) for match in _NAMED.finditer(source)]
+        sources[path] = _NAMED.sub(partial(_placed, folder), source)
+        wanted += names[path]
+    return [(path, sources[path]) for path in TopologicalSorter(names).static_order()]
+
+
+def _joined(folder: PurePosixPath, path: str) -> str:
+    """Return the path of a module that a module in a folder names."""
+    return posixpath.normpath(folder / path)
+
+
+def _placed(folder: PurePosixPath, match: re.Match[str]) -> str:
+    """Return what stands for the name of a module until it has an address."""
+    before = "" if match["url"] else match["before"]
+    return f'{before}"latolato:{_joined(folder, match["path"])}"'
+
+
+def _content() -> str:
+    """Return the module that holds the files of the player.
+
+    Bytes are letters of the same number. The compiled code is the one without vectors, which runs
+    everywhere and is as fast for single runs.
+    """
+    kernels = STATIC / "kernels"
+    files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}
+    held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
+    held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}
+    held["kernels/layout.json"] = (kernels / "layout.json").read_text("utf-8")
+    held["registry.json"] = _letters(json.dumps(_registry()))
+    return f"""const FILES = {json.dumps(held, ensure_ascii=False)};
+export async function contentOf(path) {{
+  return new Response(Uint8Array.from(FILES[path], (letter) => letter.charCodeAt(0)));
+}}
+"""
+
+
+def _letters(text: str) -> str:
+    """Return a text with a letter for each byte."""
+    return text.encode().decode("latin-1")
+
+
+def _registry() -> dict[str, Any]:
+    """Return what the fields of a cell need of the registry: the laws that the modules have."""
+    whole = registry()
+    laws = {
+        part: {name: law for name, law in whole[part].items() if law["compiled"]}
+        for part in ("systems", "drives", "contact_laws")
+    }
+    names = ("version", "options", "ratios", "alternatives", "units", "prefixes")
+    return {**{name: whole[name] for name in names}, **laws, "scenarios": {}, "server": False}

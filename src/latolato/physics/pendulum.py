@@ -168,7 +168,9 @@ class LatoLato(Pendulum):
     has_contacts: ClassVar[bool] = True
 
     radius: float = quantity_field("radius", NON_NEGATIVE, suggested=(0.0, 0.2))
-    restitution: float = quantity_field("restitution", UNIT_INTERVAL, default=1.0)
+    restitution: float = quantity_field(
+        "restitution", UNIT_INTERVAL, default=1.0, suggested=(0.0, 1.0)
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -199,7 +201,9 @@ class BallPair(System):
 
     right: Ball
     left: Ball
-    restitution: float = quantity_field("restitution", UNIT_INTERVAL, default=1.0)
+    restitution: float = quantity_field(
+        "restitution", UNIT_INTERVAL, default=1.0, suggested=(0.0, 1.0)
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

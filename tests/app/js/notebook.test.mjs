@@ -8,7 +8,7 @@ const press = (key, held = {}) => isOwnKey(
   { key, ctrlKey: false, metaKey: false, altKey: false, shiftKey: false, ...held });
 
 test("keys of the player and letters stay in the player", () => {
-  for (const key of [" ", ",", ".", "+", "a", "x", "A", "ArrowLeft", "End", "Enter"])
+  for (const key of [" ", ",", ".", "+", "a", "x", "A", "ArrowLeft", "End", "Enter", "Backspace", "Delete"])
     assert.equal(press(key), true, key);
 });
 

@@ -5,65 +5,39 @@
  *     <latolato-player scenario="fig04a_push" duration="20 s"></latolato-player>
  *
  * Its attributes are the options of the command line, with dashes, and `scenario`; the run is computed
- * anew when one changes. It sends no message and asks no other site for anything.
+ * again when one changes. It sends no message and asks no other site for anything.
  *
  * @module
  */
 
-import { Runner } from "./js/model/client.js";
-import { loadRegistry } from "./js/model/registry.js";
-import { followTheme } from "./js/notebook.js";
-import { el } from "./js/shared/dom.js";
-import { Motion } from "./js/shared/motion.js";
-import { Player } from "./js/shared/player.js";
+import { Inset } from "./js/shared/inset.js";
 
-const SHEETS = ["vendor/uPlot.css", "app.css", "notebook.css"];
 // Attributes of all elements, which are no options.
 const OF_ELEMENTS = /^(id|class|style|slot|title|lang|dir|hidden|tabindex|role|part|data-.*|aria-.*)$/;
-
-/** @type {Promise<CSSStyleSheet> | null} */
-let sheet = null;
-
-/** Return the style of the player's inside, which has a root of its own. */
-function loadSheet() {
-  sheet ??= Promise.all(SHEETS.map(async (name) => (await fetch(new URL(name, import.meta.url))).text()))
-    .then((texts) => {
-      const made = new CSSStyleSheet();
-      made.replaceSync(texts.join("\n").replace(/:root((?:\[[^\]]*\]|:not\([^)]*\))+)/g, ":host($1)")
-        .replaceAll(":root", ":host"));
-      return made;
-    });
-  return sheet;
-}
 
 class LatolatoPlayer extends HTMLElement {
   constructor() {
     super();
-    this.inside = this.attachShadow({ mode: "open" });
-    this.message = el("p", { class: "error", role: "alert", hidden: true });
-    this.place = el("div", { class: "player notebook", tabindex: "-1" });
-    this.inside.append(this.message, this.place);
-    /** @type {Runner | null} */
-    this.runner = null;
-    /** @type {Player | null} */
-    this.player = null;
+    /** @type {Inset | null} */
+    this.inset = null;
     this.observer = new MutationObserver(() => void this.compute());
-    this.unfollow = () => {};
   }
 
   connectedCallback() {
+    this.inset = new Inset(this);
     this.observer.observe(this, { attributes: true });
-    this.unfollow = followTheme(this);
     void this.compute();
   }
 
   disconnectedCallback() {
     this.observer.disconnect();
-    this.unfollow();
-    this.runner?.end();
-    this.player?.destroy();
-    this.runner = this.player = null;
-    this.place.replaceChildren();
+    this.inset?.leave();
+    this.inset = null;
+  }
+
+  /** The player on show, for programs of the page. */
+  get player() {
+    return this.inset?.player ?? null;
   }
 
   /** Return what the attributes ask for. */
@@ -75,20 +49,14 @@ class LatolatoPlayer extends HTMLElement {
   }
 
   async compute() {
+    const { inset } = this;
     try {
-      const [registry, style] = await Promise.all([loadRegistry(), loadSheet()]);
-      if (!this.isConnected) return;
-      this.inside.adoptedStyleSheets = [style];
-      this.runner ??= new Runner(registry);
-      const block = await this.runner.compute(this.request);
-      this.player ??= new Player(this.place);
-      this.player.show(new Motion(block));
-      this.message.hidden = true;
+      await inset?.load();
+      // It may have left the page, or come back as another one.
+      if (!inset || inset !== this.inset) return;
+      if (!(await inset.compute(this.request))) return;
     } catch (error) {
-      const { name, message } = /** @type {Error} */ (error);
-      if (name === "AbortError") return;
-      this.message.textContent = message;
-      this.message.hidden = false;
+      inset?.refuse(/** @type {Error} */ (error).message);
     }
     this.dispatchEvent(new Event("computed"));
   }

@@ -2,7 +2,7 @@
 
 import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
-import { format, Store } from "./shared/state.js";
+import { AddressStore, format } from "./shared/state.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./shared/state.js").Page} Page */
@@ -135,7 +135,7 @@ function keepOffline() {
 }
 
 startTheme();
-const store = new Store(window);
+const store = new AddressStore(window);
 // The first view's modules come while the server makes the registry.
 VIEWS[store.state.view]?.().catch(() => {});
 const registry = await loadRegistry();

@@ -1,15 +1,25 @@
 /** The player in a notebook: what anywidget calls. */
 
+import { commandLine, pythonLines } from "./model/lines.js";
+import { optionsOf } from "./model/options.js";
+import { inPagesWords } from "./model/words.js";
 import { unpack } from "./shared/block.js";
+import { codeBlocks } from "./shared/code.js";
 import { el } from "./shared/dom.js";
-import { Motion } from "./shared/motion.js";
-import { Player } from "./shared/player.js";
+import { Form } from "./shared/form.js";
+import { Inset } from "./shared/inset.js";
+import { withLaws } from "./shared/laws.js";
+import { Store } from "./shared/state.js";
+import { t } from "./strings.js";
+
+/** @typedef {import("./model/registry.js").Registry} Registry */
+/** @typedef {import("./shared/block.js").Block} Block */
 
 // Keys beside letters, digits and signs that the player or its fields use.
 const KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp",
-  "PageDown", "Enter"];
-// Text that is lighter than this, of 255, is written on dark.
-const LIGHT = 128;
+  "PageDown", "Enter", "Backspace", "Delete"];
+// What the run of a cell is called among the presets.
+const OWN = "cell";
 
 /**
  * Return whether a key is the player's while the player has the focus. Shortcuts with Ctrl, Alt or
@@ -21,84 +31,116 @@ export function isOwnKey({ key, ctrlKey, metaKey, altKey, shiftKey }) {
   return key.length === 1 || KEYS.includes(key);
 }
 
-/**
- * Return the theme around an element: as JupyterLab and VS Code say it, else dark where text is
- * light; null for an element that is not in the page.
- * @param {Element} element
- */
-export function themeAround(element) {
-  const { body } = document;
-  if (body.dataset.jpThemeLight) return body.dataset.jpThemeLight === "true" ? "light" : "dark";
-  if (body.classList.contains("vscode-dark")) return "dark";
-  if (body.classList.contains("vscode-light")) return "light";
-  const { color } = getComputedStyle(element);
-  const context = el("canvas", { width: 1, height: 1 }).getContext("2d");
-  if (!color || !context) return null;
-  // Colours may be written in any way: a pixel has red, green and blue.
-  context.fillStyle = color;
-  context.fillRect(0, 0, 1, 1);
-  const [red, green, blue] = context.getImageData(0, 0, 1, 1).data;
-  return 0.3 * red + 0.6 * green + 0.1 * blue > LIGHT ? "dark" : "light";
+/** Fields for the parameters of the run of a cell: the page computes what they ask for. */
+class Controls {
+  /**
+   * @param {Inset} inset
+   * @param {Registry} registry
+   * @param {Block} block the run of the cell
+   */
+  constructor(inset, registry, block) {
+    const { options } = block.about;
+    this.inset = inset;
+    this.block = block;
+    const preset = { title: "", description: "", figure: "", given: options, options, sweep: null };
+    this.registry = { ...registry, scenarios: { [OWN]: preset } };
+    const fields = el("form", { class: "form", on: {
+      submit: (/** @type {Event} */ event) => event.preventDefault() } });
+    this.form = new Form(fields, registry, this.startStore());
+    this.notes = el("p", { class: "notes", role: "status" });
+    this.code = el("div", {});
+    this.back = el("button", { type: "button", on: { click: () => this.reset() } }, t("cellBack"));
+    this.parts = [
+      el("div", { class: "row" }, this.back, el("span", { class: "hint" }, t("cellHint"))), this.notes, fields,
+      el("details", {}, el("summary", {}, t("code")), this.code)];
+    this.show(block.about);
+  }
+
+  /** Return a store without changes. */
+  startStore() {
+    const store = new Store({ view: "", scenario: OWN, options: {}, extra: {} });
+    store.subscribe(() => void this.compute());
+    return store;
+  }
+
+  /**
+   * Say what the run on show has.
+   * @param {Record<string, any>} about
+   */
+  show({ options, warnings = [] }) {
+    const { registry, form } = this;
+    form.show(options);
+    this.notes.textContent = warnings.map((/** @type {string} */ text) => t("warning", { text })).join(" ");
+    this.code.replaceChildren(...codeBlocks([pythonLines, commandLine].map((lines) => lines(registry, options))));
+    this.back.disabled = Object.keys(form.store.state.options).length === 0;
+  }
+
+  /** Show the run of the cell again. */
+  reset() {
+    this.form.store = this.startStore();
+    this.inset.runner?.stop();
+    this.inset.show(this.block);
+    this.show(this.block.about);
+  }
+
+  /** Compute what the fields ask for, and show it. */
+  async compute() {
+    const { form, registry } = this;
+    let { options } = form.store.state;
+    // What the cell's run had does not fit another system.
+    if (options.system) options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
+    this.back.disabled = false;
+    form.build();
+    try {
+      const block = await this.inset.compute({ options: optionsOf(registry, { scenario: OWN, options }) });
+      if (block) this.show(block.about);
+    } catch (error) {
+      form.error(...inPagesWords(registry, /** @type {Error} */ (error)));
+    }
+  }
 }
 
 /**
- * Keep the theme of an element that of the page around it; returns what ends that.
- * @param {HTMLElement} host
+ * Return the first law of a run that pages do not have, undefined where they have all.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options of the run
  */
-export function followTheme(host) {
-  const follow = () => {
-    const theme = themeAround(host);
-    if (!theme || theme === host.dataset.theme) return;
-    host.dataset.theme = theme;
-    window.dispatchEvent(new Event("themechange"));
-  };
-  const page = new MutationObserver(follow);
-  for (const element of [document.documentElement, document.body])
-    page.observe(element, { attributes: true });
-  // The element comes into the page, or out of a hidden cell.
-  const size = new ResizeObserver(follow);
-  size.observe(host);
-  const system = matchMedia("(prefers-color-scheme: dark)");
-  system.addEventListener("change", follow);
-  follow();
-  return () => {
-    page.disconnect();
-    size.disconnect();
-    system.removeEventListener("change", follow);
-  };
+function lawBeyondPage({ systems, drives, contact_laws: laws }, { system, drive, contact = "exact" }) {
+  const all = [...Object.keys(systems), ...Object.keys(drives), ...Object.keys(laws)];
+  return [system, drive, contact].find((name) => !all.includes(name));
 }
 
 /**
  * Show a run in a cell; returns what takes it away again.
  * @param {{model: any, el: HTMLElement}} cell
  */
-export function render({ model, el: cell }) {
+export async function render({ model, el: cell }) {
   const host = el("div", {});
-  const inside = host.attachShadow({ mode: "open" });
-  const style = document.createElement("style");
-  style.textContent = model.get("sheet");
-  // A click anywhere gives the player the keyboard.
-  const root = el("div", { class: "player notebook", tabindex: "-1" });
-  inside.append(style, root);
   cell.append(host);
   // Some of the player's keys delete cells in notebooks.
   for (const name of ["keydown", "keypress", "keyup"])
     host.addEventListener(name, (event) => {
       if (isOwnKey(/** @type {KeyboardEvent} */ (event))) event.stopPropagation();
     });
-  const unfollow = followTheme(host);
-  const player = new Player(root);
+  const inset = new Inset(host);
+  // Where one sees the balls while a slider moves.
+  const below = el("div", { class: "controls" });
+  inset.player.cards.before(below);
+  const registry = await inset.load();
   const show = () => {
     const { buffer, byteOffset, byteLength } = /** @type {DataView} */ (model.get("block"));
-    player.show(new Motion(unpack(
-      /** @type {ArrayBuffer} */ (buffer).slice(byteOffset, byteOffset + byteLength))));
+    const block = unpack(
+      /** @type {ArrayBuffer} */ (buffer).slice(byteOffset, byteOffset + byteLength));
+    inset.show(block);
+    const law = lawBeyondPage(registry, block.about.options);
+    below.replaceChildren(...(law ? [el("p", { class: "hint" }, t("cellBeyond", { name: law }))]
+      : new Controls(inset, registry, block).parts));
   };
   model.on("change:block", show);
   show();
   return () => {
     model.off("change:block", show);
-    player.destroy();
-    unfollow();
+    inset.leave();
     host.remove();
   };
 }

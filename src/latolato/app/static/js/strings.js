@@ -83,6 +83,10 @@ export const STRINGS = {
   dampingPower: "damping",
   code: "Python and command line",
   codeHint: "These lines make the same run.",
+  // a cell of a notebook
+  cellBack: "Back to the run of this cell",
+  cellHint: "Other values are computed here in the page, without a kernel.",
+  cellBeyond: "Only Python can compute this run with other values: pages do not have its law “{name}”.",
   copy: "Copy",
   copied: "Copied.",
   download: "Download",

@@ -1,10 +1,10 @@
 /** Compiled modules from their files, in a page, in a worker and in Node.js. */
 
+import { contentOf } from "./content.js";
 import { Kernels } from "./memory.js";
 
 /** @typedef {import("./memory.js").Layout} Layout */
 
-const FOLDER = new URL("../../kernels/", import.meta.url);
 /** @type {Map<string, Promise<any>>} */
 const loaded = new Map();
 // A module of one function that needs simd128: it counts the bits of each byte of a vector.
@@ -28,26 +28,12 @@ function once(name, load) {
 }
 
 /**
- * Return the content of a file, also where no server has it: in Node.js.
- * @param {URL} address
- */
-async function contentOf(address) {
-  if (address.protocol !== "file:") {
-    const response = await fetch(address);
-    if (!response.ok) throw new Error(`${address} cannot be loaded: ${response.status}`);
-    return response;
-  }
-  const { readFile } = await import(/** @type {any} */ ("node:fs/promises"));
-  return new Response(await readFile(address));
-}
-
-/**
  * Return what a file of JSON says; it is loaded once.
- * @param {URL} address
+ * @param {string} path
  * @returns {Promise<any>}
  */
-export function loadJson(address) {
-  return once(address.href, async () => (await contentOf(address)).json());
+export function loadJson(path) {
+  return once(path, async () => (await contentOf(path)).json());
 }
 
 /**
@@ -55,7 +41,7 @@ export function loadJson(address) {
  * @returns {Promise<Layout>}
  */
 export function loadLayout() {
-  return loadJson(new URL("layout.json", FOLDER));
+  return loadJson("kernels/layout.json");
 }
 
 /**
@@ -63,9 +49,8 @@ export function loadLayout() {
  * @param {string} name `one`, `two` or `lanes`
  */
 export function loadModule(name) {
-  const file = `${name}${WebAssembly.validate(SIMD) ? "" : "-scalar"}.wasm`;
-  const address = new URL(file, FOLDER);
-  return once(file, async () => WebAssembly.compile(await (await contentOf(address)).arrayBuffer()));
+  const path = `kernels/${name}${WebAssembly.validate(SIMD) ? "" : "-scalar"}.wasm`;
+  return once(path, async () => WebAssembly.compile(await (await contentOf(path)).arrayBuffer()));
 }
 
 /**

@@ -45,7 +45,7 @@ export async function specify(registry, request) {
   const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
-  withoutRatios(registry, parts.drive, system.naturalFrequency);
+  withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
   const moved = driveOf(registry, drive, parts.drive);
   const law = contactOf(registry, system, parts.run);
   const noise = noiseOf(registry, parts.noise);

@@ -61,8 +61,9 @@ function numbersOf(registry, part, kind, given) {
  * @param {"system" | "drive"} part
  * @param {string} kind
  * @param {string} name
+ * @param {string} [called] what the option was given as
  */
-function foreign(registry, part, kind, name) {
+export function foreign(registry, part, kind, name, called = name) {
   const { path } = registry.options[name];
   const laws = registry[`${part}s`];
   const owns = (/** @type {string} */ each) => laws[each].options.some((own) =>
@@ -77,7 +78,7 @@ function foreign(registry, part, kind, name) {
   const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
   return new InputError(
     `belongs to ${part} ${Object.keys(laws).filter(owns).join(" or ")}, not to ${kind}`,
-    { parameter: name, wayOut: `${knows ? `use ${inner}` : "leave it out"} or change the ${part}` });
+    { parameter: called, wayOut: `${knows ? `use ${inner}` : "leave it out"} or change the ${part}` });
 }
 
 /**

@@ -1,5 +1,6 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
+import { foreign } from "./laws.js";
 import { checkedNumber, InputError, suggest } from "./rules.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -204,12 +205,14 @@ export function partsOf(registry, options) {
 /**
  * Put frequencies in the place of a drive's frequency ratios.
  * @param {Registry} registry
+ * @param {string} kind of the drive
  * @param {Record<string, any>} drive its options
  * @param {number} naturalFrequency [rad/s]
  */
-export function withoutRatios(registry, drive, naturalFrequency) {
+export function withoutRatios(registry, kind, drive, naturalFrequency) {
   for (const [ratio, name] of Object.entries(registry.ratios)) {
     if (!(ratio in drive)) continue;
+    if (!registry.drives[kind].options.includes(name)) throw foreign(registry, "drive", kind, name, ratio);
     if (name in drive)
       throw new InputError(`give either ${name} or {parameter}, got both`, { parameter: ratio });
     const value = drive[ratio];

@@ -36,5 +36,5 @@ import { loadJson } from "../kernels/load.js";
  * @returns {Promise<Registry>}
  */
 export function loadRegistry() {
-  return loadJson(new URL("../../registry.json", import.meta.url));
+  return loadJson("registry.json");
 }

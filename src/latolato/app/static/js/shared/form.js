@@ -35,6 +35,11 @@ export class Form {
     this.general = el("p", { class: "error", role: "alert", hidden: true });
   }
 
+  /** Return the element that has the focus, also inside of a root of its own. */
+  get focused() {
+    return /** @type {Document | ShadowRoot} */ (this.root.getRootNode()).activeElement;
+  }
+
   /** Return the kinds of system and drive on show. */
   get kinds() {
     const { options } = this.store.state;
@@ -237,14 +242,14 @@ export class Form {
     /** @param {string | null} text */
     const read = (text) => {
       if (text === null) {
-        if (document.activeElement !== input) input.value = "";
+        if (this.focused !== input) input.value = "";
         return;
       }
       const quantity = parseQuantity(text);
       if (!(name in this.units) && quantity && units.some((u) => u.name === quantity.unit) &&
         this.store.state.options[name] !== undefined) this.units[name] = quantity.unit;
       if (select instanceof HTMLSelectElement) select.value = unitOf().name;
-      if (document.activeElement === input && this.store.state.options[name] !== undefined) return;
+      if (this.focused === input && this.store.state.options[name] !== undefined) return;
       if (text.includes(",")) {
         const numbers = text.split(",").map((/** @type {string} */ part) => toSi(part, [...units, { name: option.unit, size: 1 }]));
         input.value = numbers.map((v) => (v === null ? "?" : short(v / unitOf().size))).join(", ");
@@ -252,7 +257,7 @@ export class Form {
       }
       si = toSi(text, [...units, { name: option.unit, size: 1 }]);
       input.value = si === null ? text : short(si / unitOf().size);
-      if (slider && si !== null && document.activeElement !== slider) limits = ends();
+      if (slider && si !== null && this.focused !== slider) limits = ends();
       if (slider && si !== null)
         slider.value = String(Math.round((STEPS * (si - limits[0])) / (limits[1] - limits[0])));
     };

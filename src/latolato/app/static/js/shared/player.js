@@ -90,16 +90,14 @@ export class Player {
     this.contacts = el("div", { class: "table-scroll", tabindex: "0", role: "region",
       "aria-label": t("contacts") });
     this.ledger = el("div", { class: "ledger" });
-    root.append(
-      el("div", { class: "stage" }, canvas, this.transport),
-      curves,
-      el("div", { class: "cards" },
-        el("section", { class: "card" }, el("h2", {}, t("phase")), phase),
-        el("section", { class: "card" }, el("h2", {}, t("section")),
-          el("p", { class: "hint" }, t("sectionHint")), section),
-        el("section", { class: "card" }, el("h2", {}, t("ledger")),
-          el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
-        el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts)));
+    this.cards = el("div", { class: "cards" },
+      el("section", { class: "card" }, el("h2", {}, t("phase")), phase),
+      el("section", { class: "card" }, el("h2", {}, t("section")),
+        el("p", { class: "hint" }, t("sectionHint")), section),
+      el("section", { class: "card" }, el("h2", {}, t("ledger")),
+        el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
+      el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts));
+    root.append(el("div", { class: "stage" }, canvas, this.transport), curves, this.cards);
     this.scene = new Scene(canvas);
     this.clack = new Clack();
     this.scene.onContact = (k) => {

@@ -50,19 +50,13 @@ export function format(state) {
   return `?${query}`;
 }
 
-/** The one state of the page; this class alone writes the address. */
+/** A state that others may listen to. */
 export class Store {
-  /** @param {Window} page */
-  constructor(page) {
-    this.page = page;
-    this.state = parse(page.location.search);
+  /** @param {State} state */
+  constructor(state) {
+    this.state = state;
     /** @type {((state: State, changed: string) => void)[]} */
     this.listeners = [];
-    this.timer = 0;
-    page.addEventListener("popstate", () => {
-      this.state = parse(page.location.search);
-      this.tell("address");
-    });
   }
 
   /**
@@ -75,20 +69,12 @@ export class Store {
   }
 
   /**
-   * Change parts of the state. A change of view enters the history, others replace the address.
+   * Change parts of the state.
    * @param {Partial<State>} part
    * @param {string} [changed] what it is: "view", "preset", "options" or "extra"
    */
   set(part, changed = "options") {
     this.state = { ...this.state, ...part };
-    const write = () => {
-      const method = changed === "view" || changed === "preset" ? "pushState" : "replaceState";
-      this.page.history[method](null, "", format(this.state));
-    };
-    // Browsers refuse more than some hundred changes of the address in half a minute.
-    clearTimeout(this.timer);
-    if (changed === "view" || changed === "preset") write();
-    else this.timer = this.page.setTimeout(write, 150);
     this.tell(changed);
   }
 
@@ -121,5 +107,37 @@ export class Store {
     // One listener may end another: a view that is left hears of nothing more.
     for (const listener of [...this.listeners])
       if (this.listeners.includes(listener)) listener(this.state, changed);
+  }
+}
+
+/** The one state of the page; this class alone writes the address. */
+export class AddressStore extends Store {
+  /** @param {Window} page */
+  constructor(page) {
+    super(parse(page.location.search));
+    this.page = page;
+    this.timer = 0;
+    page.addEventListener("popstate", () => {
+      this.state = parse(page.location.search);
+      this.tell("address");
+    });
+  }
+
+  /**
+   * Change parts of the state. A change of view enters the history, others replace the address.
+   * @param {Partial<State>} part
+   * @param {string} [changed]
+   */
+  set(part, changed = "options") {
+    const isStep = changed === "view" || changed === "preset";
+    const write = () => {
+      this.page.history[isStep ? "pushState" : "replaceState"](null, "", format(this.state));
+    };
+    this.state = { ...this.state, ...part };
+    // Browsers refuse more than some hundred changes of the address in half a minute.
+    clearTimeout(this.timer);
+    if (isStep) write();
+    else this.timer = this.page.setTimeout(write, 150);
+    this.tell(changed);
   }
 }
