@@ -114,7 +114,7 @@ def learn_image_model(
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
     low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
     width, height = high - low
-    behind = colours.window(medians, (int(low[0]), int(low[1])), (int(height), int(width)))
+    behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:
         uncover(behind, low, frames[0], colours, centre, size)
     behind = filled(behind)
