@@ -14,6 +14,7 @@ from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.tracking.blobs import import_cv2
+from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ COLOURS = {
 }
 _PIVOT = (255, 255, 255)
 _DARK = (20, 22, 28)
-_CRF = 23
+_CRF, _QUALITY = 23, 82
 # Subpixels per pixel, as a power of two, in which OpenCV takes places.
 _SHIFT = 4
 
@@ -137,16 +138,11 @@ def picture_of(frame: Frame, video: Video) -> np.ndarray:
         cv2.resize(np.ascontiguousarray(plane), (width, height)).astype(np.float32) - 128.0
         for plane in frame[3:]
     )
-    luma = frame.luma.astype(np.float32)
-    if not video.is_full_range:
-        luma = (luma - 16.0) * (255.0 / 219.0)
-        blue, red = blue * (255.0 / 224.0), red * (255.0 / 224.0)
-    kr, kb = (0.2126, 0.0722) if video.matrix == "bt709" else (0.299, 0.114)
-    kg = 1.0 - kr - kb
-    r = luma + 2.0 * (1.0 - kr) * red
-    b = luma + 2.0 * (1.0 - kb) * blue
-    g = (luma - kr * r - kb * b) / kg
-    return np.clip(np.dstack([r, g, b]) + 0.5, 0.0, 255.0).astype(np.uint8)
+    gain, black, *weights = colour_coefficients(video.matrix, video.is_full_range)
+    light = gain * (frame.luma - black)
+    colours = [weights[0] * red, weights[1] * blue + weights[2] * red, weights[3] * blue]
+    picture = np.dstack([light + colour for colour in colours])
+    return np.clip(picture + 0.5, 0.0, 255.0).astype(np.uint8)
 
 
 class Artist:
@@ -267,9 +263,9 @@ def png_of(picture: np.ndarray) -> bytes:
     return bytes(content)
 
 
-def jpeg_of(picture: np.ndarray, quality: int = 82) -> bytes:
+def jpeg_of(picture: np.ndarray) -> bytes:
     """Return a picture of red, green and blue as a JPEG file's content."""
     cv2 = import_cv2()
-    flags = [cv2.IMWRITE_JPEG_QUALITY, quality]
+    flags = [cv2.IMWRITE_JPEG_QUALITY, _QUALITY]
     _, content = cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), flags)
     return bytes(content)

@@ -18,9 +18,8 @@ from latolato.core.versions import version_of
 from latolato.experiment.overlay import Artist, jpeg_of, picture_of
 from latolato.experiment.quality import (
     circle_distances,
-    drive_of,
     flag_shares,
-    harmonic_at,
+    pivot_harmonic,
     pivot_heights,
     typical_sigma,
 )
@@ -224,17 +223,17 @@ def _pivot_figure(table: xr.Dataset) -> Figure:
     figure, axes = new_figure(2, 1, height=3.2, sharex=True, height_ratios=[2.0, 1.0])
     scale, unit = (1e3, "mm") if table.attrs["geometry"] == "metric" else (1.0, "pixel")
     times, heights = table["time"].values, scale * pivot_heights(table)
-    amplitude, frequency = drive_of(table)
+    harmonic = pivot_harmonic(table)
     axes[0, 0].plot(times, heights, ".", ms=2, color=BLUE, label="measured")
     rest = heights
-    if amplitude is not None and frequency is not None:
-        wave = scale * harmonic_at(table)
+    if harmonic is not None:
+        wave, frequency = scale * harmonic.heights, harmonic.frequency
         axes[0, 0].plot(
             times,
             wave,
             color=ORANGE,
             lw=0.8,
-            label=f"{scale * amplitude:.4g} {unit} at {frequency:.5g} rad/s "
+            label=f"{scale * harmonic.amplitude:.4g} {unit} at {frequency:.5g} rad/s "
             f"({frequency / math.tau:.4g} Hz)",
         )
         rest = heights - wave
@@ -290,8 +289,9 @@ def _numbers(table: xr.Dataset) -> str:
     if "angle_offset_sigma" in attrs:
         common = 1e3 * attrs["angle_offset_sigma"]
         rows.append(("sigma of what all angles have in common", f"{common:.3g} mrad"))
-    amplitude, frequency = drive_of(table)
-    if amplitude is not None and frequency is not None:
+    harmonic = pivot_harmonic(table)
+    if harmonic is not None:
+        amplitude, frequency = harmonic.amplitude, harmonic.frequency
         size = f"{1e3 * amplitude:.4g} mm" if attrs["geometry"] == "metric" else (
             f"{amplitude:.4g} pixels"
         )  # fmt: skip

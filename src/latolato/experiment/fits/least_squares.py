@@ -76,7 +76,6 @@ class Guess:
     value: float
     low: float = -math.inf
     high: float = math.inf
-    free: bool = True
     prior: float = math.inf
 
 
@@ -87,9 +86,9 @@ class Solution:
     Attributes
     ----------
     names : tuple of str
-        Free parameters, in the order of `covariance`.
+        Parameters, in the order of `covariance`.
     values : dict
-        All parameters.
+        Their values.
     covariance : ndarray, shape (parameter, parameter)
         Correlation of residuals allowed for, scaled by their scatter.
     intervals : dict
@@ -122,10 +121,9 @@ class Solution:
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
-        """Return the standard deviation of a parameter, 0 for one that was held."""
-        if name not in self.names:
-            return 0.0
-        return math.sqrt(self.covariance[self.names.index(name), self.names.index(name)])
+        """Return the standard deviation of a parameter."""
+        place = self.names.index(name)
+        return math.sqrt(self.covariance[place, place])
 
     def estimate(self, name: str, unit: str) -> Estimate:
         """Return a parameter with its deviation and its interval, profiled where asked for."""
@@ -198,17 +196,17 @@ def solve(
         If the search does not converge.
     """
     lmfit = lmfit_module()
-    free = tuple(name for name, guess in guesses.items() if guess.free)
+    names = tuple(guesses)
     # What is believed beforehand needs no samples: a prior is one more of them.
-    loose = sum(math.isinf(guesses[name].prior) for name in free)
+    loose = sum(math.isinf(guess.prior) for guess in guesses.values())
     if len(data) < 2 * loose:
         raise InputError(
-            f"{len(data)} samples are too few to fit {', '.join(free)}",
+            f"{len(data)} samples are too few to fit {', '.join(names)}",
             way_out=f"take a longer piece, of {2 * loose} samples or more",
         )
     parameters = lmfit.Parameters()
     for name, guess in guesses.items():
-        parameters.add(name, guess.value, guess.free, guess.low, guess.high)
+        parameters.add(name, guess.value, min=guess.low, max=guess.high)
     mask = np.ones(len(data), dtype=bool) if like is None else like.kept
     rho = 0.0 if like is None else like.correlation
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
@@ -236,18 +234,18 @@ def solve(
             errors = whitened(data, mask, rho)(residuals / data.sigmas)
             spread = float(errors @ errors) / max(len(errors) - loose, 1)
     values = parameters.valuesdict()
-    slopes = jacobian(values, free) if jacobian else _slopes(model, values, free)
+    slopes = jacobian(values, names) if jacobian else _slopes(model, values, names)
     white = whitened(data, mask, rho)
-    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(free))])
+    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(names))])
     errors = white(residuals / data.sigmas)
     freedom = max(len(errors) - loose, 1)
     spread = float(errors @ errors) / freedom
     known = _beliefs(guesses, spread)
-    stiffness = np.array([known.get(name, 0.0) ** 2 for name in free])
+    stiffness = np.array([known.get(name, 0.0) ** 2 for name in names])
     covariance, widening = _covariance(scores, errors, spread, stiffness)
     count = len(errors)
     solution = Solution(
-        names=free,
+        names=names,
         values=dict(values),
         covariance=covariance,
         kept=mask,
@@ -256,7 +254,7 @@ def solve(
         correlation=rho,
         scatter=float(np.sqrt(np.mean(residuals[mask] ** 2))),
         chi_square=spread,
-        effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(free) + 2.0),
+        effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(names) + 2.0),
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
     )
     if profiles:
@@ -269,7 +267,7 @@ def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
     return {
         name: math.sqrt(max(spread, 1e-300)) / guess.prior
         for name, guess in guesses.items()
-        if guess.free and math.isfinite(guess.prior)
+        if math.isfinite(guess.prior)
     }
 
 
@@ -295,6 +293,7 @@ def _minimizer(
     if jacobian is not None:
 
         def slopes(trial: Any) -> Floats:
+            # A profile holds one of the parameters.
             names = [name for name in trial if trial[name].vary]
             derivatives = jacobian(trial.valuesdict(), names)
             columns = [white(-derivatives[:, i] / data.sigmas) for i in range(len(names))]
@@ -308,7 +307,7 @@ def _minimizer(
 
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
-    free = ", ".join(name for name, each in minimizer.params.items() if each.vary)
+    names = ", ".join(minimizer.params)
     way_out = "fit fewer parameters, or another piece"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -316,12 +315,12 @@ def _minimized(minimizer: Any, limit: int) -> Any:
             result = minimizer.minimize(method="leastsq", max_nfev=limit)
         except ValueError as error:  # a trial that the model refuses, or has no value for
             raise ConvergenceError(
-                f"the fit of {free} left the range of its model", way_out=way_out
+                f"the fit of {names} left the range of its model", way_out=way_out
             ) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
     if result.aborted or not result.success:
         raise ConvergenceError(
-            f"the fit of {free} did not converge in {result.nfev} trials", way_out=way_out
+            f"the fit of {names} did not converge in {result.nfev} trials", way_out=way_out
         )
     return result
 

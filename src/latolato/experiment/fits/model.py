@@ -218,22 +218,25 @@ def _value(system: System, drive: Drive, name: str) -> float:
     """Return the value that a law has."""
     if name == "angle_offset":
         return 0.0
+    law, own = _owner(system, drive, name)
+    return float(getattr(law, own))
+
+
+def _owner(system: System, drive: Drive, name: str) -> tuple[Any, str]:
+    """Return what has a parameter (the system, one of its balls, the drive), and its name there."""
     side, _, inner = name.partition("_")
     if side in _SIDES:
-        return float(getattr(getattr(system, side), inner))
-    return float(getattr(system if hasattr(system, name) else drive, name))
+        return getattr(system, side), inner
+    return (system if hasattr(system, name) else drive), name
 
 
 def _guess(system: System, drive: Drive, name: str, value: float) -> Guess:
     """Return the guess of a parameter, clear of the ends of its range."""
     if name == "angle_offset":
         return Guess(0.0)
-    side, _, inner = name.partition("_")
-    law: Any = getattr(system, side) if side in _SIDES else system
-    plain = inner if side in _SIDES else name
-    law = law if hasattr(law, plain) else drive
-    allowed = next(f.metadata["range"] for f in fields(law) if f.name == plain)
-    if plain == "damping" and value == 0.0:
+    law, own = _owner(system, drive, name)
+    allowed = next(f.metadata["range"] for f in fields(law) if f.name == own)
+    if own == "damping" and value == 0.0:
         one = law if hasattr(law, "mass") else system.balls[0]
         value = 0.01 * one.mass * one.length * system.natural_frequency
     elif value <= allowed.low:

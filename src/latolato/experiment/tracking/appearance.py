@@ -190,7 +190,6 @@ def fit_balls(
     planes: tuple[np.ndarray, ...],
     paths: list[np.ndarray],
     pivot: np.ndarray,
-    prior: float = 0.0,
     rounds: int = 6,
     tolerant: int = 1,
 ) -> BallFit:
@@ -206,8 +205,6 @@ def fit_balls(
         Centres of each ball within the exposure; the fit shifts them as a whole.
     pivot : numpy.ndarray
         Pivot (column, row), from which rods run.
-    prior : float
-        Inverse variance [1/pixel^2] that keeps the balls where they are expected; 0 does not.
     rounds, tolerant : int
         Most steps, and how many of them overlook large residuals to be drawn from farther away.
     """
@@ -220,9 +217,7 @@ def fit_balls(
     scales = np.full(rounds, look.scale)
     scales[:tolerant] *= _TOLERANT
     ends = np.cumsum([len(path) for path in paths])
-    cost, shift, matrix, tally = fitting.settle(
-        patch, everything, ends, pivot, look.drawn, scales, prior
-    )
+    cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
     return BallFit(

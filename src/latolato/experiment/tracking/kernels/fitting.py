@@ -80,7 +80,6 @@ def settle(
     pivot: np.ndarray,
     ball: Ball,
     scales: np.ndarray,
-    prior: float,
 ) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Move balls until they explain what is seen (Gauss-Newton).
 
@@ -103,8 +102,7 @@ def settle(
         cost, matrix, vector, tally = normal_equations(
             patch, layers, centres, pivot, ball.radius, scales[round_]
         )
-        matrix += (prior + 1e-9) * np.eye(2 * balls)
-        vector -= prior * shift.ravel()
+        matrix += 1e-9 * np.eye(2 * balls)
         if round_ == rounds - 1:
             break
         step = np.linalg.solve(matrix, vector).reshape(balls, 2)
