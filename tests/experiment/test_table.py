@@ -61,7 +61,7 @@ def test_what_was_not_measured_is_unknown_and_every_variable_has_units():
     [
         ({"angle_1": [0.1]}, "needs the column 'time'"),
         ({"time": []}, "needs rows"),
-        ({"time": [0.0, 0.0]}, "time must increase strictly, got 0 after 0 in row 2"),
+        ({"time": [0.0, 0.0]}, "time must increase strictly, above 0 in row 2, got 0"),
         ({"time": [0.0, np.nan]}, "time must be known in every row"),
         ({"time": [0.0], "angel_1": [0.1]}, "no column 'angel_1'"),
         ({"time": [0.0], "angle_1": [0.1, 0.2]}, "must have 1 rows"),

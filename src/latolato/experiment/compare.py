@@ -59,7 +59,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
     from latolato.experiment.fits.result import Fit
 
     if not isinstance(measured, xr.Dataset):
-        raise InputError(f"compare needs a track table or trials, got {type(measured).__name__}")
+        raise InputError("compare needs a track table or trials", value=type(measured).__name__)
     kind = measured.attrs.get("table")
     if kind not in ("track", "trials"):
         raise InputError("compare needs a track table or a trial table")

@@ -15,7 +15,7 @@ import numpy as np
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, said_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.track_table import MEASURED, balls_of, checked_table
 from latolato.experiment.trial_table import CLASSES, class_of, is_borderline, sets_of, trial_table
@@ -95,8 +95,9 @@ def trial_of(
         late = first + checked_number("transient", transient, NON_NEGATIVE, "s")
         if late >= last:
             raise InputError(
-                f"must end before the record does, got {transient:g} s of {last - first:g} s",
+                f"must be less than the record's {last - first:g} s",
                 parameter="transient",
+                value=float(transient),
             )
     drive = fit_drive(table, profile=False)
     frequency = drive["drive_frequency"]
@@ -181,10 +182,8 @@ def collect_trials(
     RuntimeWarning
         For each file that gave no trial.
     """
-    if sets not in ("auto", "folder", "amplitude"):
-        raise InputError("must be auto, folder or amplitude", parameter="sets", value=sets)
-    if isinstance(workers, bool) or workers < 1:
-        raise InputError("must be at least 1", parameter="workers", value=workers)
+    checked_choice("sets", sets, ("auto", "folder", "amplitude"))
+    workers = checked_count("workers", workers)
     import xarray as xr
 
     alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
@@ -323,8 +322,7 @@ def _row(
             table = _tracked(file, of_video) if is_video else read_table(file)
         row = trial_of(table, **of_trial)
     except Exception as error:
-        text = said_of(error)
-        return text.removeprefix(f"'{file}': ").removeprefix(f"{file}: ")
+        return said_of(error).removeprefix(f"{file}: ")
     row["source"] = row["source"] or (file.name if isinstance(file, Path) else "")
     return row
 

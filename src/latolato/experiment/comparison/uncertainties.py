@@ -86,7 +86,7 @@ def plan_of(grid: Any) -> Plan:
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise InputError(f"a map must be the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError("a map must be the dataset of a sweep", value=type(grid).__name__)
     if "plan" not in grid.attrs:
         raise InputError("the dataset is no map: it does not hold the plan of a sweep")
     plan = Plan.from_description(json.loads(grid.attrs["plan"]))

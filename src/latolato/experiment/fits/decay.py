@@ -12,7 +12,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
-from latolato.core.registry import checked_number, suggest
+from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
@@ -149,12 +149,13 @@ def fit_decay(
     """
     lmfit_module()
     checked_table(table)
-    if method not in METHODS:
-        raise InputError(f"must be one of {', '.join(METHODS)}", parameter="method", value=method)
+    checked_choice("method", method, METHODS)
     if law != "best" and law not in LAWS:
-        raise InputError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
+        raise InputError(f"unknown drag law '{law}'", way_out=suggest(law, ["best", *LAWS]))
     if method == "envelope" and law != "linear":
-        raise InputError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
+        raise InputError(
+            "the envelope of eq13 is of linear drag", way_out=f"use method 'equation' for {law}"
+        )
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")

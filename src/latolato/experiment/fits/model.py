@@ -29,6 +29,7 @@ from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,8 +114,7 @@ def fit_model(
     """
     lmfit_module()
     checked_table(table)
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     if window is not None:
         window = checked_number("window", window, POSITIVE, "s")
     data = angles_of(table, system, ball, start, end)

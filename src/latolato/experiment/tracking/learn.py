@@ -130,8 +130,9 @@ def learn_image_model(
         sightings = fit_sample(scene, frames, sightings, pivots, tolerant=3 if round_ == 0 else 1)
         if not sightings:
             raise InputError(
-                f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
-                "found in other frames; point at the ball's centre in the first frame"
+                f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
+                "frames",
+                way_out="point at the ball's centre in the first frame",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if round_ == 0:
