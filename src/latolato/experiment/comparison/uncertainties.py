@@ -58,6 +58,14 @@ def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str
     return deviations
 
 
+def frequencies_of(trials: xr.Dataset, system: System) -> tuple[Floats, Floats]:
+    """Return frequency [rad/s] and frequency ratio of trials, each from the other where unknown."""
+    frequency, ratio = trials["drive_frequency"].values, trials["frequency_ratio"].values
+    natural = system.natural_frequency
+    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
+    return np.where(np.isfinite(frequency), frequency, ratio * natural), ratio
+
+
 def drawn(
     system: System, sigmas: Mapping[str, float], count: int, random: np.random.Generator
 ) -> dict[str, Floats]:
