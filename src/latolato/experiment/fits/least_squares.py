@@ -195,7 +195,6 @@ def solve(
     ConvergenceError
         If the search does not converge.
     """
-    lmfit = lmfit_module()
     names = tuple(guesses)
     # What is believed beforehand needs no samples: a prior is one more of them.
     loose = sum(math.isinf(guess.prior) for guess in guesses.values())
@@ -204,38 +203,32 @@ def solve(
             f"{len(data)} samples are too few to fit {', '.join(names)}",
             way_out=f"take a longer piece, of {2 * loose} samples or more",
         )
-    parameters = lmfit.Parameters()
+    parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, min=guess.low, max=guess.high)
     mask = np.ones(len(data), dtype=bool) if like is None else like.kept
     rho = 0.0 if like is None else like.correlation
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
     spread = 1.0 if like is None else like.chi_square
-    rounds = _ROUNDS + 1 if like is None else 1
-    result: Any = None
-    for turn in range(rounds):
-        beliefs = _beliefs(guesses, spread)
-        minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
+    residuals = data.values
+    # Without a solution to be like: all samples, those that are no outliers, then whitened ones.
+    for turn in range(1 if like is not None else _ROUNDS + 2):
+        if turn == 1:
+            cleaned = _without_outliers(residuals / data.sigmas)
+            if np.array_equal(cleaned, mask):
+                continue
+            mask = cleaned
+        elif turn > 1:
+            rho = _correlation(data, mask, residuals)
+            errors = whitened(data, mask, rho)(residuals / data.sigmas)
+            spread = float(errors @ errors) / max(len(errors) - loose, 1)
+        white, beliefs = whitened(data, mask, rho), _beliefs(guesses, spread)
+        minimizer = _minimizer(model, parameters, data, white, jacobian, beliefs)
         result = _minimized(minimizer, limit)
         parameters = result.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
-        if turn == 0 and like is None:
-            cleaned = _without_outliers(residuals / data.sigmas)
-            if not np.array_equal(cleaned, mask):
-                mask = cleaned
-                minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
-                result = _minimized(minimizer, limit)
-                parameters = result.params
-                values = parameters.valuesdict()
-                residuals = data.values - model(values)
-        if turn < rounds - 1:
-            rho = _correlation(data, mask, residuals)
-            errors = whitened(data, mask, rho)(residuals / data.sigmas)
-            spread = float(errors @ errors) / max(len(errors) - loose, 1)
-    values = parameters.valuesdict()
     slopes = jacobian(values, names) if jacobian else _slopes(model, values, names)
-    white = whitened(data, mask, rho)
     scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(names))])
     errors = white(residuals / data.sigmas)
     freedom = max(len(errors) - loose, 1)
@@ -258,7 +251,7 @@ def solve(
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
     )
     if profiles:
-        solution.intervals.update(_profiles(lmfit, minimizer, result, solution, widening, profiles))
+        solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
     return solution
 
 
@@ -272,17 +265,14 @@ def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
 
 
 def _minimizer(
-    lmfit: Any,
     model: Model,
     parameters: Any,
     data: Data,
-    mask: NDArray[np.bool_],
-    rho: float,
+    white: Callable[[Floats], Floats],
     jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
     beliefs: Mapping[str, float],
 ) -> Any:
     """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
-    white = whitened(data, mask, rho)
 
     def errors(trial: Any) -> Floats:
         values = trial.valuesdict()
@@ -302,7 +292,9 @@ def _minimizer(
 
         options |= {"Dfun": slopes, "col_deriv": True}
         del options["epsfcn"]
-    return lmfit.Minimizer(errors, parameters, nan_policy="raise", calc_covar=True, **options)
+    return lmfit_module().Minimizer(
+        errors, parameters, nan_policy="raise", calc_covar=True, **options
+    )
 
 
 def _minimized(minimizer: Any, limit: int) -> Any:
@@ -422,14 +414,10 @@ def _covariance(
 
 
 def _profiles(
-    lmfit: Any,
-    minimizer: Any,
-    result: Any,
-    solution: Solution,
-    widening: Floats,
-    names: Sequence[str],
+    minimizer: Any, result: Any, solution: Solution, widening: Floats, names: Sequence[str]
 ) -> dict[str, tuple[float, float]]:
     """Return 95 percent profile intervals, none where a profile does not end."""
+    lmfit = lmfit_module()
     # lmfit refuses without its own estimate, which a parameter at its bound has not.
     if any(result.params[name].stderr is None for name in solution.names):
         return {}
