@@ -202,7 +202,7 @@ def _number(cell: str, decimal_comma: bool) -> float | None:
         return float("nan") if plain.lower() in ("-", "na", "n/a", "none", "null") else None
 
 
-def _parted(name: str) -> tuple[str, str]:
+def _name_and_unit(name: str) -> tuple[str, str]:
     """Return a column's name and its unit, which may be empty."""
     match = _WITH_UNIT.fullmatch(name)
     if match is None:
@@ -213,7 +213,7 @@ def _parted(name: str) -> tuple[str, str]:
 
 def _usual(names: list[str]) -> dict[str, str]:
     """Return the columns that are called as usual."""
-    plain = {_parted(name)[0].lower(): name for name in reversed(names)}
+    plain = {_name_and_unit(name)[0].lower(): name for name in reversed(names)}
     mapping = {
         target: next(plain[word] for word in words if word in plain)
         for target, words in _USUAL.items()
@@ -228,48 +228,48 @@ def _usual(names: list[str]) -> dict[str, str]:
     return mapping
 
 
-def _column(text: _Text, target: str, wanted: str) -> Floats:
+def _column(text: _Text, target: str, column: str) -> Floats:
     """Return a column of the file in SI units."""
     if target not in (*TARGETS, _RATE):
         known = [*TARGETS, _RATE]
         raise InputError(f"a track table has no column '{target}': {suggest(target, known)}")
-    index, unit = _found(text.names, wanted)
+    index, unit = _locate(text.names, column)
     quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
     if not unit:
         raise InputError(
-            f"the unit of column '{wanted}' is missing; write it in brackets, as in "
-            f"{target} = '{wanted} [{quantity.unit}]'"
+            f"the unit of column '{column}' is missing; write it in brackets, as in "
+            f"{target} = '{column} [{quantity.unit}]'"
         )
     try:
         factor = to_si(target, f"1 {unit}", quantity.unit)
     except InputError:
         raise InputError(
-            f"column '{wanted}' is in [{unit}], which is no unit of {target} [{quantity.unit}]"
+            f"column '{column}' is in [{unit}], which is no unit of {target} [{quantity.unit}]"
         ) from None
     numbers = []
     for row, cell in enumerate(text.columns[index]):
         number = _number(cell, text.decimal_comma)
         if number is None:
-            raise InputError(f"row {row + 1} of column '{wanted}' holds {cell!r}")
+            raise InputError(f"row {row + 1} of column '{column}' holds {cell!r}")
         numbers.append(number)
     values: Floats = factor * np.array(numbers)
     return values
 
 
-def _found(names: list[str], wanted: str) -> tuple[int, str]:
-    """Return the place and the unit of the column that `wanted` names, with its unit or without."""
-    name, unit = _parted(wanted)
-    matches = [i for i, each in enumerate(names) if each == wanted]
+def _locate(names: list[str], column: str) -> tuple[int, str]:
+    """Return the place and the unit of the column that `column` means, with its unit or without."""
+    name, unit = _name_and_unit(column)
+    matches = [i for i, each in enumerate(names) if each == column]
     if not matches:
         matches = [i for i, each in enumerate(names) if each == name]
     if not matches:
-        matches = [i for i, each in enumerate(names) if _parted(each)[0] == name]
+        matches = [i for i, each in enumerate(names) if _name_and_unit(each)[0] == name]
     if not matches:
         known = ", ".join(names)
         raise InputError(f"it has no column '{name}'; it has {known}")
     if len(matches) > 1:
         raise InputError(f"it has {len(matches)} columns '{name}': rename them")
-    own = _parted(names[matches[0]])[1]
+    own = _name_and_unit(names[matches[0]])[1]
     if unit and own and unit != own:
         raise InputError(f"column '{name}' is in [{own}] itself, not in [{unit}]")
     return matches[0], unit or own

@@ -39,11 +39,11 @@ class Setup:
     gravity : float
         Gravitational acceleration [m/s^2].
     optics : Optics
-        What is declared of the camera.
+        What the user declares about the camera.
     slow_motion : float
         How many times slower than life the video plays.
     limits : Limits
-        What a video may ask for.
+        The largest videos that are read.
     is_proposed : bool
         Whether nobody pointed at pivot or balls: they were found in the video.
     """

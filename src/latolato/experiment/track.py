@@ -360,7 +360,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings
     scale = length / measured.hinge.arm if length else math.nan
-    found_radius = scene.look.radius * scale
+    measured_radius = scene.look.radius * scale
     turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
@@ -384,15 +384,15 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
         if not length:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(found_radius / radius - 1.0) > _doubt(scene):
+    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
         task.warnings.append(
-            f"the balls' radius is {found_radius * 1e3:.2f} mm by the length's scale, declared "
+            f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
         )
     attributes = {
         **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
-        "measured_radius": found_radius if length else None,
+        "measured_radius": measured_radius if length else None,
         "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),

@@ -18,7 +18,14 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.track_table import MEASURED, balls_of, checked_table
-from latolato.experiment.trial_table import CLASSES, class_of, is_borderline, sets_of, trial_table
+from latolato.experiment.trial_table import (
+    CLASSES,
+    class_of,
+    is_borderline,
+    is_trial_table,
+    sets_of,
+    trial_table,
+)
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -197,7 +204,8 @@ def collect_trials(
     for done, (file, row) in enumerate(_rows(files, of_trial, of_video, workers), start=1):
         if isinstance(row, str):
             # Most messages name the file themselves.
-            failed.append(row if str(file) in row else f"{_name(file)}: {row}")
+            name = file if isinstance(file, Path) else file.attrs.get("source", "a table")
+            failed.append(row if str(file) in row else f"{name}: {row}")
             warnings.warn(failed[-1], RuntimeWarning, stacklevel=2)
         else:
             rows.append(row)
@@ -243,7 +251,7 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
             inside = [
                 p
                 for p in every
-                if not (_stem(p) in known if p.suffix.lower() in VIDEOS else _is_trials(p))
+                if not (_stem(p) in known if p.suffix.lower() in VIDEOS else is_trial_table(p))
             ]
             files += inside
             if not inside:
@@ -275,18 +283,6 @@ def _is_track(path: Path) -> bool:
     except (InputError, OSError):
         return False
     return True
-
-
-def _is_trials(path: Path) -> bool:
-    """Return whether a file is a trial table, which is no trial itself."""
-    from latolato.experiment.trial_table import is_trial_table
-
-    return path.suffix.lower() != ".parquet" and is_trial_table(path)
-
-
-def _name(file: Any) -> str:
-    """Return what a source is called in messages."""
-    return str(file.attrs.get("source", "a table")) if hasattr(file, "attrs") else str(file)
 
 
 def _rows(

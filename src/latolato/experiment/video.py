@@ -39,7 +39,7 @@ _PLANAR = ("yuv420p", "yuvj420p")
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a video may ask for before it is refused.
+    """The largest videos that are read.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Limits:
     memory: float = 6e9
 
     def check(self, name: str, value: float, words: str) -> None:
-        """Raise if a video asks for more than a limit; `words` say for what."""
+        """Raise if a value exceeds one of the limits; `words` describe the value."""
         limit, unit = getattr(self, name), _UNITS[name]
         if value > limit:
             raise InputError(

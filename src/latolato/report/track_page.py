@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.versions import version_of
-from latolato.experiment.overlay import Artist, jpeg_of, picture_of
+from latolato.experiment.overlay import Artist, encoded, picture_of
 from latolato.experiment.quality import (
     circle_distances,
     flag_shares,
@@ -110,7 +110,9 @@ def render(table: xr.Dataset, video: Video) -> str:
         ),
         warnings=_warnings(notes),
         numbers=_numbers(table),
-        first=_image(jpeg_of(_fitted(first, 1100)), "image/jpeg", "The first frame, marked"),
+        first=_image(
+            encoded(_fitted(first, 1100), ".jpg"), "image/jpeg", "The first frame, marked"
+        ),
         graphs="".join(_graph(figure, text) for figure, text in _figures(table)),
         flags=_flags(table),
         worst=_thumbnails(worst, kept, artist, video),
@@ -385,7 +387,7 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")
+        image = _image(encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {number}")
         text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
         cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"

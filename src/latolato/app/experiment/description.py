@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
-# Files that are made when they are asked for.
+# Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
 _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]

@@ -83,7 +83,7 @@ def prepare(request: Any, store: Store) -> Job:
 
 @contextmanager
 def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
-    """Give the folder of a clip to a job; its process' end is told in words about the clip."""
+    """Lend the folder of a clip to a job; explain an early end of its process."""
     from latolato.app.processes import EndedError, JobError, LateError
 
     try:
@@ -130,7 +130,7 @@ def _reason(code: int, clip: Clip) -> str:
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Do what a page wants of a clip: what the job `clip` does in its process.
+    """Do the work on a clip that a page requested: the job `clip`, in its own process.
 
     Raises
     ------

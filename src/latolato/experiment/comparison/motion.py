@@ -227,7 +227,7 @@ def _spread(
     count: int,
     seed: int,
 ) -> Floats:
-    """Return the deviation of the computed angles that starts and parameters leave open."""
+    """Return the deviation of the computed angles because starts and parameters are uncertain."""
     from dataclasses import replace
 
     random = np.random.default_rng(seed)

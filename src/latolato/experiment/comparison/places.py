@@ -54,7 +54,7 @@ def compare_map(
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units: ``{"length": 5e-4, ...}``.
     draws : int
-        Times that all trials are computed again with parameters that could be meant as well; 0
+        How often all trials are computed again with parameters within their uncertainty; 0
         leaves that out.
     seed : int
         Of these draws.
@@ -220,7 +220,7 @@ class _Draws:
 def _drawn(
     trials: xr.Dataset, plan: Plan, widths: Mapping[str, float], count: int, seed: int
 ) -> _Draws:
-    """Return measured and computed classes with parameters that could be meant as well."""
+    """Return measured and computed classes with parameters within their uncertainty."""
     random = np.random.default_rng(seed)
     n = trials.sizes["trial"]
 

@@ -226,7 +226,7 @@ fits.register("decay")(
 
 @dataclass(frozen=True)
 class _Part:
-    """What one method gives of a fit."""
+    """What one method contributes to a fit."""
 
     estimates: dict[str, Estimate]
     curves: dict[str, tuple[str, Any]]
@@ -246,17 +246,16 @@ def _by_equation(
 ) -> _Part:
     """Return what the full equation gives with a law of drag."""
     laws = _compared(data, first, aside) if compare else {}
-    wanted = law
     if law == "best":
-        wanted = min(laws, key=lambda name: laws[name].bayes, default="linear")
-    chosen, solution = _converged(data, first, laws, wanted, aside, profile=profile)
+        law = min(laws, key=lambda name: laws[name].bayes, default="linear")
+    chosen, solution = _converged(data, first, laws, law, aside, profile=profile)
     estimates = body.estimates(solution, LAWS[chosen])
     sentences = [body.verdict(estimates, solution, chosen)]
     if compare:
         sentences.append(_law_verdict(laws, chosen))
-    if chosen != wanted:
+    if chosen != law:
         sentences.append(
-            f"The fit with {wanted} drag did not converge: these are the numbers of {chosen} drag."
+            f"The fit with {law} drag did not converge: these are the numbers of {chosen} drag."
         )
     curves: dict[str, tuple[str, Any]] = {}
     if laws:
@@ -481,7 +480,7 @@ class _Body:
         return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
 
     def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
-        """Return the estimates in the terms of people."""
+        """Return the estimates under their public names."""
         rate = solution.estimate("natural_frequency", "rad/s")
         length = self._length(rate)
         estimates: dict[str, Estimate] = {}
@@ -567,7 +566,7 @@ class _Body:
 
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
-    """Return which drag law a comparison is for, and whether the chosen one is in question."""
+    """Return which drag law a comparison prefers, and whether the chosen one is doubtful."""
     if not laws:
         return f"The {len(LAWS)} drag laws could not be compared: no fit of theirs converged."
     lost = [name for name in LAWS if name not in laws]

@@ -92,7 +92,7 @@ class Solution:
     covariance : ndarray, shape (parameter, parameter)
         Correlation of residuals allowed for, scaled by their scatter.
     intervals : dict
-        95 percent profile intervals by name, where asked for.
+        95 percent profile intervals of the `profiles` that `solve` took, by name.
     kept : ndarray of bool, shape (sample,)
         What was fitted; False for outliers.
     residuals, curve : ndarray, shape (sample,)
@@ -126,7 +126,7 @@ class Solution:
         return math.sqrt(self.covariance[place, place])
 
     def estimate(self, name: str, unit: str) -> Estimate:
-        """Return a parameter with its deviation and its interval, profiled where asked for."""
+        """Return a parameter with its deviation and its interval, the profile's if there is one."""
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
 

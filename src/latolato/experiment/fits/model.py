@@ -183,10 +183,10 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
     """Return what varies, checked."""
     known = _known(system, drive)
     if vary is None:
-        wanted = ["length", "damping", *(["restitution"] if system.has_contacts else [])]
+        names = ["length", "damping"]
         if system.angles == 2:
-            wanted = [f"{s}_{n}" for n in wanted[:2] for s in _SIDES] + wanted[2:]
-        return wanted
+            names = [f"{side}_{name}" for name in names for side in _SIDES]
+        return names + (["restitution"] if system.has_contacts else [])
     if isinstance(vary, str):
         vary = [vary]
     for name in vary:
@@ -269,7 +269,7 @@ def _longest(
 ) -> tuple[Solution, WindowedModel, int]:
     """Return the solution of the longest windows that the model follows.
 
-    The third is in how many longer windows the fit did not converge, 0 if it was not asked to.
+    The third is the number of longer windows in which the fit did not converge, 0 without such.
     """
     best: tuple[Solution, WindowedModel] | None = None
     lost = 0
