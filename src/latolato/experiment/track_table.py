@@ -15,7 +15,7 @@ import numpy as np
 
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
-from latolato.core.registry import suggest
+from latolato.core.registry import checked_choice, suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,34 +25,19 @@ FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
 # Of these, what the picture shows; the rest is computed by the tracker.
 MEASURED = FLAGS[:3]
 SUFFIXES = (".csv", ".parquet", ".nc")
-# The columns in their order; those in curly brackets come with a second ball only.
+# The columns in their order; those of the second ball come with two balls only.
 COLUMNS = (
-    "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "{ball_2_x}", "{ball_2_y}",
-    "angle_1", "{angle_2}", "angle_sigma_1", "{angle_sigma_2}", "flag_1", "{flag_2}",
+    "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "ball_2_x", "ball_2_y",
+    "angle_1", "angle_2", "angle_sigma_1", "angle_sigma_2", "flag_1", "flag_2",
 )  # fmt: skip
 # Places in the picture, which a table has where no length gave a scale.
-PICTURE_COLUMNS = (
-    "pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "{ball_2_u}", "{ball_2_v}",
-)  # fmt: skip
+PICTURE_COLUMNS = ("pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "ball_2_u", "ball_2_v")
 _KIND = "track"
 
 
-def column_names(balls: int) -> tuple[str, ...]:
+def column_names(balls: int, columns: tuple[str, ...] = COLUMNS) -> tuple[str, ...]:
     """Return the names of a table's columns in their order, for one ball or two."""
-    kept = COLUMNS if balls == 2 else [name for name in COLUMNS if name[0] != "{"]
-    return tuple(name.strip("{}") for name in kept)
-
-
-def picture_names(balls: int) -> tuple[str, ...]:
-    """Return the names of the columns in pixels in their order, for one ball or two."""
-    kept = [name for name in PICTURE_COLUMNS if balls == 2 or name[0] != "{"]
-    return tuple(name.strip("{}") for name in kept)
-
-
-def names_in(table: xr.Dataset) -> tuple[str, ...]:
-    """Return the names of the columns that a table has, in their order."""
-    balls = balls_of(table)
-    return column_names(balls) + tuple(n for n in picture_names(balls) if n in table.variables)
+    return tuple(name for name in columns if balls == 2 or "_2" not in name)
 
 
 def track_table(
@@ -91,10 +76,9 @@ def track_table(
     """
     import xarray as xr
 
-    second = [name.strip("{}") for name in COLUMNS + PICTURE_COLUMNS if name[0] == "{"]
-    balls = 2 if any(name in columns for name in second) else 1
+    balls = 2 if any("_2" in name for name in columns) else 1
     names = column_names(balls)
-    known = names + picture_names(balls)
+    known = names + column_names(balls, PICTURE_COLUMNS)
     for name in columns:
         if name not in known:
             raise InputError(
@@ -189,7 +173,11 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     check_target(path)
     if suffix == ".nc":
         return save(table, path)
-    columns = {name: (table[name].values, table[name].attrs) for name in names_in(table)}
+    columns = {
+        name: (table[name].values, table[name].attrs)
+        for name in COLUMNS + PICTURE_COLUMNS
+        if name in table.variables
+    }
     with atomic_path(path) as unfinished:
         write_columns(columns, table.attrs, unfinished, suffix)
     return path
@@ -240,7 +228,7 @@ def read_table(path: str | Path) -> xr.Dataset:
                     value=unit,
                 )
         attributes = {key: _plain(value) for key, value in attributes.items()}
-        known = {*column_names(balls), *(name.strip("{}") for name in PICTURE_COLUMNS)}
+        known = {*column_names(balls), *PICTURE_COLUMNS}
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
         if suffix != ".nc":
@@ -268,10 +256,7 @@ def _values(name: str, column: Any) -> Any:
     if name.startswith("flag_"):
         values = values.astype(str)
         for flag in np.unique(values):
-            if flag not in FLAGS:
-                raise InputError(
-                    f"must be one of {', '.join(FLAGS)}", parameter=name, value=str(flag)
-                )
+            checked_choice(name, str(flag), FLAGS)
         return values
     try:
         numbers = values.astype(np.float64)
