@@ -179,7 +179,7 @@ def test_a_file_that_is_no_video_is_told_in_one_line(page, tmp_path):
     path.write_text("hello")
     page.goto("/?view=experiment")
     page.get_by_label("Drop a video here, or choose one").set_input_files(path)
-    alert = page.get_by_role("alert").filter(has_text="note.mp4 cannot be read as a video")
+    alert = page.get_by_role("alert").filter(has_text="note.mp4: it cannot be read as a video")
     alert.wait_for(timeout=PATIENCE)
     page.get_by_role("button", name="Remove note.mp4").click()
     state(page, "empty")

@@ -61,7 +61,7 @@ def test_what_was_not_measured_is_unknown_and_every_variable_has_units():
     [
         ({"angle_1": [0.1]}, "needs the column 'time'"),
         ({"time": []}, "needs rows"),
-        ({"time": [0.0, 0.0]}, "time must increase strictly, got 0 after 0 in row 2"),
+        ({"time": [0.0, 0.0]}, "time must increase strictly, above 0 in row 2, got 0"),
         ({"time": [0.0, np.nan]}, "time must be known in every row"),
         ({"time": [0.0], "angel_1": [0.1]}, "no column 'angel_1'"),
         ({"time": [0.0], "angle_1": [0.1, 0.2]}, "must have 1 rows"),
@@ -122,3 +122,15 @@ def test_what_else_a_netcdf_file_says_of_its_frames_is_kept(tmp_path):
     table["covered_1"] = ("frame", [0.0, 0.5], {"units": "1", "long_name": "hidden part"})
     write_table(table, tmp_path / "truth.nc")
     assert read_table(tmp_path / "truth.nc").covered_1.values.tolist() == [0.0, 0.5]
+
+
+def test_a_refused_file_is_named_with_the_parts_of_the_error(tmp_path):
+    path = tmp_path / "table.csv"
+    write_table(track_table({"time": [0.0, 0.1], "angle_1": [0.2, 0.1]}), path)
+    path.write_text(path.read_text().replace("column time [s]", "column time [ms]"))
+    with pytest.raises(
+        InputError, match=r"unit of column 'time' must be \[s\], got 'ms'"
+    ) as caught:
+        read_table(path)
+    error = caught.value
+    assert (error.where, error.parameter, error.value) == (str(path), "time", "ms")

@@ -235,7 +235,7 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
     code = main(["track", *videos, *swing.options, "--output", str(folder), "--workers", "1"])
     told = capsys.readouterr()
     assert code == 1
-    assert "bad.mp4 cannot be read" in told.err
+    assert "bad.mp4: it cannot be read" in told.err
     assert "1 of 2 videos failed" in told.err
     assert sorted(p.name for p in folder.iterdir()) == ["swing.csv", "swing.csv.track.toml"]
 

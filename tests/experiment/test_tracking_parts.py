@@ -36,7 +36,8 @@ def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
     layer = np.zeros((size, size, 4), np.float32)
     paint = np.ones((31, 31, 3)) * np.array(colour)
     path = np.atleast_2d(np.asarray(centre, float))
-    kernels.cover(path, np.zeros(len(path)), radius, blur, paint, 0, 0, layer)
+    ball = kernels.Ball(radius, blur, paint, False)
+    kernels.cover(path, np.zeros(len(path)), ball, np.zeros(2), layer)
     return layer
 
 
@@ -68,11 +69,12 @@ def test_a_ball_swept_along_an_arc_is_the_mean_of_many_places(length):
 
     pivot = np.array([0.0, -75.0])
     exact, swept = np.zeros((2, 120, 140, 4), np.float32)
-    kernels.cover(path(400), np.zeros(400), radius, blur, paint, 0, 0, exact)
+    ball = kernels.Ball(radius, blur, paint, False)
+    kernels.cover(path(400), np.zeros(400), ball, np.zeros(2), exact)
     few = path(samples_for(length))
-    total, pieces = fitting.prepared(few, pivot, False, radius, blur, paint)
-    assert len(pieces) >= 1
-    fitting.draw(few, np.zeros(2), pivot, False, radius, blur, paint, pieces, total, 0, 0, swept)
+    ready = fitting.prepared(few, pivot, ball)
+    assert len(ready[1]) >= 1
+    fitting.draw(few, np.zeros(2), pivot, ball, ready, np.zeros(2), swept)
     assert swept[..., 3].sum() == pytest.approx(exact[..., 3].sum(), rel=1e-4)
     assert np.abs(swept - exact)[..., 3].max() < 0.05
     columns = np.arange(140)
@@ -116,7 +118,8 @@ def _shots(radius, blur, smear=0.0, metal=False):
         centre = 45.0 + random.uniform(-0.5, 0.5, 2)
         path = centre + np.stack([np.linspace(-0.5, 0.5, 9) * smear, np.zeros(9)], axis=-1)
         layer = np.zeros((91, 91, 4), np.float32)
-        kernels.cover(path, np.zeros(9), radius, blur, paint, 0, 0, layer)
+        ball = kernels.Ball(radius, blur, paint, False)
+        kernels.cover(path, np.zeros(9), ball, np.zeros(2), layer)
         waves = np.sin(0.3 * i + random.uniform(0, 6)) * np.sin(0.2 * j + random.uniform(0, 6))
         wall = (0.4 + 0.08 * waves)[..., None] * np.array([1.0, 0.9, 0.8])
         dark = 0.3 / (1.0 + np.exp((np.hypot(i - centre[0] - 9, j - centre[1] - 9) - radius) / 3))
@@ -151,12 +154,10 @@ def test_normal_equations_find_a_shift_of_a_disc():
     seen = _disc(true)
     image = behind * (1.0 - seen[..., 3:]) + seen[..., :3]
     for _ in range(6):
-        matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 4))
-        kernels.normal_equations(
-            image.astype(np.float32), behind, _disc(guess)[None], guess[None],
-            np.array([20.0, -200.0]),
-            10.0, np.zeros(2), 3.0, False, matrix, vector, tally,
-        )  # fmt: skip
+        patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), False)
+        _, matrix, vector, tally = kernels.normal_equations(
+            patch, _disc(guess)[None], guess[None], np.array([20.0, -200.0]), 10.0, 3.0
+        )
         guess = guess + np.linalg.solve(matrix, vector)
     # Differences of two pixels as slopes, and four-byte colours.
     assert np.allclose(guess, true, atol=1e-3)
@@ -166,12 +167,8 @@ def test_normal_equations_find_a_shift_of_a_disc():
 def test_colours_of_grey_planes_are_linear_light():
     luma = np.array([[16, 235, 126]], np.uint8)
     chroma = np.full((1, 2), 128, np.uint8)
-    out = np.empty((1, 3, 3), np.float32)
     mix = kernels.colour_coefficients("bt709", is_full_range=False)
-    kernels.window(
-        luma, chroma, chroma, 0, 0, 1, kernels.linear_light(), mix, np.eye(3, dtype=np.float32),
-        False, out,
-    )  # fmt: skip
+    out = Colours(kernels.linear_light(), mix).window((luma, chroma, chroma), (0, 0), (1, 3))
     # sRGB: half the coded range is 21.6 % of the light (IEC 61966-2-1); table of quarter steps.
     half = ((110 / 219 + 0.055) / 1.055) ** 2.4
     assert np.allclose(out[0, :, 0], [0.0, 1.0, half], atol=2e-3)

@@ -197,7 +197,7 @@ def test_a_bad_trial_table_is_refused_in_one_line(tmp_path, text, words):
 
 def test_bad_options_of_trials_are_refused():
     table = driven(duration=10.0)
-    with pytest.raises(ValueError, match="transient must end"):
+    with pytest.raises(ValueError, match="transient must be less than the record"):
         trial_of(table, transient=20.0)
     with pytest.raises(ValueError, match="sets must be"):
         collect_trials(table, sets="colour")

@@ -208,7 +208,7 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
 
 def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
-    from latolato.experiment.quality import drive_of, flag_shares, typical_sigma
+    from latolato.experiment.quality import flag_shares, pivot_harmonic, typical_sigma
     from latolato.experiment.track_table import balls_of
 
     attrs = table.attrs
@@ -220,8 +220,9 @@ def summarise(table: Any) -> dict[str, Any]:
         "flags": flag_shares(table),
         "angle_sigma": typical_sigma(table),
     }
-    amplitude, frequency = drive_of(table)
-    numbers |= {"drive_amplitude": amplitude, "drive_frequency": frequency}
+    harmonic = pivot_harmonic(table)
+    numbers["drive_amplitude"] = harmonic and harmonic.amplitude
+    numbers["drive_frequency"] = harmonic and harmonic.frequency
     for name in (
         "exposure",
         "circle_residual",

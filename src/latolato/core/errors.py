@@ -8,6 +8,9 @@ import platform
 import sys
 import tempfile
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 _NOT_GIVEN: Any = object()
@@ -100,6 +103,16 @@ def _rebuilt(kind: type[InputError], rule: tuple[str], parts: dict[str, Any]) ->
     error = kind(*rule)
     vars(error).update(parts)
     return error
+
+
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """Name a file as the one that holds what is refused meanwhile, unless another is named."""
+    try:
+        yield
+    except InputError as error:
+        error.where = error.where or str(path)
+        raise
 
 
 def extra_command(extra: str) -> str:

@@ -59,14 +59,17 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
     from latolato.experiment.fits.result import Fit
 
     if not isinstance(measured, xr.Dataset):
-        raise InputError(f"compare needs a track table or trials, got {type(measured).__name__}")
+        raise InputError("compare needs a track table or trials", value=type(measured).__name__)
     kind = measured.attrs.get("table")
     if kind not in ("track", "trials"):
         raise InputError("compare needs a track table or a trial table")
     if isinstance(computed, Fit):
         system, sigmas = system_of(computed)
         options = {"sigmas": sigmas, **options}
-        drive = drive if drive is not None or kind == "trials" else _drive_of(computed)
+        if kind == "track" and drive is None:
+            # None for the measured one.
+            is_given = computed.dataset.attrs.get("pivot") == "the given drive"
+            drive = computed.drive if is_given else None
         computed = system
     if kind == "track":
         if not isinstance(computed, System):
@@ -100,9 +103,3 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
             "its mass"
         )
     return system, {f.name: fit[f.name].sigma for f in fields(system) if f.name in fit}
-
-
-def _drive_of(fit: Fit) -> Any:
-    """Return the drive that a fit was given, None for the measured one."""
-    is_given = fit.dataset.attrs.get("pivot") == "the given drive"
-    return fit.drive if is_given else None

@@ -8,14 +8,14 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
-from latolato.core.registry import checked_number, suggest
+from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.track_table import column_names, track_table
 from latolato.scenario.units import to_si
 
@@ -100,55 +100,47 @@ def import_table(
         If the file cannot be read.
     """
     path = Path(path)
-    _check_choice("angle_from", angle_from, ("down", "right"))
-    _check_choice("y_axis", y_axis, ("up", "down"))
+    checked_choice("angle_from", angle_from, ("down", "right"))
+    checked_choice("y_axis", y_axis, ("up", "down"))
     if not path.is_file():
         raise FileNotFoundError(f"there is no file '{path}'")
-    if path.stat().st_size > _LARGEST:
-        raise InputError(f"'{path}' is larger than {_LARGEST // 1_000_000} MB; cut it")
-    raw = path.read_bytes()
-    text = _split(raw, path)
-    mapping = _usual(text.names, path) if columns is None else dict(columns)
-    if "time" not in mapping:
-        raise InputError(f"'{path}': say which column is the time, as in time = 't [s]'")
-    series = {target: _column(text, target, name, path) for target, name in mapping.items()}
-    if y_axis == "down":
-        series = {name: -v if name.endswith("_y") else v for name, v in series.items()}
-        pivot = None if pivot is None else (pivot[0], -pivot[1])
-    if _RATE in series:
-        if "angle_1" in series:
-            raise InputError(f"'{path}': give angle_1 or {_RATE}, not both")
-        series["angle_1"] = _integrated(series["time"], series.pop(_RATE), path)
-    _place_angles(series, path, pivot, angle_from)
-    if angle_sigma is not None:
-        sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
+    with reading(path):
+        if path.stat().st_size > _LARGEST:
+            raise InputError(f"it is larger than {_LARGEST // 1_000_000} MB", way_out="cut it")
+        raw = path.read_bytes()
+        text = _split(raw)
+        mapping = _usual(text.names) if columns is None else dict(columns)
+        if "time" not in mapping:
+            raise InputError("which column is the time?", way_out="say it as in time = 't [s]'")
+        series = {target: _column(text, target, name) for target, name in mapping.items()}
+        if y_axis == "down":
+            series = {name: -v if name.endswith("_y") else v for name, v in series.items()}
+            pivot = None if pivot is None else (pivot[0], -pivot[1])
+        if _RATE in series:
+            if "angle_1" in series:
+                raise InputError(f"give angle_1 or {_RATE}, not both")
+            series["angle_1"] = _integrated(series["time"], series.pop(_RATE))
+        _place_angles(series, pivot, angle_from)
         for ball in (1, 2):
-            if f"angle_{ball}" in series:
-                count = len(series["time"])
-                series.setdefault(f"angle_sigma_{ball}", np.full(count, sigma))
-    attributes = {
-        "source": path.name,
-        "source_sha256": hashlib.sha256(raw).hexdigest(),
-        "imported": "; ".join(f"{target} = {name}" for target, name in mapping.items()),
-        "length": None if length is None else checked_number("length", length, POSITIVE, "m"),
-        "radius": None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m"),
-    }
-    try:
+            if angle_sigma is not None and f"angle_{ball}" in series:
+                sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
+                series.setdefault(f"angle_sigma_{ball}", np.full(len(series["time"]), sigma))
+        attributes: dict[str, Any] = {
+            "source": path.name,
+            "source_sha256": hashlib.sha256(raw).hexdigest(),
+            "imported": "; ".join(f"{target} = {name}" for target, name in mapping.items()),
+        }
+        if length is not None:
+            attributes["length"] = checked_number("length", length, POSITIVE, "m")
+        if radius is not None:
+            attributes["radius"] = checked_number("radius", radius, NON_NEGATIVE, "m")
         return track_table(series, attributes)
-    except InputError as error:
-        raise InputError(f"'{path}': {error}") from None
 
 
-def _check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
-    """Raise InputError unless a value is one of its choices."""
-    if value not in choices:
-        raise InputError(f"must be {' or '.join(choices)}", parameter=name, value=value)
-
-
-def _split(raw: bytes, path: Path) -> _Text:
+def _split(raw: bytes) -> _Text:
     """Return the cells of a text table below its line of names."""
     if not raw.strip():
-        raise InputError(f"'{path}' is empty")
+        raise InputError("it is empty")
     for encoding in ("utf-8-sig", "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252"):
         try:
             lines = raw.decode(encoding).splitlines()
@@ -156,29 +148,29 @@ def _split(raw: bytes, path: Path) -> _Text:
         except UnicodeDecodeError:
             continue
     else:
-        raise InputError(f"'{path}' is no text file; save it as UTF-8 text")
+        raise InputError("it is no text file; save it as UTF-8 text")
     if "\0" in lines[0]:
-        raise InputError(f"'{path}' is no text file; save it as UTF-8 text")
+        raise InputError("it is no text file; save it as UTF-8 text")
     for delimiter in ("\t", ";", ",", None):
         rows = _rows(lines, delimiter)
         body = next((i for i, row in enumerate(rows) if _is_numbers(row, delimiter)), None)
         if body is not None:
             break
     else:
-        raise InputError(f"'{path}' holds no rows of numbers below a line of names")
+        raise InputError("it holds no rows of numbers below a line of names")
     width = len(rows[body])
     while body > 0 and _is_sparse(rows[body - 1], width, delimiter):
         body -= 1
     named = [row for row in rows[:body] if len(row) == width and any(row)]
     if not named:
         raise InputError(
-            f"'{path}' has no names above its {width} columns: put a line such as 't [s]' there"
+            f"it has no names above its {width} columns: put a line such as 't [s]' there"
         )
     names = [name.strip().lstrip("#%").strip().strip('"') for name in named[-1]]
     numbers = [row for row in rows[body:] if any(row)]
     for i, row in enumerate(numbers):
         if len(row) != width:
-            raise InputError(f"'{path}': row {i + 1} has {len(row)} cells below {width} names")
+            raise InputError(f"row {i + 1} has {len(row)} cells below {width} names")
     return _Text(names, [list(cells) for cells in zip(*numbers, strict=True)], delimiter != ",")
 
 
@@ -210,7 +202,7 @@ def _number(cell: str, decimal_comma: bool) -> float | None:
         return float("nan") if plain.lower() in ("-", "na", "n/a", "none", "null") else None
 
 
-def _parted(name: str) -> tuple[str, str]:
+def _name_and_unit(name: str) -> tuple[str, str]:
     """Return a column's name and its unit, which may be empty."""
     match = _WITH_UNIT.fullmatch(name)
     if match is None:
@@ -219,9 +211,9 @@ def _parted(name: str) -> tuple[str, str]:
     return match["name"].strip(), unit.strip()
 
 
-def _usual(names: list[str], path: Path) -> dict[str, str]:
+def _usual(names: list[str]) -> dict[str, str]:
     """Return the columns that are called as usual."""
-    plain = {_parted(name)[0].lower(): name for name in reversed(names)}
+    plain = {_name_and_unit(name)[0].lower(): name for name in reversed(names)}
     mapping = {
         target: next(plain[word] for word in words if word in plain)
         for target, words in _USUAL.items()
@@ -231,61 +223,60 @@ def _usual(names: list[str], path: Path) -> dict[str, str]:
         mapping = {k: v for k, v in mapping.items() if k in ("time", "angle_1")}
     if "time" not in mapping or len(mapping) < 2:
         raise InputError(
-            f"'{path}': say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
+            f"say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
         )
     return mapping
 
 
-def _column(text: _Text, target: str, wanted: str, path: Path) -> Floats:
+def _column(text: _Text, target: str, column: str) -> Floats:
     """Return a column of the file in SI units."""
     if target not in (*TARGETS, _RATE):
         known = [*TARGETS, _RATE]
         raise InputError(f"a track table has no column '{target}': {suggest(target, known)}")
-    index, unit = _found(text.names, wanted, path)
+    index, unit = _locate(text.names, column)
     quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
     if not unit:
         raise InputError(
-            f"'{path}': the unit of column '{wanted}' is missing; write it in brackets, as in "
-            f"{target} = '{wanted} [{quantity.unit}]'"
+            f"the unit of column '{column}' is missing; write it in brackets, as in "
+            f"{target} = '{column} [{quantity.unit}]'"
         )
     try:
         factor = to_si(target, f"1 {unit}", quantity.unit)
     except InputError:
         raise InputError(
-            f"'{path}': column '{wanted}' is in [{unit}], which is no unit of {target} "
-            f"[{quantity.unit}]"
+            f"column '{column}' is in [{unit}], which is no unit of {target} [{quantity.unit}]"
         ) from None
     numbers = []
     for row, cell in enumerate(text.columns[index]):
         number = _number(cell, text.decimal_comma)
         if number is None:
-            raise InputError(f"'{path}': row {row + 1} of column '{wanted}' holds {cell!r}")
+            raise InputError(f"row {row + 1} of column '{column}' holds {cell!r}")
         numbers.append(number)
     values: Floats = factor * np.array(numbers)
     return values
 
 
-def _found(names: list[str], wanted: str, path: Path) -> tuple[int, str]:
-    """Return the place and the unit of the column that `wanted` names, with its unit or without."""
-    name, unit = _parted(wanted)
-    matches = [i for i, each in enumerate(names) if each == wanted]
+def _locate(names: list[str], column: str) -> tuple[int, str]:
+    """Return the place and the unit of the column that `column` means, with its unit or without."""
+    name, unit = _name_and_unit(column)
+    matches = [i for i, each in enumerate(names) if each == column]
     if not matches:
         matches = [i for i, each in enumerate(names) if each == name]
     if not matches:
-        matches = [i for i, each in enumerate(names) if _parted(each)[0] == name]
+        matches = [i for i, each in enumerate(names) if _name_and_unit(each)[0] == name]
     if not matches:
         known = ", ".join(names)
-        raise InputError(f"'{path}' has no column '{name}'; it has {known}")
+        raise InputError(f"it has no column '{name}'; it has {known}")
     if len(matches) > 1:
-        raise InputError(f"'{path}' has {len(matches)} columns '{name}': rename them")
-    own = _parted(names[matches[0]])[1]
+        raise InputError(f"it has {len(matches)} columns '{name}': rename them")
+    own = _name_and_unit(names[matches[0]])[1]
     if unit and own and unit != own:
-        raise InputError(f"'{path}': column '{name}' is in [{own}] itself, not in [{unit}]")
+        raise InputError(f"column '{name}' is in [{own}] itself, not in [{unit}]")
     return matches[0], unit or own
 
 
 def _place_angles(
-    columns: dict[str, Floats], path: Path, pivot: Sequence[float] | None, angle_from: str
+    columns: dict[str, Floats], pivot: Sequence[float] | None, angle_from: str
 ) -> None:
     """Put the origin at the mean pivot and add the angles that positions tell."""
     for ball in (1, 2):
@@ -295,7 +286,7 @@ def _place_angles(
     for ball in (1, 2):
         half = {f"ball_{ball}_x", f"ball_{ball}_y"} & columns.keys()
         if len(half) == 1:
-            raise InputError(f"'{path}': {half.pop()} needs its other coordinate too")
+            raise InputError(f"{half.pop()} needs its other coordinate too")
     if pivot is not None:
         if len(pivot) != 2:
             raise InputError("must be two numbers x, y [m]", parameter="pivot", value=pivot)
@@ -306,7 +297,7 @@ def _place_angles(
     if placed and not {"pivot_x", "pivot_y"} <= columns.keys():
         if any(f"angle_{b}" not in columns for b in placed):
             raise InputError(
-                f"'{path}': angles from positions need the pivot: give pivot = (x, y) in m, or its "
+                "angles from positions need the pivot: give pivot = (x, y) in m, or its "
                 "columns pivot_x and pivot_y"
             )
         return
@@ -322,7 +313,7 @@ def _place_angles(
             columns[f"angle_{ball}"] = _unwrapped(np.arctan2(x, -y))
 
 
-def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
+def _integrated(time: Floats, rate: Floats) -> Floats:
     """Return the angle whose rate a gyroscope measured, swinging about zero.
 
     The gyroscope's bias and the unknown first angle are a straight line under the swing: that
@@ -334,12 +325,12 @@ def _integrated(time: Floats, rate: Floats, path: Path) -> Floats:
 
     known = np.isfinite(rate) & np.isfinite(time)
     if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
-        raise InputError(f"'{path}': {_RATE} needs at least 8 numbers at increasing times")
+        raise InputError(f"{_RATE} needs at least 8 numbers at increasing times")
     spline = CubicSpline(time[known], rate[known]).antiderivative()
     turns = crossings(time[known], rate[known] - np.median(rate[known]))
     if len(turns) < 6:
         raise InputError(
-            f"'{path}': an angle from {_RATE} needs a swing with at least 6 turning points",
+            f"an angle from {_RATE} needs a swing with at least 6 turning points",
             value=len(turns),
         )
     tops = spline(turns)

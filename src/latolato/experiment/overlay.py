@@ -14,6 +14,7 @@ from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.tracking.blobs import import_cv2
+from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ COLOURS = {
 }
 _PIVOT = (255, 255, 255)
 _DARK = (20, 22, 28)
-_CRF = 23
+_CRF, _QUALITY = 23, 82
 # Subpixels per pixel, as a power of two, in which OpenCV takes places.
 _SHIFT = 4
 
@@ -137,16 +138,11 @@ def picture_of(frame: Frame, video: Video) -> np.ndarray:
         cv2.resize(np.ascontiguousarray(plane), (width, height)).astype(np.float32) - 128.0
         for plane in frame[3:]
     )
-    luma = frame.luma.astype(np.float32)
-    if not video.is_full_range:
-        luma = (luma - 16.0) * (255.0 / 219.0)
-        blue, red = blue * (255.0 / 224.0), red * (255.0 / 224.0)
-    kr, kb = (0.2126, 0.0722) if video.matrix == "bt709" else (0.299, 0.114)
-    kg = 1.0 - kr - kb
-    r = luma + 2.0 * (1.0 - kr) * red
-    b = luma + 2.0 * (1.0 - kb) * blue
-    g = (luma - kr * r - kb * b) / kg
-    return np.clip(np.dstack([r, g, b]) + 0.5, 0.0, 255.0).astype(np.uint8)
+    gain, black, *weights = colour_coefficients(video.matrix, video.is_full_range)
+    light = gain * (frame.luma - black)
+    colours = [weights[0] * red, weights[1] * blue + weights[2] * red, weights[3] * blue]
+    picture = np.dstack([light + colour for colour in colours])
+    return np.clip(picture + 0.5, 0.0, 255.0).astype(np.uint8)
 
 
 class Artist:
@@ -229,12 +225,18 @@ def _fixed(place: Any) -> tuple[int, int]:
     return int(u), int(v)
 
 
-def draw_setup(video: Video, setup: Setup, radius: float | None = None) -> np.ndarray:
-    """Return the first frame with pivot and balls marked as a set-up has them."""
-    first = next(iter(video.frames()))
-    picture = np.ascontiguousarray(picture_of(first, video))
-    line = max(1, round(min(video.width, video.height) / 400.0))
-    size = radius or 0.03 * min(video.width, video.height)
+def draw_proposal(
+    video: Video, setup: Setup, path: str | Path, radius: float | None = None
+) -> Path:
+    """Write the first frame with pivot and balls marked as PNG and return the path."""
+    from latolato.core.atomic import atomic_path
+    from latolato.io.files import check_suffix
+
+    path = Path(path)
+    check_suffix(path, (".png",), "the name of a picture")
+    picture = np.ascontiguousarray(picture_of(next(iter(video.frames())), video))
+    side = min(video.width, video.height)
+    line, size = max(1, round(side / 400.0)), radius or 0.03 * side
     pivot = None if setup.pivot is None else np.array(setup.pivot)
     for ball, flag in zip(setup.balls, ("ok", "occluded"), strict=False):
         if pivot is not None:
@@ -242,34 +244,14 @@ def draw_setup(video: Video, setup: Setup, radius: float | None = None) -> np.nd
         _circle(picture, ball, size, COLOURS[flag], line)
     if pivot is not None:
         _cross(picture, pivot, size, line)
-    return picture
-
-
-def draw_proposal(
-    video: Video, setup: Setup, path: str | Path, radius: float | None = None
-) -> Path:
-    """Write the first frame with the proposal marked as PNG and return the path."""
-    from latolato.core.atomic import atomic_path
-    from latolato.io.files import check_suffix
-
-    path = Path(path)
-    check_suffix(path, (".png",), "the name of a picture")
-    picture = draw_setup(video, setup, radius)
     with atomic_path(path) as unfinished:
-        unfinished.write_bytes(png_of(picture))
+        unfinished.write_bytes(encoded(picture, ".png"))
     return path
 
 
-def png_of(picture: np.ndarray) -> bytes:
-    """Return a picture of red, green and blue as a PNG file's content."""
+def encoded(picture: np.ndarray, suffix: str) -> bytes:
+    """Return a picture of red, green and blue as the content of a file, ``.png`` or ``.jpg``."""
     cv2 = import_cv2()
-    _, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
-    return bytes(content)
-
-
-def jpeg_of(picture: np.ndarray, quality: int = 82) -> bytes:
-    """Return a picture of red, green and blue as a JPEG file's content."""
-    cv2 = import_cv2()
-    flags = [cv2.IMWRITE_JPEG_QUALITY, quality]
-    _, content = cv2.imencode(".jpg", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), flags)
+    flags = [cv2.IMWRITE_JPEG_QUALITY, _QUALITY] if suffix == ".jpg" else []
+    _, content = cv2.imencode(suffix, cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), flags)
     return bytes(content)

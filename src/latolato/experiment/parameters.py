@@ -1,4 +1,4 @@
-"""What may be known of a video: options of `latolato track`, fields of the page *Experiment*."""
+"""What a user can say about a video: options of `latolato track`, fields of a page."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,30 +61,30 @@ def pivot_heights(table: xr.Dataset) -> np.ndarray:
     return np.full(table.sizes["frame"], np.nan)
 
 
-def drive_of(table: xr.Dataset) -> tuple[float | None, float | None]:
-    """Return amplitude [m, or pixels without a scale] and angular frequency of the pivot [rad/s].
+@dataclass(frozen=True)
+class Harmonic:
+    """The pivot's motion as one harmonic over the whole clip; `fit_drive` fits drives that change.
 
-    None for a pivot that rests or is unknown. One harmonic over the whole clip: drives that change
-    are fitted elsewhere.
+    `amplitude` and `heights` (frame,) are in metres, in pixels without a scale, `frequency` is
+    angular [rad/s].
     """
+
+    amplitude: float
+    frequency: float
+    heights: np.ndarray
+
+
+def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
+    """Return the pivot's harmonic, None for a pivot that rests or is unknown."""
     heights, times = pivot_heights(table), table["time"].values
     ok = np.isfinite(heights)
     if ok.sum() < 16:
-        return None, None
-    amplitude, frequency, rest = _harmonic(times[ok], heights[ok])
-    pixel = table.attrs.get("metres_per_pixel", 1.0)
-    if amplitude < max(_MOVES * rest, 0.15 * pixel):
-        return None, None
-    return amplitude, frequency
-
-
-def harmonic_at(table: xr.Dataset) -> np.ndarray:
-    """Return the pivot's height by its plain harmonic at the table's times."""
-    heights, times = pivot_heights(table), table["time"].values
-    ok = np.isfinite(heights)
-    _, frequency, _ = _harmonic(times[ok], heights[ok])
-    weights = np.linalg.lstsq(_waves(times[ok], frequency), heights[ok], rcond=None)[0]
-    return np.asarray(_waves(times, frequency) @ weights)
+        return None
+    frequency, weights, rest = _harmonic(times[ok], heights[ok])
+    amplitude = math.hypot(weights[1], weights[2])
+    if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
+        return None
+    return Harmonic(amplitude, frequency, _waves(times, frequency) @ weights)
 
 
 def _waves(times: np.ndarray, frequency: float) -> np.ndarray:
@@ -92,8 +93,8 @@ def _waves(times: np.ndarray, frequency: float) -> np.ndarray:
     return np.column_stack([np.ones_like(times), np.cos(phase), np.sin(phase)])
 
 
-def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, float, float]:
-    """Return amplitude, angular frequency and residual of the best harmonic."""
+def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, np.ndarray, float]:
+    """Return angular frequency, weights of `_waves` and residual of the best harmonic."""
     from scipy.optimize import minimize_scalar
 
     span = float(times[-1] - times[0])
@@ -104,15 +105,17 @@ def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, float, flo
     phases = np.exp(-1j * np.outer(trials, times))
     best = float(trials[int(np.argmax(np.abs(phases @ centred)))])
 
-    def cost(frequency: float) -> float:
+    def solved(frequency: float) -> tuple[np.ndarray, float]:
         waves = _waves(times, frequency)
         weights = np.linalg.lstsq(waves, heights, rcond=None)[0]
-        return float(np.mean((heights - waves @ weights) ** 2))
+        return weights, float(np.mean((heights - waves @ weights) ** 2))
 
     width = math.pi / span
     minimum = minimize_scalar(
-        cost, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-7 * best}
+        lambda frequency: solved(frequency)[1],
+        bounds=(best - width, best + width),
+        method="bounded",
+        options={"xatol": 1e-7 * best},
     )
-    frequency = float(minimum.x)
-    weights = np.linalg.lstsq(_waves(times, frequency), heights, rcond=None)[0]
-    return math.hypot(weights[1], weights[2]), frequency, math.sqrt(cost(frequency))
+    weights, cost = solved(float(minimum.x))
+    return float(minimum.x), weights, math.sqrt(cost)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.core.errors import InputError, reading
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.video import Limits, digest_of
@@ -37,11 +39,11 @@ class Setup:
     gravity : float
         Gravitational acceleration [m/s^2].
     optics : Optics
-        What is declared of the camera.
+        What the user declares about the camera.
     slow_motion : float
         How many times slower than life the video plays.
     limits : Limits
-        What a video may ask for.
+        The largest videos that are read.
     is_proposed : bool
         Whether nobody pointed at pivot or balls: they were found in the video.
     """
@@ -139,17 +141,15 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         If it cannot be read.
     """
     path = Path(path)
-    tables = _parsed(path)
-    if tables["sha256"] != digest_of(video):
-        raise InputError(
-            f"'{path}' belongs to another video ('{tables.get('video', '?')}' with other content "
-            f"than '{video}')",
-            way_out="remove it, or point at pivot and balls",
-        )
-    try:
+    with reading(path):
+        tables = _parsed(path)
+        if tables["sha256"] != digest_of(video):
+            raise InputError(
+                f"it belongs to another video ('{tables.get('video', '?')}' with other content "
+                f"than '{video}')",
+                way_out="remove it, or point at pivot and balls",
+            )
         return _setup(tables)
-    except InputError as error:
-        raise InputError(f"'{path}': {error}") from None
 
 
 def with_changes(setup: Setup, changes: Mapping[str, Any]) -> Setup:
@@ -164,76 +164,68 @@ def _parsed(path: Path) -> dict[str, Any]:
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"'{path}' is no TOML file: {error}") from None
+        raise InputError(f"it is no TOML file: {error}") from None
     except RecursionError:
-        raise InputError(f"'{path}' is nested too deep for a set-up") from None
+        raise InputError("it is nested too deep for a set-up") from None
     if not isinstance(tables.get("sha256"), str):
-        raise InputError(f"'{path}' does not name its video (sha256)", way_out="remove it")
+        raise InputError("it does not name its video (sha256)", way_out="remove it")
     return tables
 
 
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
-    known = ("video", "sha256", "latolato", "geometry", "camera", "limits")
-    _check_names("", tables, known)
-    geometry = dict(tables.get("geometry", {}))
-    _check_names(
-        "geometry", geometry, ("pivot", "balls", "length", "radius", "gravity", "proposed")
+    _check_names("", tables, ("video", "sha256", "latolato", "geometry", "camera", "limits"))
+    geometry = _table(
+        tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
     )
-    camera = dict(tables.get("camera", {}))
-    optics = [one.name for one in fields(Optics)]
-    _check_names("camera", camera, ("slow_motion", *optics))
-    limits = dict(tables.get("limits", {}))
-    _check_names("limits", limits, tuple(one.name for one in fields(Limits)))
-    balls = geometry.get("balls", [])
+    camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
+    limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
+    limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
+    pivot, balls = geometry.pop("pivot", None), geometry.pop("balls", [])
+    is_proposed = bool(geometry.pop("proposed", False))
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
-    numbers = {name: _number(f"camera.{name}", value) for name, value in camera.items()}
-    bounds = {name: _number(f"limits.{name}", value) for name, value in limits.items()}
-    whole = {
-        name: int(value) if name in ("pixels", "frames") else value
-        for name, value in bounds.items()
-    }
     return Setup(
-        pivot=_place("geometry.pivot", geometry["pivot"]) if "pivot" in geometry else None,
-        balls=tuple(_place("geometry.balls", ball) for ball in balls),
-        length=_optional("length", geometry),
-        radius=_optional("radius", geometry),
-        gravity=_number("geometry.gravity", geometry.get("gravity", GRAVITY)),
-        optics=Optics(**{name: value for name, value in numbers.items() if name != "slow_motion"}),
-        slow_motion=numbers.get("slow_motion", 1.0),
-        limits=Limits(**whole),  # type: ignore[arg-type]
-        is_proposed=bool(geometry.get("proposed", False)),
+        pivot=None if pivot is None else checked_place("geometry.pivot", pivot),
+        balls=tuple(checked_place("geometry.balls", ball) for ball in balls),
+        slow_motion=camera.pop("slow_motion", 1.0),
+        optics=Optics(**camera),
+        limits=Limits(**limits),
+        is_proposed=is_proposed,
+        **_numbers({"geometry": geometry}, "geometry", tuple(geometry)),
     )
 
 
-def _check_names(where: str, table: Any, known: tuple[str, ...]) -> None:
+def _check_names(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
     """Raise InputError for a name that is not known."""
-    if not isinstance(table, Mapping):
-        raise InputError(f"{where} must be a table")
     for name in table:
         if name not in known:
-            raise InputError(f"unknown '{where}{'.' if where else ''}{name}': "
-                             f"{suggest(name, list(known))}")  # fmt: skip
+            raise InputError(f"unknown '{where}{name}': {suggest(name, list(known))}")
 
 
-def _number(name: str, value: Any) -> float:
-    """Return a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        raise InputError("must be a number", parameter=name, value=value)
-    return float(value)
+def _table(tables: Mapping[str, Any], name: str, known: tuple[str, ...]) -> dict[str, Any]:
+    """Return one of the tables, which may be missing."""
+    table = tables.get(name, {})
+    if not isinstance(table, Mapping):
+        raise InputError("must be a table", parameter=name)
+    _check_names(f"{name}.", table, known)
+    return dict(table)
 
 
-def _optional(name: str, table: Mapping[str, Any]) -> float | None:
-    """Return a number that may be missing."""
-    return _number(f"geometry.{name}", table[name]) if name in table else None
+def _numbers(tables: Mapping[str, Any], name: str, known: tuple[str, ...]) -> dict[str, float]:
+    """Return one of the tables, all of whose values are numbers."""
+    return {
+        key: checked_number(f"{name}.{key}", value, ANY, "1")
+        for key, value in _table(tables, name, known).items()
+    }
 
 
-def _place(name: str, value: Any) -> Place:
-    """Return a column and a row."""
-    if not isinstance(value, list) or len(value) != 2:
-        raise InputError("must be a column and a row", parameter=name, value=value)
-    return _number(name, value[0]), _number(name, value[1])
+def checked_place(name: str, value: Any) -> Place:
+    """Return column and row of a place [pixels], or raise if it is none."""
+    is_pair = not isinstance(value, (str, Mapping)) and isinstance(value, Sized) and len(value) == 2
+    if not is_pair or not all(isinstance(one, Real) and math.isfinite(one) for one in value):
+        raise InputError("must be a column and a row in pixels", parameter=name, value=value)
+    return float(value[0]), float(value[1])
 
 
 def _lines(values: Mapping[str, Any]) -> list[str]:

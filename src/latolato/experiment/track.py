@@ -12,12 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.atomic import checked_path
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, reading
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.lens import Optics
-from latolato.experiment.sidecar import Setup, read_sidecar, with_changes, write_sidecar
+from latolato.experiment.sidecar import (
+    Setup,
+    checked_place,
+    read_sidecar,
+    with_changes,
+    write_sidecar,
+)
 from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
@@ -182,44 +188,46 @@ def prepare(
     video = open_video(
         path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
     )
-    clicks = None if isinstance(balls, int) or balls is None else [tuple(b) for b in balls]
+    clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
-    if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-        setup = with_changes(read_sidecar(sidecar, path), settings)
-        if count is not None and count != len(setup.balls):
-            raise InputError(
-                f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
-                way_out="remove it, or point at pivot and balls",
-            )
-        video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
-        messages = [proposal_text(setup)] if setup.is_proposed else []
-        return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
-    if pivot is not None and clicks is not None:
-        setup = with_changes(Setup(pivot=_pair(pivot), balls=tuple(map(_pair, clicks))), settings)
-        return Task(video, _checked(setup, video))
-    _checked(
-        Setup(pivot=None if pivot is None else _pair(pivot), balls=tuple(map(_pair, clicks or ()))),
-        video,
-    )
-    sample = _sample_of(video, progress)
-    proposal, size = propose(
-        video, sample, pivot=pivot, balls=clicks, count=count, optics=settings.get("optics")
-    )
-    setup = with_changes(proposal, settings)
-    return Task(video, setup, sample, [proposal_text(setup)], size)
+    with reading(path):
+        if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
+            setup = with_changes(read_sidecar(sidecar, path), settings)
+            if count is not None and count != len(setup.balls):
+                raise InputError(
+                    f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
+                    way_out="remove it, or point at pivot and balls",
+                )
+            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+            messages = [proposal_text(setup)] if setup.is_proposed else []
+            return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
+        setup = Setup(
+            pivot=None if pivot is None else checked_place("pivot", pivot),
+            balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
+        )
+        setup = with_changes(_checked(setup, video), settings)
+        if pivot is not None and clicks is not None:
+            return Task(video, setup)
+        sample = _sample_of(video, progress)
+        proposal, size = propose(
+            video, sample, pivot=pivot, balls=clicks, count=count, optics=setup.optics
+        )
+        setup = with_changes(proposal, settings)
+        return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
-    video, setup = task.video, task.setup
-    sample = task.sample or _sample_of(video, progress)
-    balls = [np.array(ball) for ball in setup.balls]
-    if setup.pivot is None:
-        table = _wandered(task, sample, balls, progress)
-    else:
-        table = _tracked(task, sample, np.array(setup.pivot), balls, progress)
+    video, pivot = task.video, task.setup.pivot
+    with reading(video.path):
+        sample = task.sample or _sample_of(video, progress)
+        balls = [np.array(ball) for ball in task.setup.balls]
+        if pivot is None:
+            table = _wandered(task, sample, balls, progress)
+        else:
+            table = _tracked(task, sample, np.array(pivot), balls, progress)
     if progress:
         progress(1.0)
     missing = video.frame_count - table.sizes["frame"]
@@ -239,19 +247,8 @@ def _sample_of(video: Video, progress: Progress | None) -> Sample:
     """Return the first reading of a video that shows a motion."""
     sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
     if len(sample.times) < _FEWEST:
-        raise InputError(
-            f"{video.path} has {len(sample.times)} frames; a motion needs {_FEWEST} or more"
-        )
+        raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
     return sample
-
-
-def _pair(place: Place) -> tuple[float, float]:
-    """Return a place as two numbers."""
-    try:
-        u, v = (float(number) for number in place)
-    except (TypeError, ValueError):
-        raise InputError("a place must be a column and a row in pixels", value=place) from None
-    return u, v
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
@@ -262,7 +259,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
     for name, (u, v) in named:
         if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
             raise InputError(
-                f"{video.path}: {name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
+                f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
     return setup
@@ -281,7 +278,7 @@ def _tracked(
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
-        raise InputError(f"{video.path}: pivot and ball must lie apart, 8 pixels or more")
+        raise InputError("pivot and ball must lie apart, 8 pixels or more")
     scene = learn_image_model(
         video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
     )
@@ -298,12 +295,12 @@ def _tracked(
     share = float(seen.is_measured.mean())
     if share == 0.0:
         raise InputError(
-            f"{video.path}: the ball was found in no frame; point at its centre in the first frame"
+            "the ball was found in no frame", way_out="point at its centre in the first frame"
         )
     if share < _NEVER:
         raise InputError(
-            f"{video.path}: what was pointed at as a ball is found in {100.0 * share:.0f} % of the "
-            "samples only; point at the ball's centre in the first frame"
+            f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
+            way_out="point at the ball's centre in the first frame",
         )
     if share < _SELDOM:
         task.warnings.append(
@@ -339,7 +336,7 @@ def _examine(
     """
     for finding in examine(sample, seen, clicks, radius):
         if finding.is_refusal:
-            raise InputError(f"{task.video.path}: {finding.reason}", way_out=finding.way_out)
+            raise InputError(finding.reason, way_out=finding.way_out)
         task.warnings.append(f"{finding.reason}; {finding.way_out}")
         if finding.doubtful is not None:
             seen.give_up(finding.doubtful)
@@ -363,7 +360,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
     length, radius = task.setup.length, task.setup.radius
     task.warnings += measured.warnings
     scale = length / measured.hinge.arm if length else math.nan
-    found_radius = scene.look.radius * scale
+    measured_radius = scene.look.radius * scale
     turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
@@ -387,15 +384,15 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
         if not length:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(found_radius / radius - 1.0) > _doubt(scene):
+    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
         task.warnings.append(
-            f"the balls' radius is {found_radius * 1e3:.2f} mm by the length's scale, declared "
+            f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
         )
     attributes = {
         **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
-        "measured_radius": found_radius if length else None,
+        "measured_radius": measured_radius if length else None,
         "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),

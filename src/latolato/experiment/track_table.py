@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
-from latolato.core.registry import suggest
+from latolato.core.registry import checked_choice, suggest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,34 +25,19 @@ FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
 # Of these, what the picture shows; the rest is computed by the tracker.
 MEASURED = FLAGS[:3]
 SUFFIXES = (".csv", ".parquet", ".nc")
-# The columns in their order; those in curly brackets come with a second ball only.
+# The columns in their order; those of the second ball come with two balls only.
 COLUMNS = (
-    "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "{ball_2_x}", "{ball_2_y}",
-    "angle_1", "{angle_2}", "angle_sigma_1", "{angle_sigma_2}", "flag_1", "{flag_2}",
+    "frame", "time", "pivot_x", "pivot_y", "ball_1_x", "ball_1_y", "ball_2_x", "ball_2_y",
+    "angle_1", "angle_2", "angle_sigma_1", "angle_sigma_2", "flag_1", "flag_2",
 )  # fmt: skip
 # Places in the picture, which a table has where no length gave a scale.
-PICTURE_COLUMNS = (
-    "pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "{ball_2_u}", "{ball_2_v}",
-)  # fmt: skip
+PICTURE_COLUMNS = ("pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "ball_2_u", "ball_2_v")
 _KIND = "track"
 
 
-def column_names(balls: int) -> tuple[str, ...]:
+def column_names(balls: int, columns: tuple[str, ...] = COLUMNS) -> tuple[str, ...]:
     """Return the names of a table's columns in their order, for one ball or two."""
-    kept = COLUMNS if balls == 2 else [name for name in COLUMNS if name[0] != "{"]
-    return tuple(name.strip("{}") for name in kept)
-
-
-def picture_names(balls: int) -> tuple[str, ...]:
-    """Return the names of the columns in pixels in their order, for one ball or two."""
-    kept = [name for name in PICTURE_COLUMNS if balls == 2 or name[0] != "{"]
-    return tuple(name.strip("{}") for name in kept)
-
-
-def names_in(table: xr.Dataset) -> tuple[str, ...]:
-    """Return the names of the columns that a table has, in their order."""
-    balls = balls_of(table)
-    return column_names(balls) + tuple(n for n in picture_names(balls) if n in table.variables)
+    return tuple(name for name in columns if balls == 2 or "_2" not in name)
 
 
 def track_table(
@@ -91,19 +76,20 @@ def track_table(
     """
     import xarray as xr
 
-    second = [name.strip("{}") for name in COLUMNS + PICTURE_COLUMNS if name[0] == "{"]
-    balls = 2 if any(name in columns for name in second) else 1
+    balls = 2 if any("_2" in name for name in columns) else 1
     names = column_names(balls)
-    known = names + picture_names(balls)
+    known = names + column_names(balls, PICTURE_COLUMNS)
     for name in columns:
         if name not in known:
-            raise InputError(f"a track table has no column '{name}': {suggest(name, list(known))}")
+            raise InputError(
+                f"a track table has no column '{name}'", way_out=suggest(name, list(known))
+            )
     if "time" not in columns:
         raise InputError("a track table needs the column 'time' [s]")
     arrays = {name: _values(name, value) for name, value in columns.items()}
     count = len(arrays["time"])
     if count == 0:
-        raise InputError("a track table needs rows, got none")
+        raise InputError("a track table needs rows")
     for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(
@@ -138,7 +124,9 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
     import xarray as xr
 
     if not isinstance(table, xr.Dataset):
-        raise InputError(f"a track table must be a dataset, got {type(table).__name__}: read_table")
+        raise InputError(
+            "a track table must be a dataset", value=type(table).__name__, way_out="read_table"
+        )
     if table.attrs.get("table") != _KIND or "frame" not in table.dims:
         raise InputError(
             "the dataset is no track table", way_out="make one with track_table or read_table"
@@ -185,7 +173,11 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     check_target(path)
     if suffix == ".nc":
         return save(table, path)
-    columns = {name: (table[name].values, table[name].attrs) for name in names_in(table)}
+    columns = {
+        name: (table[name].values, table[name].attrs)
+        for name in COLUMNS + PICTURE_COLUMNS
+        if name in table.variables
+    }
     with atomic_path(path) as unfinished:
         write_columns(columns, table.attrs, unfinished, suffix)
     return path
@@ -207,22 +199,22 @@ def read_table(path: str | Path) -> xr.Dataset:
 
     path = Path(path)
     suffix = check_readable(path, SUFFIXES, "the name of a track table")
-    if path.stat().st_size == 0:
-        raise InputError(f"'{path}' is empty")
-    if suffix == ".nc":
-        stored = load(path)
-        parts = {str(name): (each.values, each.attrs) for name, each in stored.variables.items()}
-        # Numbers that are unknown are left out.
-        attributes = {str(key): each for key, each in stored.attrs.items() if each == each}
-    else:
-        parts, attributes = read_columns(path, suffix)
-    columns = {name: _known(name, values) for name, (values, _) in parts.items()}
-    if attributes.get("table") != _KIND:
-        raise InputError(
-            f"'{path}' is no track table: it does not say 'table: track'",
-            way_out="other tables are read with import_table (`latolato import`)",
-        )
-    try:
+    with reading(path):
+        if path.stat().st_size == 0:
+            raise InputError("it is empty")
+        if suffix == ".nc":
+            stored = load(path)
+            parts = {str(key): (each.values, each.attrs) for key, each in stored.variables.items()}
+            # Numbers that are unknown are left out.
+            attributes = {str(key): each for key, each in stored.attrs.items() if each == each}
+        else:
+            parts, attributes = read_columns(path, suffix)
+        columns = {name: _known(name, values) for name, (values, _) in parts.items()}
+        if attributes.pop("table", None) != _KIND:
+            raise InputError(
+                "it is no track table: it does not say 'table: track'",
+                way_out="other tables are read with import_table (`latolato import`)",
+            )
         balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1
         missing = [name for name in column_names(balls) if name not in columns]
         if missing:
@@ -231,10 +223,12 @@ def read_table(path: str | Path) -> xr.Dataset:
             unit = parts[name][1].get("units", "")
             if name in QUANTITIES and unit != QUANTITIES[name].unit:
                 raise InputError(
-                    f"the unit of column '{name}' must be [{QUANTITIES[name].unit}], got [{unit}]"
+                    f"the unit of column '{{parameter}}' must be [{QUANTITIES[name].unit}]",
+                    parameter=name,
+                    value=unit,
                 )
-        attributes = {key: _plain(value) for key, value in attributes.items() if key != "table"}
-        known = {*column_names(balls), *(name.strip("{}") for name in PICTURE_COLUMNS)}
+        attributes = {key: _plain(value) for key, value in attributes.items()}
+        known = {*column_names(balls), *PICTURE_COLUMNS}
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
         if suffix != ".nc":
@@ -242,8 +236,6 @@ def read_table(path: str | Path) -> xr.Dataset:
             more = {}
         table = track_table(columns, attributes)
         return table.assign({name: ("frame", values) for name, values in more.items()})
-    except InputError as error:
-        raise InputError(f"'{path}': {error}") from None
 
 
 def _known(name: str, values: Any) -> Any:
@@ -264,14 +256,13 @@ def _values(name: str, column: Any) -> Any:
     if name.startswith("flag_"):
         values = values.astype(str)
         for flag in np.unique(values):
-            if flag not in FLAGS:
-                raise InputError(f"must be one of {', '.join(FLAGS)}, got '{flag}'", parameter=name)
+            checked_choice(name, str(flag), FLAGS)
         return values
     try:
         numbers = values.astype(np.float64)
     except (TypeError, ValueError):
         raise InputError(
-            f"column '{name}' must hold numbers, got {_first_text(values)!r}"
+            "column '{parameter}' must hold numbers", parameter=name, value=_first_text(values)
         ) from None
     if np.any(np.isinf(numbers)):
         raise InputError(
@@ -298,15 +289,14 @@ def _check_increasing(name: str, values: Any) -> None:
     """Raise InputError unless each value is known and larger than the one before."""
     if not np.all(np.isfinite(values)):
         row = int(np.argmin(np.isfinite(values)))
-        raise InputError(
-            f"must be known in every row, got nothing in row {row + 1}", parameter=name
-        )
+        raise InputError(f"must be known in every row, which row {row + 1} breaks", parameter=name)
     falls = np.flatnonzero(np.diff(values) <= 0)
     if falls.size:
         i = int(falls[0])
         raise InputError(
-            f"must increase strictly, got {values[i + 1]:g} after {values[i]:g} in row {i + 2}",
+            f"must increase strictly, above {values[i]:g} in row {i + 2}",
             parameter=name,
+            value=float(values[i + 1]),
             way_out="sort the rows and remove repeats",
         )
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
-from latolato.core.registry import suggest
+from latolato.core.registry import checked_choice, suggest
 from latolato.observables.angles import MotionClass
 from latolato.physics.pendulum import GRAVITY
 
@@ -129,7 +129,9 @@ def trial_table(
 
     for name in columns:
         if name not in COLUMNS:
-            raise InputError(f"a trial table has no column '{name}': {suggest(name, [*COLUMNS])}")
+            raise InputError(
+                f"a trial table has no column '{name}'", way_out=suggest(name, [*COLUMNS])
+            )
     arrays = {name: _values(name, values) for name, values in columns.items()}
     if (
         "drive_amplitude" not in arrays
@@ -137,12 +139,12 @@ def trial_table(
     ):
         raise InputError(
             "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
-            "and class or largest_angle and largest_angle_after_transient; "
-            f"got {', '.join(columns) or 'none'}"
+            "and class or largest_angle and largest_angle_after_transient",
+            value=", ".join(columns) or "none",
         )
     count = len(arrays["drive_amplitude"])
     if count == 0:
-        raise InputError("a trial table needs rows, got none")
+        raise InputError("a trial table needs rows")
     for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(f"column '{name}' must have {count} rows", value=values.shape)
@@ -151,7 +153,9 @@ def trial_table(
         bad = np.flatnonzero(~(values > 0.0))
         if bad.size:
             raise InputError(
-                f"must be positive, got {values[bad[0]]:g} in row {bad[0] + 1}", parameter=name
+                f"must be positive in row {bad[0] + 1}",
+                parameter=name,
+                value=float(values[bad[0]]),
             )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     unknown = np.full(count, np.nan)
@@ -209,7 +213,10 @@ def checked_trials(trials: Any) -> xr.Dataset:
 
     if not isinstance(trials, xr.Dataset):
         raise InputError(
-            f"must be a trial table, got {type(trials).__name__}: read_trials", parameter="trials"
+            "must be a trial table",
+            parameter="trials",
+            value=type(trials).__name__,
+            way_out="read_trials",
         )
     if trials.attrs.get("table") != _KIND:
         raise InputError("the dataset is no trial table; make one with collect_trials or read it")
@@ -263,7 +270,7 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
 
     path = Path(path)
     suffix = check_readable(path, SUFFIXES, "the name of a trial table")
-    try:
+    with reading(path):
         if suffix == ".nc":
             return checked_trials(load(path))
         try:
@@ -271,8 +278,6 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
         except UnicodeDecodeError:
             raise InputError("it is no text file; save the trials as UTF-8 CSV") from None
         return parse_trials(text, gravity=gravity)
-    except InputError as error:
-        raise InputError(f"'{path}': {error}") from None
 
 
 def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
@@ -339,8 +344,7 @@ def _values(name: str, column: Any) -> Any:
         if name == "class":
             values = np.char.lower(values)
             for each in values:
-                if each not in CLASSES:
-                    raise InputError(f"class must be one of {', '.join(CLASSES)}, got '{each}'")
+                checked_choice("class", str(each), CLASSES)
         return values
     try:
         return values.astype(np.float64)

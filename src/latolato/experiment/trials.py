@@ -15,10 +15,17 @@ import numpy as np
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, said_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.track_table import MEASURED, balls_of, checked_table
-from latolato.experiment.trial_table import CLASSES, class_of, is_borderline, sets_of, trial_table
+from latolato.experiment.trial_table import (
+    CLASSES,
+    class_of,
+    is_borderline,
+    is_trial_table,
+    sets_of,
+    trial_table,
+)
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -95,8 +102,9 @@ def trial_of(
         late = first + checked_number("transient", transient, NON_NEGATIVE, "s")
         if late >= last:
             raise InputError(
-                f"must end before the record does, got {transient:g} s of {last - first:g} s",
+                f"must be less than the record's {last - first:g} s",
                 parameter="transient",
+                value=float(transient),
             )
     drive = fit_drive(table, profile=False)
     frequency = drive["drive_frequency"]
@@ -181,10 +189,8 @@ def collect_trials(
     RuntimeWarning
         For each file that gave no trial.
     """
-    if sets not in ("auto", "folder", "amplitude"):
-        raise InputError("must be auto, folder or amplitude", parameter="sets", value=sets)
-    if isinstance(workers, bool) or workers < 1:
-        raise InputError("must be at least 1", parameter="workers", value=workers)
+    checked_choice("sets", sets, ("auto", "folder", "amplitude"))
+    workers = checked_count("workers", workers)
     import xarray as xr
 
     alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
@@ -198,7 +204,8 @@ def collect_trials(
     for done, (file, row) in enumerate(_rows(files, of_trial, of_video, workers), start=1):
         if isinstance(row, str):
             # Most messages name the file themselves.
-            failed.append(row if str(file) in row else f"{_name(file)}: {row}")
+            name = file if isinstance(file, Path) else file.attrs.get("source", "a table")
+            failed.append(row if str(file) in row else f"{name}: {row}")
             warnings.warn(failed[-1], RuntimeWarning, stacklevel=2)
         else:
             rows.append(row)
@@ -244,7 +251,7 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
             inside = [
                 p
                 for p in every
-                if not (_stem(p) in known if p.suffix.lower() in VIDEOS else _is_trials(p))
+                if not (_stem(p) in known if p.suffix.lower() in VIDEOS else is_trial_table(p))
             ]
             files += inside
             if not inside:
@@ -276,18 +283,6 @@ def _is_track(path: Path) -> bool:
     except (InputError, OSError):
         return False
     return True
-
-
-def _is_trials(path: Path) -> bool:
-    """Return whether a file is a trial table, which is no trial itself."""
-    from latolato.experiment.trial_table import is_trial_table
-
-    return path.suffix.lower() != ".parquet" and is_trial_table(path)
-
-
-def _name(file: Any) -> str:
-    """Return what a source is called in messages."""
-    return str(file.attrs.get("source", "a table")) if hasattr(file, "attrs") else str(file)
 
 
 def _rows(
@@ -323,8 +318,7 @@ def _row(
             table = _tracked(file, of_video) if is_video else read_table(file)
         row = trial_of(table, **of_trial)
     except Exception as error:
-        text = said_of(error)
-        return text.removeprefix(f"'{file}': ").removeprefix(f"{file}: ")
+        return said_of(error).removeprefix(f"{file}: ")
     row["source"] = row["source"] or (file.name if isinstance(file, Path) else "")
     return row
 

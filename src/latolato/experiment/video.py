@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.core.errors import InputError, import_extra
+from latolato.core.errors import InputError, import_extra, reading
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
 _PER_PIXEL = 340
+# Of the numbers in `Limits`.
+_UNITS = {"duration": "s", "pixels": "pixels", "frames": "frames", "memory": "bytes"}
 # Suffixes of pictures, which sometimes come by the folder.
 _PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 # Kinds of files that hold a video themselves: a playlist names others, here or in a network.
@@ -37,7 +39,7 @@ _PLANAR = ("yuv420p", "yuvj420p")
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What a video may ask for before it is refused.
+    """The largest videos that are read.
 
     Parameters
     ----------
@@ -55,6 +57,15 @@ class Limits:
     pixels: int = 4096 * 2304
     frames: int = 250_000
     memory: float = 6e9
+
+    def check(self, name: str, value: float, words: str) -> None:
+        """Raise if a value exceeds one of the limits; `words` describe the value."""
+        limit, unit = getattr(self, name), _UNITS[name]
+        if value > limit:
+            raise InputError(
+                f"{words}, at most {limit:.10g} {unit} are read",
+                way_out=f"cut the video or scale it down, or raise the limit of its {name}",
+            )
 
 
 class Frame(NamedTuple):
@@ -113,38 +124,29 @@ class Video:
         """
         last = first = -float("inf")
         number = 0
-        with _opened(self.path) as container:
+        size = (self.width, self.height)[:: -1 if self.rotation % 180 else 1]
+        with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
             stream.thread_type = "AUTO"
-            for picture in _pictures(container, stream, self.path):
+            for picture in _pictures(container, stream):
                 if picture.pts is None:
-                    raise InputError(f"{self.path}: frame {number} has no time stamp")
+                    raise InputError(f"frame {number} has no time stamp")
                 time = float(picture.pts * stream.time_base) / self.slow_motion
                 if number == 0:
                     first = time
-                turned = self.rotation % 180 == 90
-                if (picture.height, picture.width) != (
-                    (self.width, self.height) if turned else (self.height, self.width)
-                ):
+                if (picture.width, picture.height) != size:
                     raise InputError(
-                        f"{self.path}: frame {number} has another size than those before, "
-                        f"{picture.width} x {picture.height} pixels"
+                        f"frame {number} has another size than those before, {picture.width} x "
+                        f"{picture.height} pixels"
                     )
-                if time - first > self.limits.duration:
-                    raise InputError(
-                        f"{self.path}: longer than {self.limits.duration:g} s; cut the video or "
-                        "raise the limit of its duration"
-                    )
+                self.limits.check("duration", time - first, f"{time - first:.4g} s are there")
                 if not time > last:
                     raise InputError(
-                        f"{self.path}: time stamps must increase, frame {number} is at {time:.6g} s"
-                        f" after {last:.6g} s; write the file anew, e.g. with ffmpeg -c copy"
+                        f"time stamps must increase, frame {number} is at {time:.6g} s after "
+                        f"{last:.6g} s",
+                        way_out="write the file anew, e.g. with ffmpeg -c copy",
                     )
-                if number >= self.limits.frames:
-                    raise InputError(
-                        f"{self.path}: more than {self.limits.frames} frames; cut the video or "
-                        "raise the limit of its frames"
-                    )
+                self.limits.check("frames", number + 1, f"{number + 1} frames are there")
                 if time > until:
                     return
                 yield Frame(number, time, *_planes(picture, self.rotation))
@@ -153,11 +155,12 @@ class Video:
             declared = _duration(container, stream) / self.slow_motion
             if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
                 raise InputError(
-                    f"{self.path} is cut off: {number} of {self.frame_count} frames are there, "
-                    f"{last - first:.2f} of {declared:.2f} s; copy the file again"
+                    f"the file is cut off: {number} of {self.frame_count} frames are there, "
+                    f"{last - first:.2f} of {declared:.2f} s",
+                    way_out="copy it again",
                 )
-        if number == 0:
-            raise InputError(f"{self.path}: no frame could be decoded")
+            if number == 0:
+                raise InputError("no frame could be decoded")
 
 
 def open_video(
@@ -184,74 +187,65 @@ def open_video(
     """
     path = Path(path)
     limits = limits or Limits()
+    checked_number("slow_motion", slow_motion, POSITIVE, "1")
+    with reading(path):
+        _check_file(path)
+        with _opened(path) as container:
+            if not len(container.streams):
+                raise InputError("it cannot be read as a video: nothing is in it; is it whole?")
+            if not container.streams.video:
+                raise InputError("it holds no video stream, only sound or data, or is cut off")
+            stream = container.streams.video[0]
+            context = stream.codec_context
+            size = context.width * context.height
+            if size == 0:
+                raise InputError("the size of its frames is unknown; is the file whole?")
+            count = _frame_count(container, stream)
+            words = f"frames of {context.width} x {context.height} pixels"
+            limits.check("pixels", size, words)
+            limits.check("memory", size * _PER_PIXEL, f"{words} take memory")
+            duration = _duration(container, stream) / slow_motion
+            limits.check("duration", duration, f"it is {duration:.4g} s long")
+            limits.check("frames", count, f"it has {count} frames")
+            picture = next(_pictures(container, stream), None)
+            if picture is None:
+                raise InputError("no frame could be decoded")
+            rotation = round(-picture.rotation / 90.0) % 4 * 90
+            width, height = (picture.width, picture.height)[:: -1 if rotation % 180 else 1]
+            return Video(
+                path=path,
+                width=width,
+                height=height,
+                rotation=rotation,
+                frame_rate=float(stream.average_rate or 0.0) * slow_motion,
+                frame_count=count,
+                matrix=_matrix(picture),
+                is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
+                slow_motion=slow_motion,
+                limits=limits,
+            )
+
+
+def _check_file(path: Path) -> None:
+    """Raise unless there is a file that may be a video."""
     if path.is_dir():
         pictures = _pictures_in(path)
-        raise InputError(f"{path} is a folder{pictures and f' with {pictures}'}; name a video")
+        raise InputError(
+            f"it is a folder{pictures and f' with {pictures}'}", way_out="name a video"
+        )
     if not path.exists():
         if not (path.suffix.lower() in _PICTURES and set("%*?") & set(path.name)):
             raise FileNotFoundError(f"there is no video '{path}'")
         pictures = _pictures_in(path.parent) or "no numbered pictures"
         raise InputError(
-            f"{path} names a sequence of pictures ({pictures} in '{path.parent}'); {_AS_VIDEO}"
+            f"it names a sequence of pictures ({pictures} in '{path.parent}')", way_out=_AS_VIDEO
         )
     if path.suffix.lower() in _PICTURES:
         pictures = _pictures_in(path.parent)
         note = f" (its folder has {pictures})" if pictures else ""
-        raise InputError(f"{path} is a picture{note}; {_AS_VIDEO}")
+        raise InputError(f"it is a picture{note}", way_out=_AS_VIDEO)
     if path.stat().st_size == 0:
-        raise InputError(f"{path} is empty")
-    checked_number("slow_motion", slow_motion, POSITIVE, "1")
-    with _opened(path) as container:
-        if not len(container.streams):
-            raise InputError(f"{path} cannot be read as a video: nothing is in it; is it whole?")
-        if not container.streams.video:
-            raise InputError(f"{path} holds no video stream, only sound or data, or is cut off")
-        stream = container.streams.video[0]
-        size = stream.codec_context.width * stream.codec_context.height
-        if size == 0:
-            raise InputError(f"{path}: the size of its frames is unknown; is the file whole?")
-        if size > limits.pixels:
-            raise InputError(
-                f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
-                f"pixels, at most {limits.pixels} pixels are read; scale the video down or raise "
-                "the limit of its pixels"
-            )
-        if size * _PER_PIXEL > limits.memory:
-            raise InputError(
-                f"{path}: frames of {stream.codec_context.width} x {stream.codec_context.height} "
-                f"pixels take {size * _PER_PIXEL / 1e9:.1f} GB of memory, at most "
-                f"{limits.memory / 1e9:g} GB may be used; scale the video down or raise "
-                "the limit of its memory"
-            )
-        duration = _duration(container, stream)
-        if duration / slow_motion > limits.duration:
-            raise InputError(
-                f"{path}: {duration:.0f} s long, at most {limits.duration:g} s are read; cut "
-                "it or raise the limit of its duration"
-            )
-        count = _frame_count(container, stream)
-        if count > limits.frames:
-            raise InputError(
-                f"{path}: {count} frames, at most {limits.frames} are read; cut it "
-                "or raise the limit of its frames"
-            )
-        picture = next(_pictures(container, stream, path), None)
-        if picture is None:
-            raise InputError(f"{path}: no frame could be decoded")
-        rotation = round(-picture.rotation / 90.0) % 4 * 90
-        turned = rotation % 180 == 90
-        return Video(
-            path=path,
-            width=picture.height if turned else picture.width,
-            height=picture.width if turned else picture.height,
-            rotation=rotation,
-            frame_rate=float(stream.average_rate or 0.0) * slow_motion,
-            frame_count=count,
-            matrix=_matrix(picture),
-            is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
-            slow_motion=slow_motion,
-            limits=limits,
-        )
+        raise InputError("it is empty")
 
 
 def digest_of(path: str | Path) -> str:
@@ -287,19 +281,19 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
-        raise InputError(f"{path} cannot be read as a video: {error.strerror}") from None
+        raise InputError(f"it cannot be read as a video: {error.strerror}") from None
     with container:
         yield container
 
 
-def _pictures(container: Any, stream: Any, path: Path) -> Iterator[Any]:
+def _pictures(container: Any, stream: Any) -> Iterator[Any]:
     """Decode one stream, with FFmpeg's reasons in one line."""
     import av
 
     try:
         yield from container.decode(stream)
     except av.error.FFmpegError as error:
-        raise InputError(f"{path}: decoding fails ({error.strerror}); is the file whole?") from None
+        raise InputError(f"decoding fails ({error.strerror}); is the file whole?") from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:

@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.versions import version_of
-from latolato.experiment.overlay import Artist, jpeg_of, picture_of
+from latolato.experiment.overlay import Artist, encoded, picture_of
 from latolato.experiment.quality import (
     circle_distances,
-    drive_of,
     flag_shares,
-    harmonic_at,
+    pivot_harmonic,
     pivot_heights,
     typical_sigma,
 )
@@ -111,7 +110,9 @@ def render(table: xr.Dataset, video: Video) -> str:
         ),
         warnings=_warnings(notes),
         numbers=_numbers(table),
-        first=_image(jpeg_of(_fitted(first, 1100)), "image/jpeg", "The first frame, marked"),
+        first=_image(
+            encoded(_fitted(first, 1100), ".jpg"), "image/jpeg", "The first frame, marked"
+        ),
         graphs="".join(_graph(figure, text) for figure, text in _figures(table)),
         flags=_flags(table),
         worst=_thumbnails(worst, kept, artist, video),
@@ -224,17 +225,17 @@ def _pivot_figure(table: xr.Dataset) -> Figure:
     figure, axes = new_figure(2, 1, height=3.2, sharex=True, height_ratios=[2.0, 1.0])
     scale, unit = (1e3, "mm") if table.attrs["geometry"] == "metric" else (1.0, "pixel")
     times, heights = table["time"].values, scale * pivot_heights(table)
-    amplitude, frequency = drive_of(table)
+    harmonic = pivot_harmonic(table)
     axes[0, 0].plot(times, heights, ".", ms=2, color=BLUE, label="measured")
     rest = heights
-    if amplitude is not None and frequency is not None:
-        wave = scale * harmonic_at(table)
+    if harmonic is not None:
+        wave, frequency = scale * harmonic.heights, harmonic.frequency
         axes[0, 0].plot(
             times,
             wave,
             color=ORANGE,
             lw=0.8,
-            label=f"{scale * amplitude:.4g} {unit} at {frequency:.5g} rad/s "
+            label=f"{scale * harmonic.amplitude:.4g} {unit} at {frequency:.5g} rad/s "
             f"({frequency / math.tau:.4g} Hz)",
         )
         rest = heights - wave
@@ -290,8 +291,9 @@ def _numbers(table: xr.Dataset) -> str:
     if "angle_offset_sigma" in attrs:
         common = 1e3 * attrs["angle_offset_sigma"]
         rows.append(("sigma of what all angles have in common", f"{common:.3g} mrad"))
-    amplitude, frequency = drive_of(table)
-    if amplitude is not None and frequency is not None:
+    harmonic = pivot_harmonic(table)
+    if harmonic is not None:
+        amplitude, frequency = harmonic.amplitude, harmonic.frequency
         size = f"{1e3 * amplitude:.4g} mm" if attrs["geometry"] == "metric" else (
             f"{amplitude:.4g} pixels"
         )  # fmt: skip
@@ -385,7 +387,7 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(jpeg_of(np.hstack(parts)), "image/jpeg", f"Frame {number}")
+        image = _image(encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {number}")
         text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
         cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"

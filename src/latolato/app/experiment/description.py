@@ -11,6 +11,7 @@ from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import CAMERA, VIDEO_PARAMETERS
+from latolato.experiment.sidecar import checked_place
 from latolato.scenario.options import law_options
 from latolato.scenario.units import to_si
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
-# Files that are made when they are asked for.
+# Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
 _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]
@@ -71,8 +72,8 @@ class Description:
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
-            pivot=None if value.get("pivot") is None else place("pivot", value["pivot"]),
-            balls=tuple(place("balls", ball) for ball in balls),
+            pivot=None if value.get("pivot") is None else checked_place("pivot", value["pivot"]),
+            balls=tuple(checked_place("balls", ball) for ball in balls),
             is_proposed=bool(value.get("is_proposed")),
             **numbers,
         )
@@ -100,18 +101,6 @@ def number(name: str, value: Any) -> float:
     if not isinstance(converted, float) or not math.isfinite(converted):
         raise InputError("must be a finite number", parameter=name, value=value)
     return converted
-
-
-def place(name: str, value: Any) -> tuple[float, float]:
-    """Return column and row of a place [pixels]."""
-    if (
-        not isinstance(value, Sequence)
-        or isinstance(value, str)
-        or len(value) != 2
-        or not all(isinstance(v, (int, float)) and math.isfinite(v) for v in value)
-    ):
-        raise InputError("must be a column and a row in pixels", parameter=name, value=value)
-    return float(value[0]), float(value[1])
 
 
 def fields() -> dict[str, Any]:

@@ -169,14 +169,14 @@ def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, i
     )
 
 
-def across(wanted: Any, times: Any, values: Any) -> Any:
+def across(instants: Any, times: Any, values: Any) -> Any:
     """Return values at other instants, NaN beyond the ends and in gaps."""
     order = np.argsort(times)
     times, values = np.asarray(times)[order], np.asarray(values)[order]
-    between = np.interp(wanted, times, values, left=np.nan, right=np.nan)
-    after = np.clip(np.searchsorted(times, wanted), 0, len(times) - 1)
+    between = np.interp(instants, times, values, left=np.nan, right=np.nan)
+    after = np.clip(np.searchsorted(times, instants), 0, len(times) - 1)
     before = np.clip(after - 1, 0, len(times) - 1)
-    between[(times[after] - times[before] > _GAP) & (times[after] != wanted)] = np.nan
+    between[(times[after] - times[before] > _GAP) & (times[after] != instants)] = np.nan
     return between
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from latolato.app.given import TooLargeError
 from latolato.core.errors import InputError
+from latolato.core.registry import checked_choice
 
 if TYPE_CHECKING:
     from latolato.app.experiment.store import Clip, Desk, Store
@@ -40,14 +41,13 @@ def prepare(request: Any, store: Store) -> Job:
 
     if not isinstance(request, Mapping):
         raise InputError("a request must be an object")
-    desk, do = store.desk(request.get("desk")), request.get("do")
-    if do not in ("look", "track", "fit", "export", "example"):
-        raise InputError("must be look, track, fit, export or example", parameter="do", value=do)
+    desk = store.desk(request.get("desk"))
+    do = checked_choice("do", request.get("do"), ("look", "track", "fit", "export", "example"))
     if len(desk.running) >= store.allowance.waiting:
         raise TooLargeError(f"{len(desk.running)} jobs wait already")
     work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
     if do == "example":
-        work["kind"] = _one_of("kind", request.get("kind"), EXAMPLES)
+        work["kind"] = checked_choice("kind", request.get("kind"), EXAMPLES)
         clip = anyio.from_thread.run_sync(store.admit, desk, f"{work['kind']}.mp4")
     else:
         clip = desk.clip(request.get("clip"))
@@ -56,14 +56,14 @@ def prepare(request: Any, store: Store) -> Job:
         if not clip.about and do != "look":
             raise InputError(f"{clip.name} could not be read")
     if do == "export":
-        work["file"] = _one_of("file", request.get("file"), EXPORTS)
+        work["file"] = checked_choice("file", request.get("file"), EXPORTS)
     if do in ("track", "fit"):
         work |= {"description": request.get("description"), **clip.about}
         Description.from_json(work["description"])
     if do == "fit":
         from latolato.experiment.fits import fits
 
-        work["kind"] = _one_of("kind", request.get("kind"), tuple(fits))
+        work["kind"] = checked_choice("kind", request.get("kind"), tuple(fits))
     work["name"] = clip.name
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
@@ -83,7 +83,7 @@ def prepare(request: Any, store: Store) -> Job:
 
 @contextmanager
 def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
-    """Give the folder of a clip to a job; its process' end is told in words about the clip."""
+    """Lend the folder of a clip to a job; explain an early end of its process."""
     from latolato.app.processes import EndedError, JobError, LateError
 
     try:
@@ -95,13 +95,6 @@ def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
         ) from None
     except EndedError as error:
         raise JobError(_reason(error.code, clip)) from None
-
-
-def _one_of(name: str, value: Any, known: tuple[str, ...]) -> str:
-    """Return a word that is one of those known."""
-    if not isinstance(value, str) or value not in known:
-        raise InputError(f"must be one of {', '.join(known)}", parameter=name, value=value)
-    return value
 
 
 def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
@@ -137,7 +130,7 @@ def _reason(code: int, clip: Clip) -> str:
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Do what a page wants of a clip: what the job `clip` does in its process.
+    """Do the work on a clip that a page requested: the job `clip`, in its own process.
 
     Raises
     ------

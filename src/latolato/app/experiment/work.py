@@ -50,7 +50,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     video = open_video(job["path"], limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
-        raise InputError(f"{job['name']} has {len(times)} frames; a motion needs {_FEWEST} or more")
+        raise InputError(f"{job['name']} has {len(times)} frames, a motion needs {_FEWEST} or more")
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,

@@ -182,7 +182,7 @@ def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.
     return np.asarray(x) if rotation == 270 else np.asarray(y)
 
 
-def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+def _moved(times: np.ndarray, values: np.ndarray, instants: np.ndarray) -> np.ndarray:
     """Return values (time, component) at nearby instants; NaN stays NaN."""
     from scipy.interpolate import Akima1DInterpolator
 
@@ -191,8 +191,8 @@ def _moved(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndar
     if ok.sum() < 3:
         return out
     curve = Akima1DInterpolator(times[ok], values[ok], axis=0, extrapolate=True)
-    target = ok & np.isfinite(wanted)
-    out[target] = curve(wanted[target])
+    target = ok & np.isfinite(instants)
+    out[target] = curve(instants[target])
     return out
 
 

@@ -56,7 +56,7 @@ def honest_deviations(
 
 
 def scatter_of(times: np.ndarray, values: np.ndarray) -> float:
-    """Return the noise of a smooth series: what neighbours do not foretell (robust)."""
+    """Return the noise of a smooth series: what its neighbours do not predict (robust)."""
     if len(values) < 20:
         return math.nan
     others = np.array([-3, -2, -1, 1, 2, 3])

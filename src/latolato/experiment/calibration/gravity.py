@@ -1,4 +1,4 @@
-"""The direction of gravity in a picture, and what all angles have in common of its error."""
+"""The direction of gravity in a picture, and the error that all angles share because of it."""
 
 from __future__ import annotations
 

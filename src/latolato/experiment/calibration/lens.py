@@ -22,7 +22,7 @@ _ROBUST = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class Optics:
-    """What is declared of the camera.
+    """What the user declares about the camera.
 
     Parameters
     ----------

@@ -27,6 +27,7 @@ from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,8 +99,7 @@ def compare_motion(
 
     lmfit_module()
     checked_table(table)
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)
@@ -227,7 +227,7 @@ def _spread(
     count: int,
     seed: int,
 ) -> Floats:
-    """Return the deviation of the computed angles that starts and parameters leave open."""
+    """Return the deviation of the computed angles because starts and parameters are uncertain."""
     from dataclasses import replace
 
     random = np.random.default_rng(seed)

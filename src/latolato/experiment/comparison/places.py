@@ -18,6 +18,7 @@ from latolato.experiment.comparison.uncertainties import (
     checked_sigmas,
     classes_in,
     drawn,
+    frequencies_of,
     plain,
     plan_of,
     run_at,
@@ -53,7 +54,7 @@ def compare_map(
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units: ``{"length": 5e-4, ...}``.
     draws : int
-        Times that all trials are computed again with parameters that could be meant as well; 0
+        How often all trials are computed again with parameters within their uncertainty; 0
         leaves that out.
     seed : int
         Of these draws.
@@ -105,46 +106,15 @@ def compare_map(
         )
     taken = trials.isel(trial=np.flatnonzero(known))
     measured, computed = measured[known], predicted[known].astype(int)
-    agrees = measured == computed
-    n = len(agrees)
-    share, kappa = float(agrees.mean()), cohen_kappa(measured, computed)
-    low, high = (float(end) for end in wilson_interval(int(agrees.sum()), n)[1:])
-    variables: dict[str, Any] = {}
-    chances, by_parameters, kappa_sigma = np.full(n, np.nan), 0.0, math.nan
-    if count:
-        again = _drawn(taken, plan, widths, count, seed)
-        chances = np.mean(again.seen == again.computed, axis=0)
-        by_parameters = float(np.std(np.mean(again.seen == again.computed, axis=1)))
-        shares, kappas = again.with_chance()
-        kappa_sigma = float(np.std(kappas))
-        low, high = (
-            min(low, float(np.quantile(shares, 0.025))),
-            max(high, float(np.quantile(shares, 0.975))),
-        )
-        variables["chance_of_agreement"] = plain(
-            "trial", chances, "share of draws in which trial and computation agree"
-        )
-        variables["kappa_sigma"] = plain((), kappa_sigma, "standard deviation of Cohen's kappa")
-    binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
+    again = _drawn(taken, plan, widths, count, seed) if count else None
     borders = _boundaries(taken, classes.where(np.isfinite(classes)), up, across, plan)
-    table = np.zeros((3, 3), dtype=np.int64)
-    np.add.at(table, (measured, computed), 1)
-    variables |= {
+    variables: dict[str, Any] = {
         "x": variable("trial", places[1][known], across),
         "y": variable("trial", places[0][known], up),
         "class_measured": plain("trial", measured, "measured class (0 none, 1 weak, 2 strong)"),
         "class_computed": plain("trial", computed, "class of the map there"),
-        "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
         **{name: taken[name].variable for name in ("borderline", "set", "source")},
-        "agreement": plain((), share, "share of trials whose class is the map's"),
-        "agreement_low": plain((), low, "low end of its 95 % interval"),
-        "agreement_high": plain((), high, "high end of its 95 % interval"),
-        "agreement_sigma_binomial": plain((), binomial, "its deviation by chance"),
-        "agreement_sigma_parameters": plain((), by_parameters, "its deviation by the parameters"),
-        "kappa": plain((), kappa, "Cohen's kappa"),
-        "confusion": plain(
-            ("measured", "computed"), table, "trials by measured and computed class"
-        ),
+        **_agreement(measured, computed, again),
         **borders,
         "motion_class": (
             (up, across),
@@ -155,10 +125,10 @@ def compare_map(
     if "mean_energy" in grid:
         energy = grid["mean_energy"].transpose(up, across)
         variables["mean_energy"] = energy.variable
-    outside = trials.sizes["trial"] - n
-    words = _verdict(share, low, high, kappa, n, outside, borders)
+    outside = int((~known).sum())
     attributes = {
-        "comparison": "map", "verdict": words, "trials_outside": outside, "draws": count,
+        "comparison": "map", "verdict": _verdict(variables, outside), "trials_outside": outside,
+        "draws": count,
         "plan": grid.attrs["plan"],
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
@@ -169,6 +139,46 @@ def compare_map(
         "computed": plain("computed", list(CLASSES), "computed class"),
     }
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def _agreement(measured: Any, computed: Any, again: _Draws | None) -> dict[str, Any]:
+    """Return how well two classifications of trials agree, and how surely.
+
+    `again` holds both in draws with other parameters, None without any.
+    """
+    agrees = measured == computed
+    n, share = len(agrees), float(agrees.mean())
+    low, high = (float(end) for end in wilson_interval(int(agrees.sum()), n)[1:])
+    by_parameters, drawn_variables = 0.0, {}
+    if again is not None:
+        chances = np.mean(again.seen == again.computed, axis=0)
+        by_parameters = float(np.std(np.mean(again.seen == again.computed, axis=1)))
+        shares, kappas = again.with_chance()
+        low = min(low, float(np.quantile(shares, 0.025)))
+        high = max(high, float(np.quantile(shares, 0.975)))
+        drawn_variables = {
+            "chance_of_agreement": plain(
+                "trial", chances, "share of draws in which trial and computation agree"
+            ),
+            "kappa_sigma": plain((), float(np.std(kappas)), "standard deviation of Cohen's kappa"),
+        }
+    binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
+    table = np.zeros((3, 3), dtype=np.int64)
+    np.add.at(table, (measured, computed), 1)
+    kappa = cohen_kappa(measured, computed)
+    return {
+        "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
+        "agreement": plain((), share, "share of trials whose class is the map's"),
+        "agreement_low": plain((), low, "low end of its 95 % interval"),
+        "agreement_high": plain((), high, "high end of its 95 % interval"),
+        "agreement_sigma_binomial": plain((), binomial, "its deviation by chance"),
+        "agreement_sigma_parameters": plain((), by_parameters, "its deviation by the parameters"),
+        "kappa": plain((), kappa, "Cohen's kappa"),
+        "confusion": plain(
+            ("measured", "computed"), table, "trials by measured and computed class"
+        ),
+        **drawn_variables,
+    }
 
 
 def cohen_kappa(one: Any, other: Any) -> float:
@@ -210,7 +220,7 @@ class _Draws:
 def _drawn(
     trials: xr.Dataset, plan: Plan, widths: Mapping[str, float], count: int, seed: int
 ) -> _Draws:
-    """Return measured and computed classes with parameters that could be meant as well."""
+    """Return measured and computed classes with parameters within their uncertainty."""
     random = np.random.default_rng(seed)
     n = trials.sizes["trial"]
 
@@ -252,13 +262,10 @@ def _axes_of(classes: xr.DataArray) -> tuple[str, str]:
 
 def _places(trials: xr.Dataset, plan: Plan, up: str, across: str) -> tuple[Floats, Floats]:
     """Return the coordinates of the trials along both axes."""
-    amplitude, ratio = trials["drive_amplitude"].values, trials["frequency_ratio"].values
-    frequency = trials["drive_frequency"].values
-    natural, length = plan.system.natural_frequency, plan.system.balls[0].length
+    amplitude, own = trials["drive_amplitude"].values, trials["length"].values
+    frequency, ratio = frequencies_of(trials, plan.system)
     # A trial of unknown length is taken to be of the map's.
-    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
-    frequency = np.where(np.isfinite(frequency), frequency, ratio * natural)
-    own = np.where(np.isfinite(trials["length"].values), trials["length"].values, length)
+    own = np.where(np.isfinite(own), own, plan.system.balls[0].length)
     return (
         amplitude if up == "drive_amplitude" else amplitude / own,
         frequency if across == "drive_frequency" else ratio,
@@ -335,18 +342,19 @@ def _edge(line: xr.DataArray, across: str, side: str) -> float:
     return float(0.5 * (x[k] + x[other])) if 0 <= other < len(x) else float(x[k])
 
 
-def _verdict(
-    share: float, low: float, high: float, kappa: float, n: int, outside: int, borders: Any
-) -> str:
+def _verdict(variables: Mapping[str, Any], outside: int) -> str:
     """Return what the comparison shows in plain words."""
+    names = ("agreement", "agreement_low", "agreement_high", "kappa")
+    share, low, high, kappa = (variables[name][1] for name in names)
     words = (
-        f"{share:.0%} of {n} trials have the class of the map at their place (95 %: {low:.0%} to "
-        f"{high:.0%}; kappa {kappa:.2f})."
+        f"{share:.0%} of {len(variables['agrees'][1])} trials have the class of the map at their "
+        f"place (95 %: {low:.0%} to {high:.0%}; kappa {kappa:.2f})."
     )
-    gaps = borders["boundary_x"][1] - borders["boundary_computed"][1]
+    x, computed, half = (variables[f"boundary_{name}"][1] for name in ("x", "computed", "half_gap"))
+    gaps = x - computed
     known = np.isfinite(gaps)
     if known.any():
-        within = np.abs(gaps[known]) <= borders["boundary_half_gap"][1][known]
+        within = np.abs(gaps[known]) <= half[known]
         words += (
             f" {int(within.sum())} of {int(known.sum())} measured boundaries enclose that of the "
             f"map; the mean shift is {float(np.mean(gaps[known])):+.3f}."

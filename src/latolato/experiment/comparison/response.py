@@ -16,6 +16,7 @@ from latolato.experiment.comparison.uncertainties import (
     Floats,
     checked_sigmas,
     drawn,
+    frequencies_of,
     plain,
     run_at,
     variable,
@@ -26,6 +27,8 @@ from latolato.sweeps.plan import make_plan
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.sweeps.plan import Plan
 
 # The largest angle on a flank that falls below this share of it within one step is a cliff.
 _CLIFF = 0.5
@@ -104,11 +107,8 @@ def compare_response(
     count = checked_count("draws", draws)
     points = checked_count("points", points)
     random = np.random.default_rng(seed)
-    frequency = trials["drive_frequency"].values
     natural = system.natural_frequency
-    ratio = trials["frequency_ratio"].values
-    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
-    frequency = np.where(np.isfinite(frequency), frequency, ratio * natural)
+    _, ratio = frequencies_of(trials, system)
     names = list(dict.fromkeys(trials["set"].values.tolist()))
     members = [np.flatnonzero(trials["set"].values == name) for name in names]
     amplitudes = np.array([float(np.mean(trials["drive_amplitude"].values[m])) for m in members])
@@ -126,25 +126,15 @@ def compare_response(
         **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
     )
     moved = _moved_sets(system, widths, amplitudes, doubt, count, random)
-    # The curves of all draws, then the places of the trials themselves.
-    columns = {name: np.repeat(values, points) for name, values in moved.items()}
-    columns["drive_frequency"] = np.tile(ratios * natural, count * len(names))
-    own_values = {name: np.full(len(frequency), getattr(system, name)) for name in widths}
-    at_trials = {
-        **own_values,
-        "drive_amplitude": trials["drive_amplitude"].values,
-        "drive_frequency": frequency,
-    }
-    run = run_at(plan, {n: np.concatenate([v, at_trials[n]]) for n, v in columns.items()})
-    late = run[LATE].values
-    curves = late[: -len(frequency)].reshape(count, len(names), points)
+    curves, at_trials = _curves(plan, moved, ratios, trials)
+    curves = curves.reshape(count, len(names), points)
     seen, computed_peaks = [], []
     sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
         seen.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
-        each = [peak_of(ratios, curves[k, i]) for k in range(count)]
+        each = [peak_of(ratios, curve) for curve in curves[:, i]]
         spread = float(np.std([peak.place for peak in each]))
         computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
                           each[0].kind))  # fmt: skip
@@ -154,9 +144,7 @@ def compare_response(
         "trial_ratio": variable("trial", ratio, "frequency_ratio"),
         "set": plain("trial", trials["set"].values.astype(str), "set of trials"),
         "source": plain("trial", trials["source"].values.astype(str), "file of the trial"),
-        "angle_at_trial": variable(
-            "trial", late[-len(frequency) :], LATE, "computed settled angle there"
-        ),
+        "angle_at_trial": variable("trial", at_trials, LATE, "computed settled angle there"),
         "angle_computed": variable(
             ("set_name", "frequency_ratio"), curves[0], LATE,
             "computed settled angle",
@@ -174,6 +162,25 @@ def compare_response(
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
     return xr.Dataset(variables, coordinates, attributes)
+
+
+def _curves(
+    plan: Plan, moved: Mapping[str, Floats], ratios: Floats, trials: xr.Dataset
+) -> tuple[Floats, Floats]:
+    """Return settled angles along curves, shape (draw x set, ratio), and at the trials."""
+    frequency, _ = frequencies_of(trials, plan.system)
+    rates = ratios * plan.system.natural_frequency
+    columns = {name: np.repeat(values, len(rates)) for name, values in moved.items()}
+    columns["drive_frequency"] = np.tile(rates, len(moved["drive_amplitude"]))
+    at_trials = {
+        name: np.full(len(frequency), getattr(plan.system, name))
+        for name in moved
+        if name != "drive_amplitude"
+    }
+    at_trials |= {"drive_amplitude": trials["drive_amplitude"].values, "drive_frequency": frequency}
+    run = run_at(plan, {n: np.concatenate([v, at_trials[n]]) for n, v in columns.items()})
+    late = run[LATE].values
+    return late[: -len(frequency)].reshape(-1, len(rates)), late[-len(frequency) :]
 
 
 def _moved_sets(

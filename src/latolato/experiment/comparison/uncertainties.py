@@ -58,6 +58,14 @@ def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str
     return deviations
 
 
+def frequencies_of(trials: xr.Dataset, system: System) -> tuple[Floats, Floats]:
+    """Return frequency [rad/s] and frequency ratio of trials, each from the other where unknown."""
+    frequency, ratio = trials["drive_frequency"].values, trials["frequency_ratio"].values
+    natural = system.natural_frequency
+    ratio = np.where(np.isfinite(ratio), ratio, frequency / natural)
+    return np.where(np.isfinite(frequency), frequency, ratio * natural), ratio
+
+
 def drawn(
     system: System, sigmas: Mapping[str, float], count: int, random: np.random.Generator
 ) -> dict[str, Floats]:
@@ -86,7 +94,7 @@ def plan_of(grid: Any) -> Plan:
     import xarray as xr
 
     if not isinstance(grid, xr.Dataset):
-        raise InputError(f"a map must be the dataset of a sweep, got {type(grid).__name__}")
+        raise InputError("a map must be the dataset of a sweep", value=type(grid).__name__)
     if "plan" not in grid.attrs:
         raise InputError("the dataset is no map: it does not hold the plan of a sweep")
     plan = Plan.from_description(json.loads(grid.attrs["plan"]))

@@ -12,7 +12,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
-from latolato.core.registry import checked_number, suggest
+from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.least_squares import (
@@ -149,12 +149,13 @@ def fit_decay(
     """
     lmfit_module()
     checked_table(table)
-    if method not in METHODS:
-        raise InputError(f"must be one of {', '.join(METHODS)}", parameter="method", value=method)
+    checked_choice("method", method, METHODS)
     if law != "best" and law not in LAWS:
-        raise InputError(f"unknown drag law '{law}': {suggest(law, ['best', *LAWS])}")
+        raise InputError(f"unknown drag law '{law}'", way_out=suggest(law, ["best", *LAWS]))
     if method == "envelope" and law != "linear":
-        raise InputError(f"the envelope of eq13 is of linear drag: use method 'equation' for {law}")
+        raise InputError(
+            "the envelope of eq13 is of linear drag", way_out=f"use method 'equation' for {law}"
+        )
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
@@ -225,7 +226,7 @@ fits.register("decay")(
 
 @dataclass(frozen=True)
 class _Part:
-    """What one method gives of a fit."""
+    """What one method contributes to a fit."""
 
     estimates: dict[str, Estimate]
     curves: dict[str, tuple[str, Any]]
@@ -245,17 +246,16 @@ def _by_equation(
 ) -> _Part:
     """Return what the full equation gives with a law of drag."""
     laws = _compared(data, first, aside) if compare else {}
-    wanted = law
     if law == "best":
-        wanted = min(laws, key=lambda name: laws[name].bayes, default="linear")
-    chosen, solution = _converged(data, first, laws, wanted, aside, profile=profile)
+        law = min(laws, key=lambda name: laws[name].bayes, default="linear")
+    chosen, solution = _converged(data, first, laws, law, aside, profile=profile)
     estimates = body.estimates(solution, LAWS[chosen])
     sentences = [body.verdict(estimates, solution, chosen)]
     if compare:
         sentences.append(_law_verdict(laws, chosen))
-    if chosen != wanted:
+    if chosen != law:
         sentences.append(
-            f"The fit with {wanted} drag did not converge: these are the numbers of {chosen} drag."
+            f"The fit with {law} drag did not converge: these are the numbers of {chosen} drag."
         )
     curves: dict[str, tuple[str, Any]] = {}
     if laws:
@@ -480,7 +480,7 @@ class _Body:
         return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
 
     def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
-        """Return the estimates in the terms of people."""
+        """Return the estimates under their public names."""
         rate = solution.estimate("natural_frequency", "rad/s")
         length = self._length(rate)
         estimates: dict[str, Estimate] = {}
@@ -566,7 +566,7 @@ class _Body:
 
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
-    """Return which drag law a comparison is for, and whether the chosen one is in question."""
+    """Return which drag law a comparison prefers, and whether the chosen one is doubtful."""
     if not laws:
         return f"The {len(LAWS)} drag laws could not be compared: no fit of theirs converged."
     lost = [name for name in LAWS if name not in laws]

@@ -203,7 +203,7 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
 
 
 def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tuple[Shape, Solution]:
-    """Return the model that the criterion is for, and its solution."""
+    """Return the model that the criterion prefers, and its solution."""
     shape = Shape(stages or 1)
     best = _fit(data, shape, guesses_of_passages(data, zeros, shape))
     if shape.stages > 1:
@@ -308,7 +308,7 @@ def _guesses_of(solution: Solution) -> dict[str, Guess]:
 
 
 def _estimates(solution: Solution, shape: Shape) -> dict[str, Estimate]:
-    """Return the estimates in the terms of people."""
+    """Return the estimates under their public names."""
     estimates = {
         "drive_amplitude": solution.estimate("drive_amplitude", "m"),
         "drive_frequency": solution.estimate("drive_frequency", "rad/s"),
@@ -425,7 +425,7 @@ def _main_words(estimates: Mapping[str, Estimate], solution: Solution, shape: Sh
 
 
 def _unsteady(drift: Mapping[str, Estimate], solution: Solution, duration: float) -> list[str]:
-    """Return what of a drive changes over the record, in plain words."""
+    """Return what changes over the record, in plain words."""
     parts = []
     for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
         change = drift[f"{name}_drift"]

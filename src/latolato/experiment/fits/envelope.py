@@ -73,8 +73,9 @@ def fit_envelope(
     """
     if len(swings.times) < 6:
         raise InputError(
-            f"an envelope needs at least 6 turning points, got {len(swings.times)}: "
-            "use a longer piece or method 'equation'"
+            "an envelope needs at least 6 turning points",
+            value=len(swings.times),
+            way_out="use a longer piece or method 'equation'",
         )
     times = swings.times - swings.times[0]
     signs = np.sign(swings.angles)

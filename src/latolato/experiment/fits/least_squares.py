@@ -76,7 +76,6 @@ class Guess:
     value: float
     low: float = -math.inf
     high: float = math.inf
-    free: bool = True
     prior: float = math.inf
 
 
@@ -87,13 +86,13 @@ class Solution:
     Attributes
     ----------
     names : tuple of str
-        Free parameters, in the order of `covariance`.
+        Parameters, in the order of `covariance`.
     values : dict
-        All parameters.
+        Their values.
     covariance : ndarray, shape (parameter, parameter)
         Correlation of residuals allowed for, scaled by their scatter.
     intervals : dict
-        95 percent profile intervals by name, where asked for.
+        95 percent profile intervals of the `profiles` that `solve` took, by name.
     kept : ndarray of bool, shape (sample,)
         What was fitted; False for outliers.
     residuals, curve : ndarray, shape (sample,)
@@ -122,13 +121,12 @@ class Solution:
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
-        """Return the standard deviation of a parameter, 0 for one that was held."""
-        if name not in self.names:
-            return 0.0
-        return math.sqrt(self.covariance[self.names.index(name), self.names.index(name)])
+        """Return the standard deviation of a parameter."""
+        place = self.names.index(name)
+        return math.sqrt(self.covariance[place, place])
 
     def estimate(self, name: str, unit: str) -> Estimate:
-        """Return a parameter with its deviation and its interval, profiled where asked for."""
+        """Return a parameter with its deviation and its interval, the profile's if there is one."""
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
 
@@ -197,57 +195,50 @@ def solve(
     ConvergenceError
         If the search does not converge.
     """
-    lmfit = lmfit_module()
-    free = tuple(name for name, guess in guesses.items() if guess.free)
+    names = tuple(guesses)
     # What is believed beforehand needs no samples: a prior is one more of them.
-    loose = sum(math.isinf(guesses[name].prior) for name in free)
+    loose = sum(math.isinf(guess.prior) for guess in guesses.values())
     if len(data) < 2 * loose:
         raise InputError(
-            f"{len(data)} samples are too few to fit {', '.join(free)}",
+            f"{len(data)} samples are too few to fit {', '.join(names)}",
             way_out=f"take a longer piece, of {2 * loose} samples or more",
         )
-    parameters = lmfit.Parameters()
+    parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
-        parameters.add(name, guess.value, guess.free, guess.low, guess.high)
+        parameters.add(name, guess.value, min=guess.low, max=guess.high)
     mask = np.ones(len(data), dtype=bool) if like is None else like.kept
     rho = 0.0 if like is None else like.correlation
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
     spread = 1.0 if like is None else like.chi_square
-    rounds = _ROUNDS + 1 if like is None else 1
-    result: Any = None
-    for turn in range(rounds):
-        beliefs = _beliefs(guesses, spread)
-        minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
+    residuals = data.values
+    # Without a solution to be like: all samples, those that are no outliers, then whitened ones.
+    for turn in range(1 if like is not None else _ROUNDS + 2):
+        if turn == 1:
+            cleaned = _without_outliers(residuals / data.sigmas)
+            if np.array_equal(cleaned, mask):
+                continue
+            mask = cleaned
+        elif turn > 1:
+            rho = _correlation(data, mask, residuals)
+            errors = whitened(data, mask, rho)(residuals / data.sigmas)
+            spread = float(errors @ errors) / max(len(errors) - loose, 1)
+        white, beliefs = whitened(data, mask, rho), _beliefs(guesses, spread)
+        minimizer = _minimizer(model, parameters, data, white, jacobian, beliefs)
         result = _minimized(minimizer, limit)
         parameters = result.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
-        if turn == 0 and like is None:
-            cleaned = _without_outliers(residuals / data.sigmas)
-            if not np.array_equal(cleaned, mask):
-                mask = cleaned
-                minimizer = _minimizer(lmfit, model, parameters, data, mask, rho, jacobian, beliefs)
-                result = _minimized(minimizer, limit)
-                parameters = result.params
-                values = parameters.valuesdict()
-                residuals = data.values - model(values)
-        if turn < rounds - 1:
-            rho = _correlation(data, mask, residuals)
-            errors = whitened(data, mask, rho)(residuals / data.sigmas)
-            spread = float(errors @ errors) / max(len(errors) - loose, 1)
-    values = parameters.valuesdict()
-    slopes = jacobian(values, free) if jacobian else _slopes(model, values, free)
-    white = whitened(data, mask, rho)
-    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(free))])
+    slopes = jacobian(values, names) if jacobian else _slopes(model, values, names)
+    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(names))])
     errors = white(residuals / data.sigmas)
     freedom = max(len(errors) - loose, 1)
     spread = float(errors @ errors) / freedom
     known = _beliefs(guesses, spread)
-    stiffness = np.array([known.get(name, 0.0) ** 2 for name in free])
+    stiffness = np.array([known.get(name, 0.0) ** 2 for name in names])
     covariance, widening = _covariance(scores, errors, spread, stiffness)
     count = len(errors)
     solution = Solution(
-        names=free,
+        names=names,
         values=dict(values),
         covariance=covariance,
         kept=mask,
@@ -256,11 +247,11 @@ def solve(
         correlation=rho,
         scatter=float(np.sqrt(np.mean(residuals[mask] ** 2))),
         chi_square=spread,
-        effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(free) + 2.0),
+        effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(names) + 2.0),
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
     )
     if profiles:
-        solution.intervals.update(_profiles(lmfit, minimizer, result, solution, widening, profiles))
+        solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
     return solution
 
 
@@ -269,22 +260,19 @@ def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
     return {
         name: math.sqrt(max(spread, 1e-300)) / guess.prior
         for name, guess in guesses.items()
-        if guess.free and math.isfinite(guess.prior)
+        if math.isfinite(guess.prior)
     }
 
 
 def _minimizer(
-    lmfit: Any,
     model: Model,
     parameters: Any,
     data: Data,
-    mask: NDArray[np.bool_],
-    rho: float,
+    white: Callable[[Floats], Floats],
     jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
     beliefs: Mapping[str, float],
 ) -> Any:
     """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
-    white = whitened(data, mask, rho)
 
     def errors(trial: Any) -> Floats:
         values = trial.valuesdict()
@@ -295,6 +283,7 @@ def _minimizer(
     if jacobian is not None:
 
         def slopes(trial: Any) -> Floats:
+            # A profile holds one of the parameters.
             names = [name for name in trial if trial[name].vary]
             derivatives = jacobian(trial.valuesdict(), names)
             columns = [white(-derivatives[:, i] / data.sigmas) for i in range(len(names))]
@@ -303,12 +292,14 @@ def _minimizer(
 
         options |= {"Dfun": slopes, "col_deriv": True}
         del options["epsfcn"]
-    return lmfit.Minimizer(errors, parameters, nan_policy="raise", calc_covar=True, **options)
+    return lmfit_module().Minimizer(
+        errors, parameters, nan_policy="raise", calc_covar=True, **options
+    )
 
 
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
-    free = ", ".join(name for name, each in minimizer.params.items() if each.vary)
+    names = ", ".join(minimizer.params)
     way_out = "fit fewer parameters, or another piece"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -316,12 +307,12 @@ def _minimized(minimizer: Any, limit: int) -> Any:
             result = minimizer.minimize(method="leastsq", max_nfev=limit)
         except ValueError as error:  # a trial that the model refuses, or has no value for
             raise ConvergenceError(
-                f"the fit of {free} left the range of its model", way_out=way_out
+                f"the fit of {names} left the range of its model", way_out=way_out
             ) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
     if result.aborted or not result.success:
         raise ConvergenceError(
-            f"the fit of {free} did not converge in {result.nfev} trials", way_out=way_out
+            f"the fit of {names} did not converge in {result.nfev} trials", way_out=way_out
         )
     return result
 
@@ -423,14 +414,10 @@ def _covariance(
 
 
 def _profiles(
-    lmfit: Any,
-    minimizer: Any,
-    result: Any,
-    solution: Solution,
-    widening: Floats,
-    names: Sequence[str],
+    minimizer: Any, result: Any, solution: Solution, widening: Floats, names: Sequence[str]
 ) -> dict[str, tuple[float, float]]:
     """Return 95 percent profile intervals, none where a profile does not end."""
+    lmfit = lmfit_module()
     # lmfit refuses without its own estimate, which a parameter at its bound has not.
     if any(result.params[name].stderr is None for name in solution.names):
         return {}

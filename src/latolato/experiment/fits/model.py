@@ -29,6 +29,7 @@ from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import System, systems
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,8 +114,7 @@ def fit_model(
     """
     lmfit_module()
     checked_table(table)
-    if not isinstance(system, System):
-        raise InputError(f"must be one of {', '.join(systems)}", parameter="system", value=system)
+    checked_system(system)
     if window is not None:
         window = checked_number("window", window, POSITIVE, "s")
     data = angles_of(table, system, ball, start, end)
@@ -183,10 +183,10 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
     """Return what varies, checked."""
     known = _known(system, drive)
     if vary is None:
-        wanted = ["length", "damping", *(["restitution"] if system.has_contacts else [])]
+        names = ["length", "damping"]
         if system.angles == 2:
-            wanted = [f"{s}_{n}" for n in wanted[:2] for s in _SIDES] + wanted[2:]
-        return wanted
+            names = [f"{side}_{name}" for name in names for side in _SIDES]
+        return names + (["restitution"] if system.has_contacts else [])
     if isinstance(vary, str):
         vary = [vary]
     for name in vary:
@@ -218,22 +218,25 @@ def _value(system: System, drive: Drive, name: str) -> float:
     """Return the value that a law has."""
     if name == "angle_offset":
         return 0.0
+    law, own = _owner(system, drive, name)
+    return float(getattr(law, own))
+
+
+def _owner(system: System, drive: Drive, name: str) -> tuple[Any, str]:
+    """Return what has a parameter (the system, one of its balls, the drive), and its name there."""
     side, _, inner = name.partition("_")
     if side in _SIDES:
-        return float(getattr(getattr(system, side), inner))
-    return float(getattr(system if hasattr(system, name) else drive, name))
+        return getattr(system, side), inner
+    return (system if hasattr(system, name) else drive), name
 
 
 def _guess(system: System, drive: Drive, name: str, value: float) -> Guess:
     """Return the guess of a parameter, clear of the ends of its range."""
     if name == "angle_offset":
         return Guess(0.0)
-    side, _, inner = name.partition("_")
-    law: Any = getattr(system, side) if side in _SIDES else system
-    plain = inner if side in _SIDES else name
-    law = law if hasattr(law, plain) else drive
-    allowed = next(f.metadata["range"] for f in fields(law) if f.name == plain)
-    if plain == "damping" and value == 0.0:
+    law, own = _owner(system, drive, name)
+    allowed = next(f.metadata["range"] for f in fields(law) if f.name == own)
+    if own == "damping" and value == 0.0:
         one = law if hasattr(law, "mass") else system.balls[0]
         value = 0.01 * one.mass * one.length * system.natural_frequency
     elif value <= allowed.low:
@@ -266,7 +269,7 @@ def _longest(
 ) -> tuple[Solution, WindowedModel, int]:
     """Return the solution of the longest windows that the model follows.
 
-    The third is in how many longer windows the fit did not converge, 0 if it was not asked to.
+    The third is the number of longer windows in which the fit did not converge, 0 without such.
     """
     best: tuple[Solution, WindowedModel] | None = None
     lost = 0

@@ -16,7 +16,9 @@ from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, Stretch
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
-TOLERANCE = 1e-8
+_TOLERANCE = 1e-8
+# Balls that part more slowly rest on each other [rad/s].
+_REST_SPEED = 1e-5
 _PASS_THROUGH = PassThrough()
 
 
@@ -44,12 +46,12 @@ class LaterDrive:
         return [stretch for stretch in self._stretches if stretch.start <= duration]
 
 
-def step_of(system: System, drive: Any, speed: float, tolerance: float = TOLERANCE) -> float:
+def step_of(system: System, drive: Any, speed: float) -> float:
     """Return the step [s] of a fit, the same for all trials so that they differ smoothly."""
     shortest = min(ball.length for ball in system.balls)
     bounds = drive.largest_acceleration, drive.fastest_frequency
     rate = rate_of(system.gravity, shortest, *bounds, speed, 0.0, 0.0)
-    return step_for(rate, tolerance, choose_stepper(system) is BLANES_MOAN_GENERAL)
+    return step_for(rate, _TOLERANCE, choose_stepper(system) is BLANES_MOAN_GENERAL)
 
 
 def angles_at(
@@ -61,7 +63,6 @@ def angles_at(
     *,
     step: float,
     law: ContactLaw = _PASS_THROUGH,
-    rest_speed: float = 1e-5,
 ) -> Floats:
     """Return angles at instants from 0 on, shape (angle, time) [rad]; NaN where the motion fails.
 
@@ -90,7 +91,7 @@ def angles_at(
         end,
         law=law,
         step=step,
-        rest_speed=rest_speed,
+        rest_speed=_REST_SPEED,
         contact_limit=10_000,
     )
     return run.samples[0 : 2 * system.angles : 2]

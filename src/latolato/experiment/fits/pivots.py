@@ -12,7 +12,6 @@ from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot
-from latolato.simulation.start import checked_drive
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,28 +40,31 @@ class Pivot:
     words: str
 
 
-def measured_pivot(
-    table: xr.Dataset, length: float, first: float, last: float, *, spline: bool = False
+def pivot_for(
+    drive: Drive | str | None, table: xr.Dataset, length: float, first: float, last: float
 ) -> Pivot:
-    """Return the pivot of a table between two instants.
-
-    At rest; or what `fit_drive` finds, where that leaves less than 2 percent of the amplitude; or
-    else a smoothing spline of the heights.
+    """Return the pivot of a motion in a track table.
 
     Parameters
     ----------
+    drive : Drive, "measured" or None
+        A drive that is known; or, as it was measured, a smoothing spline of the heights
+        ("measured") or the simplest of three (None): at rest, what `fit_drive` finds where that
+        leaves less than 2 percent of the amplitude, the spline.
     table : xarray.Dataset
         A track table.
     length : float
         Of the pendulum [m], against which the pivot may be at rest.
     first, last : float
         What must be covered [s].
-    spline : bool
-        Take the spline, whatever the motion.
     """
+    if isinstance(drive, Drive):
+        return Pivot(drive, 0.0, [], "the given drive")
+    if drive not in (None, "measured"):
+        raise InputError("must be a drive, 'measured' or None", parameter="drive", value=drive)
     if not is_driven(table, length):
         return Pivot(FixedPivot(), 0.0, [], "the pivot is at rest")
-    if not spline:
+    if drive is None:
         try:
             fit = fit_drive(table, profile=False)
         except InputError:
@@ -73,13 +75,6 @@ def measured_pivot(
             others = _neighbours(fit, fit.drive, error)
             return Pivot(fit.drive, 0.0, others, "the pivot's fitted drive")
     return _spline(table, length, first, last)
-
-
-def pivot_for(drive: Any, table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
-    """Return a drive that is known; or the table's pivot for None, as a spline for "measured"."""
-    if drive is None or drive == "measured":
-        return measured_pivot(table, length, first, last, spline=drive == "measured")
-    return Pivot(checked_drive(drive), 0.0, [], "the given drive")
 
 
 def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:

@@ -57,7 +57,12 @@ def angles_of(
                 "a BallPair needs a table of two balls", way_out="use a Pendulum or a LatoLato"
             )
         parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
-        return Data(*(np.concatenate(each) for each in zip(*map(_parts, parts), strict=True)))
+        return Data(
+            **{
+                name: np.concatenate([getattr(part, name) for part in parts])
+                for name in vars(parts[0])
+            }
+        )
     if is_mirrored(table, system, ball):
         one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
         times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
@@ -72,11 +77,6 @@ def angles_of(
 def is_mirrored(table: xr.Dataset, system: System, ball: int | None) -> bool:
     """Return whether a system's one angle is half the difference of a table's two."""
     return ball is None and isinstance(system, LatoLato) and balls_of(table) == 2
-
-
-def _parts(data: Data) -> tuple[Any, ...]:
-    """Return what samples are made of."""
-    return data.times, data.values, data.sigmas, data.series
 
 
 def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.bool_]:

@@ -191,13 +191,18 @@ def _states(data: Data, instant: float, angles: int) -> Floats:
     """Return angles and angular velocities about an instant from parabolas, shape (angle, 2)."""
     out = np.zeros((angles, 2))
     for j in range(angles):
-        own = np.flatnonzero(data.series == j + 1)
-        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
-        late = data.times[near] - instant
+        late, values = _about(data, instant, j)
         scale = max(float(np.max(np.abs(late))), 1e-6)
-        coefficients = np.polyfit(late / scale, data.values[near], 2)
+        coefficients = np.polyfit(late / scale, values, 2)
         out[j] = coefficients[2], coefficients[1] / scale
     return out
+
+
+def _about(data: Data, instant: float, angle: int) -> tuple[Floats, Floats]:
+    """Return the samples of an angle nearest to an instant: times from it, and values."""
+    own = np.flatnonzero(data.series == angle + 1)
+    near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
+    return data.times[near] - instant, data.values[near]
 
 
 def _within_walls(system: System, angles: Floats) -> Floats:
@@ -237,10 +242,8 @@ def _misfit(data: Data, instant: float, angles: int) -> float:
     """Return how badly parabolas describe the samples about an instant."""
     total = 0.0
     for j in range(angles):
-        own = np.flatnonzero(data.series == j + 1)
-        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
-        late = data.times[near] - instant
-        coefficients = np.polyfit(late, data.values[near], 2)
-        total += float(np.sum((data.values[near] - np.polyval(coefficients, late)) ** 2))
+        late, values = _about(data, instant, j)
+        coefficients = np.polyfit(late, values, 2)
+        total += float(np.sum((values - np.polyval(coefficients, late)) ** 2))
         total += float(np.ptp(late))  # gaps are no good place
     return total

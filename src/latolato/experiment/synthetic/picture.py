@@ -74,8 +74,9 @@ class View:
             slope = 1.0 + q * q * (3.0 * camera.k1 + 5.0 * camera.k2 * q * q)
             if np.any(slope <= 0.05):
                 raise InputError(
-                    f"k1, k2 must not fold the picture over itself, got {camera.k1:g}, "
-                    f"{camera.k2:g}; give smaller ones or a longer focal_length"
+                    "k1, k2 must not fold the picture over itself",
+                    value=(camera.k1, camera.k2),
+                    way_out="give smaller ones or a longer focal_length",
                 )
             q = q - (value - aim) / slope
         factor = np.divide(q, aim, out=np.ones_like(q), where=aim > 0.0)

@@ -7,7 +7,7 @@ from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
-from latolato.core.registry import check_fields, checked_count
+from latolato.core.registry import check_fields, checked_choice, checked_count
 
 BACKGROUNDS = ("plain", "gradient", "texture", "wood")
 ROTATIONS = (0, 90, 180, 270)
@@ -80,7 +80,7 @@ class Scene:
             value = getattr(self, name)
             if name != "left_ball_colour" or value != "":
                 linear_colour(name, value)
-        _check_choice("background", self.background, BACKGROUNDS)
+        checked_choice("background", self.background, BACKGROUNDS)
 
     @property
     def is_parked(self) -> bool:
@@ -195,9 +195,3 @@ def linear_colour(name: str, text: str) -> tuple[float, float, float]:
         raise InputError("must be a colour such as '#e8590c'", parameter=name, value=text) from None
     red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in codes)
     return red, green, blue
-
-
-def _check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
-    """Raise InputError unless a word is one of those known."""
-    if value not in choices:
-        raise InputError(f"must be one of {', '.join(choices)}", parameter=name, value=value)

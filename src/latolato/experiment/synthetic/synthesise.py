@@ -275,13 +275,15 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     count = math.floor(room / pause + 1e-9) + 1
     if count < 2:
         raise InputError(
-            f"the run must hold two frames of {pause:g} s, got {float(run['time'][-1]):g} s; "
-            "give a longer duration"
+            f"the run must hold two frames of {pause:g} s",
+            value=float(run["time"][-1]),
+            way_out="give a longer duration",
         )
     if count > MOST_FRAMES:
         raise InputError(
-            f"the video would have {count} frames, more than {MOST_FRAMES}; give a shorter "
-            "duration or lower fps"
+            f"a video must have at most {MOST_FRAMES} frames",
+            value=count,
+            way_out="give a shorter duration or lower fps",
         )
     random = np.random.default_rng([seed, 2])
     times = pause * np.arange(count)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
+from latolato.experiment.tracking.kernels.layers import Ball, Patch
 from latolato.experiment.video import Video
 
 # Angles tried around the circle per radius of the ball.
@@ -24,8 +27,7 @@ _FEW_SAMPLES, _SPACING = 5, 6.0
 _UNCHANGED = np.eye(3, dtype=np.float32)
 
 
-@dataclass
-class Colours:
+class Colours(NamedTuple):
     """Turns coded planes into linear light."""
 
     table: np.ndarray
@@ -40,10 +42,10 @@ class Colours:
     def window(
         self,
         planes: tuple[np.ndarray, ...],
-        corner: tuple[int, int],
+        corner: Sequence[int] | np.ndarray,
         shape: tuple[int, int],
         stride: int = 1,
-        whiten: np.ndarray | None = None,
+        whiten: np.ndarray = _UNCHANGED,
         is_sparse: bool = False,
     ) -> np.ndarray:
         """Return the colours of a window, shape (row, column, 3); NaN outside the frame.
@@ -51,10 +53,8 @@ class Colours:
         `whiten` is a matrix by which colours are multiplied.
         """
         out = np.empty((*shape, 3), np.float32)
-        x, y = int(corner[0]), int(corner[1])
-        matrix = _UNCHANGED if whiten is None else whiten
-        luma, blue, red = planes
-        kernels.window(luma, blue, red, x, y, stride, self.table, self.mix, matrix, is_sparse, out)
+        at = int(corner[0]), int(corner[1])
+        kernels.window(planes, at, stride, (self.table, self.mix), whiten, is_sparse, out)
         return out
 
 
@@ -115,32 +115,32 @@ class Appearance:
         away = centres - pivot
         return np.asarray(np.arctan2(away[:, 0], away[:, 1]))
 
+    @property
+    def drawn(self) -> Ball:
+        """How the kernels draw a ball, in whitened colours."""
+        return Ball(self.radius, self.blur, self.white_paint, self.is_spinning)
+
     def ball(
         self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
     ) -> np.ndarray:
         """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
         layer = np.zeros((*shape, 4), np.float32)
-        x, y = int(corner[0]), int(corner[1])
-        total, pieces = fitting.prepared(
-            path, pivot, self.is_spinning, self.radius, self.blur, self.white_paint
-        )
-        fitting.draw(
-            path, np.zeros(2), pivot, self.is_spinning, self.radius, self.blur, self.white_paint,
-            pieces, total, x, y, layer,
-        )  # fmt: skip
+        ready = fitting.prepared(path, pivot, self.drawn)
+        fitting.draw(path, np.zeros(2), pivot, self.drawn, ready, corner.astype(float), layer)
         return layer
 
-    def seen(
+    def patch(
         self,
         planes: tuple[np.ndarray, ...],
         corner: np.ndarray,
         shape: tuple[int, int],
         stride: int = 1,
         is_sparse: bool = False,
-    ) -> np.ndarray:
-        """Return the whitened colours of a window of a frame, if sparse of every second pixel."""
-        at = (int(corner[0]), int(corner[1]))
-        return self.colours.window(planes, at, shape, stride, self.whiten, is_sparse)
+    ) -> Patch:
+        """Return a window of a frame and its background in whitened colours."""
+        seen = self.colours.window(planes, corner, shape, stride, self.whiten, is_sparse)
+        behind = self.background(corner, shape, stride)
+        return Patch(seen, behind, corner.astype(float), is_sparse)
 
     def wall(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         """Return the background of a window in linear light."""
@@ -190,7 +190,6 @@ def fit_balls(
     planes: tuple[np.ndarray, ...],
     paths: list[np.ndarray],
     pivot: np.ndarray,
-    prior: float = 0.0,
     rounds: int = 6,
     tolerant: int = 1,
 ) -> BallFit:
@@ -206,29 +205,19 @@ def fit_balls(
         Centres of each ball within the exposure; the fit shifts them as a whole.
     pivot : numpy.ndarray
         Pivot (column, row), from which rods run.
-    prior : float
-        Inverse variance [1/pixel^2] that keeps the balls where they are expected; 0 does not.
     rounds, tolerant : int
         Most steps, and how many of them overlook large residuals to be drawn from farther away.
     """
-    balls = len(paths)
     margin = look.radius + 2.0 * look.blur + 0.35 * look.radius + 3.0
     everything = np.concatenate(paths)
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    is_sparse = look.radius > _LARGE
-    seen = look.seen(planes, low, shape, is_sparse=is_sparse)
-    behind = look.background(low, shape)
-    shift = np.zeros((balls, 2))
-    matrix, tally = np.empty((2 * balls, 2 * balls)), np.empty((balls, 4))
+    patch = look.patch(planes, low, shape, is_sparse=look.radius > _LARGE)
     scales = np.full(rounds, look.scale)
     scales[:tolerant] *= _TOLERANT
-    cost = fitting.settle(
-        seen, behind, everything, np.cumsum([len(path) for path in paths]), pivot,
-        look.is_spinning, look.radius, look.blur, look.white_paint, low.astype(float), scales,
-        prior, is_sparse, shift, matrix, tally,
-    )  # fmt: skip
+    ends = np.cumsum([len(path) for path in paths])
+    cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
     return BallFit(
@@ -284,12 +273,6 @@ def gains_at(
     low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
     size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
     shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
-    seen = look.seen(planes, low, shape, stride)
-    behind = look.background(low, shape, stride)
-    out = np.empty(len(angles))
-    kernels.gains(
-        seen, behind, low.astype(float), stride, centres, look.turns(centres, pivot), look.radius,
-        look.white_paint,
-        look.scale, out,
-    )  # fmt: skip
-    return out
+    patch = look.patch(planes, low, shape, stride)
+    turns = look.turns(centres, pivot)
+    return kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)

@@ -29,7 +29,7 @@ def disc_at(
     reach = int(3.2 * radius) + 8
     corner = np.rint(click).astype(int) - reach
     side = 2 * reach + 1
-    image = colours.window(frame[2:], (int(corner[0]), int(corner[1])), (side, side))
+    image = colours.window(frame[2:], corner, (side, side))
     image = np.nan_to_num(np.sqrt(image), nan=0.0)
     turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
     away = np.stack([np.cos(turns), np.sin(turns)], axis=-1)

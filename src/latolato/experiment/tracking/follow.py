@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -73,6 +74,16 @@ def follow(
         if progress and n % 16 == 0:
             progress(n / count)
     return out
+
+
+@dataclass
+class _Measured:
+    """What fits to a frame give of each ball: angle and deviation [rad], centre, part explained."""
+
+    angles: np.ndarray
+    sigmas: np.ndarray
+    centres: np.ndarray
+    explained: np.ndarray
 
 
 class _Follower:
@@ -164,13 +175,13 @@ class _Follower:
         expected = predictor.predict(frame.time, instants, lift / scene.arm, until)
         if np.any(self.unseen > _PATIENCE):
             self._search(frame, pivot, expected)
-        angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=0)
-        bad = self._is_bad(angles, sigmas, fits, expected)
+        seen = self._measure(frame, pivot, places, expected, tolerant=0)
+        bad = self._is_bad(pivot, seen, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
-            angles, sigmas, fits = self._measure(frame, pivot, places, expected, tolerant=2)
-            bad = self._is_bad(angles, sigmas, fits, expected)
+            seen = self._measure(frame, pivot, places, expected, tolerant=2)
+            bad = self._is_bad(pivot, seen, expected)
         predictor.accept(frame.time, expected)
-        return self._verdict(frame, pivot, angles, sigmas, fits, bad, expected)
+        return self._verdict(frame, pivot, seen, bad, expected)
 
     def _measure(
         self,
@@ -179,7 +190,7 @@ class _Follower:
         places: np.ndarray,
         expected: Prediction,
         tolerant: int,
-    ) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, float]]]:
+    ) -> _Measured:
         """Fit the balls from where they are expected."""
         scene, balls = self.scene, self.scene.balls
         paths = [arc(places, expected.path[:, b], scene.arm) for b in range(balls)]
@@ -188,8 +199,7 @@ class _Follower:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
-        angles, sigmas = np.empty(balls), np.empty(balls)
-        fits: list[tuple[np.ndarray, float]] = [(np.zeros(2), 0.0)] * balls
+        out = _Measured(np.empty(balls), np.empty(balls), np.empty((balls, 2)), np.empty(balls))
         for group in groups:
             fit = fit_balls(
                 scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
@@ -203,37 +213,28 @@ class _Follower:
                 away = centre - pivot
                 angle = math.atan2(away[0], away[1])
                 turn = math.remainder(angle - expected.guess[b], 2.0 * math.pi)
-                angles[b] = expected.guess[b] + turn
-                across = np.array([away[1], -away[0]]) / np.hypot(*away)
+                out.angles[b] = expected.guess[b] + turn
+                outwards = away / np.hypot(*away)
+                across = np.array([outwards[1], -outwards[0]])
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
-                sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
-                out = away / np.hypot(*away)
-                self.spreads[b] = math.sqrt(out @ own @ out + _FLOOR**2)
-                fits[b] = (centre, float(fit.explained[k]))
-        return angles, sigmas, fits
+                out.sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
+                self.spreads[b] = math.sqrt(outwards @ own @ outwards + _FLOOR**2)
+                out.centres[b], out.explained[b] = centre, fit.explained[k]
+        return out
 
-    def _is_bad(
-        self,
-        angles: np.ndarray,
-        sigmas: np.ndarray,
-        fits: list[tuple[np.ndarray, float]],
-        expected: Prediction,
-    ) -> np.ndarray:
+    def _is_bad(self, pivot: np.ndarray, seen: _Measured, expected: Prediction) -> np.ndarray:
         """Return which balls were not measured: hidden, off the circle, or where none can be."""
         scene = self.scene
-        pivot = scene.pivot.place(self.pivots[-1][1])
-        bad = np.zeros(scene.balls, bool)
-        for b, (centre, explained) in enumerate(fits):
-            off = abs(np.hypot(*(centre - pivot)) - scene.arm)
-            spread = math.sqrt(expected.covariance[b, 0, 0])
-            jump = abs(angles[b] - expected.angles[b])
-            bad[b] = (
-                explained < _MEASURED * scene.explained
-                or off > _OFF_CIRCLE * scene.look.radius
-                or jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm
-            )
+        off = np.abs(np.hypot(*(seen.centres - pivot).T) - scene.arm)
+        spread = np.sqrt(expected.covariance[:, 0, 0])
+        jump = np.abs(seen.angles - expected.angles)
+        bad: np.ndarray = (
+            (seen.explained < _MEASURED * scene.explained)
+            | (off > _OFF_CIRCLE * scene.look.radius)
+            | (jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm)
+        )
         if scene.balls == 2:
-            between = angles[0] - angles[1]
+            between = seen.angles[0] - seen.angles[1]
             slack = 0.3 * self.predictor.gap
             if not self.predictor.gap - slack < between < 2 * math.pi - self.predictor.gap + slack:
                 bad[:] = True
@@ -309,23 +310,21 @@ class _Follower:
         self,
         frame: Frame,
         pivot: np.ndarray,
-        angles: np.ndarray,
-        sigmas: np.ndarray,
-        fits: list[tuple[np.ndarray, float]],
+        seen: _Measured,
         bad: np.ndarray,
         expected: Prediction,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Correct the state by what was measured; return the frame's row."""
         scene, predictor = self.scene, self.predictor
-        balls = scene.balls
+        balls, angles, sigmas = scene.balls, seen.angles, seen.sigmas
         centres, flags = np.full((balls, 2), np.nan), np.full(balls, "lost", "U9")
         early = max(self.near, _BEFORE * self.interval)
         self.last_contact = max([self.last_contact, *expected.contact_times])
         is_contact = any(-early <= t - frame.time <= self.near for t in expected.contact_times)
-        for b, (centre, explained) in enumerate(fits):
+        for b, explained in enumerate(seen.explained):
             if not bad[b]:
                 self.unseen[b] = 0.0
-                centres[b] = centre
+                centres[b] = seen.centres[b]
                 off = abs(float(angles[b] - expected.angles[b]))
                 spread = math.hypot(math.sqrt(expected.covariance[b, 0, 0]), float(sigmas[b]))
                 is_varied = scene.look.is_spinning or scene.explained < _DESCRIBED

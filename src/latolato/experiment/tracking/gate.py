@@ -58,7 +58,7 @@ _FEWEST = 4
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check has against a track.
+    """A fault that a check found in a track.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def examine(
     clicks: Sequence[np.ndarray],
     expected_radius: float | None = None,
 ) -> list[Finding]:
-    """Return what the checks have against a track; an empty list for a good one.
+    """Return the faults that checks find in a track; an empty list for a good one.
 
     The first refusal ends the examination.
 

@@ -114,7 +114,7 @@ def learn_image_model(
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
     low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
     width, height = high - low
-    behind = colours.window(medians, (int(low[0]), int(low[1])), (int(height), int(width)))
+    behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:
         uncover(behind, low, frames[0], colours, centre, size)
     behind = filled(behind)
@@ -130,8 +130,9 @@ def learn_image_model(
         sightings = fit_sample(scene, frames, sightings, pivots, tolerant=3 if round_ == 0 else 1)
         if not sightings:
             raise InputError(
-                f"{video.path}: no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was "
-                "found in other frames; point at the ball's centre in the first frame"
+                f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
+                "frames",
+                way_out="point at the ball's centre in the first frame",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if round_ == 0:

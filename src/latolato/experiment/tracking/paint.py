@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from scipy.ndimage import distance_transform_edt, map_coordinates
 
 from latolato.experiment.tracking.appearance import Appearance, Colours
-from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.video import Frame
 
 
@@ -20,7 +22,7 @@ def uncover(
     """Mark the background as unseen where it shows the ball itself, which rested there mostly."""
     j, i = np.indices(behind.shape[:2])
     away = np.hypot(i + low[0] - centre[0], j + low[1] - centre[1])
-    picture = colours.window(frame[2:], (int(low[0]), int(low[1])), behind.shape[:2])
+    picture = colours.window(frame[2:], low, behind.shape[:2])
     inside = away < 0.8 * radius
     outside = (away > 1.3 * radius) & (away < 1.7 * radius)
     if not inside.any() or not outside.any():
@@ -34,8 +36,6 @@ def uncover(
 
 def filled(behind: np.ndarray) -> np.ndarray:
     """Return the background with unseen places filled from their nearest neighbours."""
-    from scipy.ndimage import distance_transform_edt
-
     unseen = ~np.isfinite(behind).all(axis=-1)
     if not unseen.any() or unseen.all():
         return behind
@@ -63,10 +63,12 @@ def painted(
     reach = int(1.5 * half) + 2
     corner = np.floor(centre).astype(int) - reach
     side = 2 * reach + 2
-    image = np.nan_to_num(colours.window(frame[2:], (int(corner[0]), int(corner[1])), (side, side)))
-    paint = np.empty((2 * half + 1, 2 * half + 1, 3))
-    kernels.turned(image, centre - corner, turn, paint)
-    j, i = np.indices(paint.shape[:2]) - half
+    image = np.nan_to_num(colours.window(frame[2:], corner, (side, side)))
+    j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
+    x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
+    y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
+    planes = np.moveaxis(image, -1, 0)
+    paint = np.stack([map_coordinates(p, (y, x), float, 1, mode="nearest") for p in planes], -1)
     paint[np.hypot(i, j) > inner] = np.nan
     return np.asarray(filled(paint), float)
 

@@ -13,8 +13,8 @@ from latolato.experiment.video import Frame
 
 # Residuals beyond this many standard deviations count little.
 _LIMIT = 16.0
-# Shifts smaller than this are noise: the pivot rests [pixels].
-_STILL = 0.2
+# Shifts smaller than this are noise: the pivot rests; smears below the second are none [pixels].
+_STILL, _SMEARED = 0.2, 0.3
 # Arm up to which the sizes of the picture's details below hold as they are, and grow beyond: in a
 # larger picture of the same pivot they are larger, and it moves by more pixels [pixels].
 _USUAL_ARM = 340.0
@@ -112,10 +112,15 @@ class PivotTracker:
         """
         if self.is_still:
             return np.zeros(2), 0.0
-        smear = velocity * self.exposure
-        model = self._smeared(smear)
-        start = self._search(luma, guess, model, room)
-        return self._refine(luma, start, model)
+        model, (across, down) = self.template, velocity * self.exposure
+        length = float(np.hypot(across, down))
+        if length >= _SMEARED:
+            model = kernels.smeared(self.template, across, down, int(np.ceil(length)) + 1)
+        corners, cost = self._costs(luma, guess, model, room)
+        corner = self.origin - self.half
+        shift: np.ndarray = corners[np.argmin(cost)] - corner
+        least = kernels.refine_shift(luma, model, self.weight, _LIMIT, corner, shift)
+        return shift, least / max(float(np.count_nonzero(self.weight)), 1.0)
 
     def margin(self, luma: np.ndarray) -> tuple[float, float]:
         """Return how much worse the template fits elsewhere than at its best place, and its row."""
@@ -124,15 +129,6 @@ class PivotTracker:
         away = np.abs(corners - best).max(axis=1)
         far = cost[away > max(3, self.half // 3)]
         return float(far.min() - cost.min()) if len(far) else 0.0, float(best[1])
-
-    def _smeared(self, smear: np.ndarray) -> np.ndarray:
-        """Return the template averaged along a motion within the exposure."""
-        length = float(np.hypot(*smear))
-        if length < 0.3:
-            return self.template
-        count = int(np.ceil(length)) + 1
-        averaged: np.ndarray = kernels.smeared(self.template, smear[0], smear[1], count)
-        return averaged
 
     def _costs(
         self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
@@ -158,23 +154,6 @@ class PivotTracker:
         stride = _stride(self.weight > 0.0, guess is not None, _APART * self.enlarged)
         kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
         return corners, cost
-
-    def _search(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float
-    ) -> np.ndarray:
-        """Return the best shift by whole pixels."""
-        corners, cost = self._costs(luma, guess, model, room)
-        best: np.ndarray = corners[np.argmin(cost)] + self.half - self.origin
-        return best
-
-    def _refine(
-        self, luma: np.ndarray, shift: np.ndarray, model: np.ndarray
-    ) -> tuple[np.ndarray, float]:
-        """Return the shift to a fraction of a pixel (Gauss-Newton), and the mean cost."""
-        shift = shift.astype(float)
-        corner = self.origin - self.half
-        cost = kernels.refine_shift(luma, model, self.weight, _LIMIT, corner, shift)
-        return shift, cost / max(float(np.count_nonzero(self.weight)), 1.0)
 
 
 def learn_pivot(

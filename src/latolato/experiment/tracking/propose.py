@@ -93,7 +93,7 @@ def propose(
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:
         raise InputError(
-            f"{video.path}: no moving ball was found; point at pivot and ball in the first frame"
+            "no moving ball was found", way_out="point at pivot and ball in the first frame"
         )
     if count is None:
         counts = [len(group) for group in members if group]
@@ -113,9 +113,7 @@ def propose(
     if balls is not None:
         starts = [np.array(ball, float) for ball in balls]
     else:
-        starts = [
-            distorted(ball, size, lens) for ball in _starts(video, places, orbit, count, radius)
-        ]
+        starts = [distorted(ball, size, lens) for ball in _starts(places, orbit, count, radius)]
     starts.sort(key=lambda ball: -float(ball[0]))
     setup = Setup(
         pivot=None if hinge is None else _rounded(hinge),
@@ -275,7 +273,7 @@ def _coarse(frame: Frame, fold: int) -> Frame:
 
 
 def _starts(
-    video: Video, places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float
+    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float
 ) -> list[np.ndarray]:
     """Return the balls in the first frame, from there or from where they are a frame later."""
     for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
@@ -291,6 +289,7 @@ def _starts(
         if len(on_circle) >= count:
             return list(on_circle[:count])
     raise InputError(
-        f"{video.path}: {count} {'balls were' if count == 2 else 'ball was'} found in the clip, "
-        "but not in its first frame; point at pivot and ball there"
+        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in its "
+        "first frame",
+        way_out="point at pivot and ball there",
     )

@@ -121,9 +121,7 @@ def _learn_edge(
         path = one.path(arm, look.exposure)
         half = int(1.6 * look.radius + 0.5 * float(np.ptp(path, axis=0).max())) + 6
         corner, side = np.rint(one.centre).astype(int) - half, 2 * half + 1
-        image = look.colours.window(
-            frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
-        )
+        image = look.colours.window(frames[one.frame][2:], corner, (side, side))
         others = [o.centre - corner for o in sightings if o.frame == one.frame and o is not one]
         shots.append(
             Shot(
@@ -171,9 +169,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         half = int(1.7 * look.radius + 0.5 * smear) + 2
         side = 2 * half + 1
         corner = np.rint(one.centre).astype(int) - half
-        image = look.colours.window(
-            frames[one.frame][2:], (int(corner[0]), int(corner[1])), (side, side)
-        )
+        image = look.colours.window(frames[one.frame][2:], corner, (side, side))
         wall = look.wall(corner, (side, side))
         j, i = np.indices((side, side))
         dx, dy = i + corner[0] - one.centre[0], j + corner[1] - one.centre[1]
@@ -278,10 +274,9 @@ def _cost_in_window(
     low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
     high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    matrix, vector, tally = np.empty((2, 2)), np.empty(2), np.empty((1, 4))
-    cost: float = kernels.normal_equations(
-        look.seen(frame[2:], low, shape), look.background(low, shape),
-        look.ball(ends, one.pivot, low, shape)[None], ends.mean(axis=0)[None], one.pivot,
-        look.radius, low.astype(float), look.scale, False, matrix, vector, tally,
+    layer = look.ball(ends, one.pivot, low, shape)
+    cost, *_ = kernels.normal_equations(
+        look.patch(frame[2:], low, shape), layer[None], ends.mean(axis=0)[None], one.pivot,
+        look.radius, look.scale,
     )  # fmt: skip
     return cost

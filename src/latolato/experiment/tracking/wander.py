@@ -64,8 +64,8 @@ def follow_path(
     share = float(out.is_measured.mean(axis=0).min())
     if share < 0.1:
         raise InputError(
-            f"{video.path}: the ball was found in {100 * share:.0f} % of the frames; point at its "
-            "centre in the first frame"
+            f"the ball was found in {100 * share:.0f} % of the frames",
+            way_out="point at its centre in the first frame",
         )
     out.radius = float(np.median(radii))
     return out

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from latolato.experiment.tracking.kernels.jit import jit
-from latolato.experiment.tracking.kernels.layers import cover, normal_equations
+from latolato.experiment.tracking.kernels.layers import Ball, Patch, cover, normal_equations
 from latolato.experiment.tracking.kernels.smears import (
     FEWEST,
     pieces_of,
@@ -23,22 +23,16 @@ _BETWEEN = 3
 
 
 @jit
-def prepared(
-    path: np.ndarray,
-    pivot: np.ndarray,
-    is_spinning: bool,
-    radius: float,
-    blur: float,
-    paint: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
+def prepared(path: np.ndarray, pivot: np.ndarray, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
     """Return what draws a ball along a path wherever it is shifted: running sum and pieces."""
     pieces = pieces_of(path)
     if len(pieces) == 0:
         return np.zeros((1, 1, 4), np.float32), pieces
     # One sum for all pieces: a pattern turns as they do, and shading changes little.
     middle = pieces[len(pieces) // 2]
-    turn = _turn(middle, pivot) if is_spinning else 0.0
-    return running_sum(middle, turn, radius, blur, paint), pieces
+    x = middle[0] + 0.5 * middle[4] * middle[2] - pivot[0]
+    y = middle[1] + 0.5 * middle[4] * middle[3] - pivot[1]
+    return running_sum(middle, math.atan2(x, y) if ball.is_spinning else 0.0, ball), pieces
 
 
 @jit
@@ -46,23 +40,22 @@ def draw(
     path: np.ndarray,
     shift: np.ndarray,
     pivot: np.ndarray,
-    is_spinning: bool,
-    radius: float,
-    blur: float,
-    paint: np.ndarray,
-    pieces: np.ndarray,
-    total: np.ndarray,
-    left: int,
-    top: int,
+    ball: Ball,
+    ready: tuple[np.ndarray, np.ndarray],
+    corner: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Add a ball that moves along a shifted path to `out`, shape (row, column, 4)."""
+    """Add a ball that moves along a shifted path to `out`, shape (row, column, 4).
+
+    `ready` is what `prepared` made of it.
+    """
+    total, pieces = ready
     if len(pieces) > 0:
         moved = np.empty(6)
         for piece in pieces:
             moved[:] = piece
             moved[:2] += shift
-            sweep(moved, total, step_of(blur), left, top, out)
+            sweep(moved, total, step_of(ball.blur), corner, out)
         return
     # A ball that turns back: between its samples it is drawn as well.
     parts = _BETWEEN if len(path) >= FEWEST else 1
@@ -74,101 +67,52 @@ def draw(
         for c in range(2):
             gap = path[second, c] - path[first, c]
             places[k, c] = path[first, c] + (at - first) * gap + shift[c]
-        if is_spinning:
+        if ball.is_spinning:
             turns[k] = math.atan2(places[k, 0] - pivot[0], places[k, 1] - pivot[1])
-    cover(places, turns, radius, blur, paint, left, top, out)
+    cover(places, turns, ball, corner, out)
 
 
 @jit
 def settle(
-    seen: np.ndarray,
-    behind: np.ndarray,
+    patch: Patch,
     places: np.ndarray,
     ends: np.ndarray,
     pivot: np.ndarray,
-    is_spinning: bool,
-    radius: float,
-    blur: float,
-    paint: np.ndarray,
-    corner: np.ndarray,
+    ball: Ball,
     scales: np.ndarray,
-    prior: float,
-    is_sparse: bool,
-    shift: np.ndarray,
-    matrix: np.ndarray,
-    tally: np.ndarray,
-) -> float:
-    """Move balls until they explain what is seen (Gauss-Newton); return the robust cost.
+) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Move balls until they explain what is seen (Gauss-Newton).
 
-    `places` (sample, 2) holds the centres of all balls within the exposure, those of a ball up to
-    its entry in `ends`; `shift` (ball, 2) is written, and `matrix` and `tally` as of the last of
-    the normal equations, of which there are as many as `scales`, or fewer.
+    Returns the robust cost, the shifts (ball, 2), and matrix and tally of the last of the
+    `normal_equations`, of which there are as many as `scales`, or fewer. `places` (sample, 2)
+    holds the centres of all balls within the exposure, those of a ball up to its entry in `ends`.
     """
     balls, rounds = len(ends), len(scales)
-    layers = np.empty((balls, seen.shape[0], seen.shape[1], 4), np.float32)
-    centres, vector, step = np.empty((balls, 2)), np.empty(2 * balls), np.empty(2 * balls)
-    left, top = int(corner[0]), int(corner[1])
+    rows, columns, _ = patch.seen.shape
+    layers = np.empty((balls, rows, columns, 4), np.float32)
+    centres, shift = np.empty((balls, 2)), np.zeros((balls, 2))
     paths = [places[0 if b == 0 else ends[b - 1] : ends[b]] for b in range(balls)]
-    ready = [prepared(path, pivot, is_spinning, radius, blur, paint) for path in paths]
-    shift[:] = 0.0
-    cost = 0.0
+    ready = [prepared(path, pivot, ball) for path in paths]
     for round_ in range(rounds):
         layers[:] = 0.0
         for b in range(balls):
             for c in range(2):
                 centres[b, c] = paths[b][:, c].mean() + shift[b, c]
-            total, pieces = ready[b]
-            draw(
-                paths[b], shift[b], pivot, is_spinning, radius, blur, paint, pieces, total, left,
-                top, layers[b],
-            )  # fmt: skip
-        cost = normal_equations(
-            seen, behind, layers, centres, pivot, radius, corner, scales[round_], is_sparse,
-            matrix, vector, tally,
-        )  # fmt: skip
-        for m in range(2 * balls):
-            matrix[m, m] += prior + 1e-9
-            vector[m] -= prior * shift[m // 2, m % 2]
+            draw(paths[b], shift[b], pivot, ball, ready[b], patch.corner, layers[b])
+        cost, matrix, vector, tally = normal_equations(
+            patch, layers, centres, pivot, ball.radius, scales[round_]
+        )
+        matrix += 1e-9 * np.eye(2 * balls)
         if round_ == rounds - 1:
             break
-        _solve(matrix, vector, step)
+        step = np.linalg.solve(matrix, vector).reshape(balls, 2)
         largest = 0.0
         for b in range(balls):
-            length = math.sqrt(step[2 * b] ** 2 + step[2 * b + 1] ** 2)
-            part = min(1.0, _LONGEST * radius / max(length, 1e-12))
+            length = math.sqrt(step[b, 0] ** 2 + step[b, 1] ** 2)
+            part = min(1.0, _LONGEST * ball.radius / max(length, 1e-12))
             for c in range(2):
-                shift[b, c] += part * step[2 * b + c]
-                largest = max(largest, abs(part * step[2 * b + c]))
+                shift[b, c] += part * step[b, c]
+                largest = max(largest, abs(part * step[b, c]))
         if scales[round_] <= scales[rounds - 1] and largest < _CONVERGED:
             break
-    return cost
-
-
-@jit
-def _turn(piece: np.ndarray, pivot: np.ndarray) -> float:
-    """Return by how much a rod is turned at the middle of a piece of its ball's path [rad]."""
-    x = piece[0] + 0.5 * piece[4] * piece[2] - pivot[0]
-    return math.atan2(x, piece[1] + 0.5 * piece[4] * piece[3] - pivot[1])
-
-
-@jit
-def _solve(matrix: np.ndarray, vector: np.ndarray, out: np.ndarray) -> None:
-    """Solve symmetric, positive normal equations (Cholesky)."""
-    size = len(vector)
-    root = np.zeros((size, size))
-    for m in range(size):
-        for n in range(m + 1):
-            rest = matrix[m, n]
-            for k in range(n):
-                rest -= root[m, k] * root[n, k]
-            root[m, n] = math.sqrt(max(rest, 1e-30)) if m == n else rest / root[n, n]
-    for m in range(size):
-        rest = vector[m]
-        for k in range(m):
-            rest -= root[m, k] * out[k]
-        out[m] = rest / root[m, m]
-    for m in range(size - 1, -1, -1):
-        rest = out[m]
-        for k in range(m + 1, size):
-            rest -= root[k, m] * out[k]
-        out[m] = rest / root[m, m]
+    return cost, shift, matrix, tally

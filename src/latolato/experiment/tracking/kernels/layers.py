@@ -7,6 +7,7 @@ red, green and blue between 0 and 1.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,27 @@ _FINENESS = 4
 _CORE = 0.7
 # Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
 _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
+
+
+class Ball(NamedTuple):
+    """How balls are drawn: sizes [pixels], colours about the centre, whether these turn."""
+
+    radius: float
+    blur: float
+    paint: np.ndarray
+    is_spinning: bool
+
+
+class Patch(NamedTuple):
+    """A window of a frame from its corner (column, row) on: colours seen and of the background.
+
+    A sparse one has every second pixel only.
+    """
+
+    seen: np.ndarray
+    behind: np.ndarray
+    corner: np.ndarray
+    is_sparse: bool
 
 
 def linear_light() -> np.ndarray:
@@ -61,30 +83,29 @@ def _chroma(plane: np.ndarray, column: float, row: float) -> float:
 
 @jit
 def window(
-    luma: np.ndarray,
-    blue: np.ndarray,
-    red: np.ndarray,
-    left: int,
-    top: int,
+    planes: tuple[np.ndarray, ...],
+    corner: tuple[int, int],
     stride: int,
-    table: np.ndarray,
-    mix: np.ndarray,
+    colours: tuple[np.ndarray, np.ndarray],
     whiten: np.ndarray,
     is_sparse: bool,
     out: np.ndarray,
 ) -> None:
     """Write the linear colours of a window, times a matrix, into `out`, shape (row, column, 3).
 
-    Positions outside the frame become NaN. A sparse window has the pixels only that a sparse sum
-    of `normal_equations` needs.
+    Positions outside the frame become NaN. `colours` are the table of `linear_light` and the
+    `colour_coefficients`. A sparse window has the pixels only that a sparse sum of
+    `normal_equations` needs.
     """
+    luma, blue, red = planes
+    table, mix = colours
     rows, columns = out.shape[0], out.shape[1]
     for j in range(rows):
-        y = top + stride * j
+        y = corner[1] + stride * j
         for i in range(1 - j % 2 if is_sparse else 0, columns, 2 if is_sparse else 1):
-            x = left + stride * i
+            x = corner[0] + stride * i
             if x < 0 or y < 0 or x >= luma.shape[1] or y >= luma.shape[0]:
-                out[j, i, 0] = out[j, i, 1] = out[j, i, 2] = np.nan
+                out[j, i] = np.nan
                 continue
             light = mix[0] * (luma[y, x] - mix[1])
             b, r = _chroma(blue, x, y), _chroma(red, x, y)
@@ -96,30 +117,41 @@ def window(
 
 
 @jit
-def cover(
-    path: np.ndarray,
-    turns: np.ndarray,
-    radius: float,
-    blur: float,
-    paint: np.ndarray,
-    left: int,
-    top: int,
-    out: np.ndarray,
+def add_between(
+    table: np.ndarray, row: float, column: float, share: float, out: np.ndarray
 ) -> None:
-    """Add a moving disc, averaged over `path`, to `out`, shape (row, column, 4).
+    """Add a share of what a table (row, column, channel) holds between its entries to `out`."""
+    # Whole numbers without a sign spare the question whether they count from the end.
+    q, p, one = np.uint64(row), np.uint64(column), np.uint64(1)
+    b, a = row - q, column - p
+    k11, k10, k01 = share * a * b, share * b, share * a
+    k10, k01, k00 = k10 - k11, k01 - k11, share - k10 - k01 + k11
+    for c in range(table.shape[2]):
+        out[c] += (
+            k00 * table[q, p, c]
+            + k01 * table[q, p + one, c]
+            + k10 * table[q + one, p, c]
+            + k11 * table[q + one, p + one, c]
+        )
+
+
+@jit
+def cover(
+    path: np.ndarray, turns: np.ndarray, ball: Ball, corner: np.ndarray, out: np.ndarray
+) -> None:
+    """Add a moving ball, averaged over `path`, to `out`, shape (row, column, 4).
 
     `path` holds centres, shape (sample, 2), `turns` the paint's turn at each from straight down to
-    the right [rad]. The last channel of `out` is the share of the exposure
-    in which the disc covers a pixel, the others its premultiplied colour; `paint`, shape
-    (2 m + 1, 2 m + 1, 3), is the disc's colour about its centre.
+    the right [rad]. The last channel of `out`, which begins at `corner`, is the share of the
+    exposure in which the ball covers a pixel, the others its premultiplied colour.
     """
     rows, columns = out.shape[0], out.shape[1]
-    half = (paint.shape[0] - 1) // 2
+    half = (ball.paint.shape[0] - 1) // 2
     weight = 1.0 / path.shape[0]
-    reach = radius + 2.0 * blur
-    core = max(radius - 2.0 * blur, 0.0) ** 2
+    reach = ball.radius + 2.0 * ball.blur
+    core = max(ball.radius - 2.0 * ball.blur, 0.0) ** 2
     for k in range(path.shape[0]):
-        cx, cy = path[k, 0] - left, path[k, 1] - top
+        cx, cy = path[k, 0] - corner[0], path[k, 1] - corner[1]
         cosine, sine = math.cos(turns[k]), math.sin(turns[k])
         for j in range(max(0, int(cy - reach)), min(rows, int(cy + reach) + 2)):
             dy = j - cy
@@ -130,74 +162,40 @@ def cover(
                 dx = i - cx
                 share = weight
                 if dx * dx + dy * dy > core:
-                    depth = (radius - math.sqrt(dx * dx + dy * dy)) / blur
+                    depth = (ball.radius - math.sqrt(dx * dx + dy * dy)) / ball.blur
                     if depth <= -2.0:
                         continue
                     # A smooth edge close to the integral of a bell of standard deviation `blur`.
                     share *= 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
-                # Whole numbers without a sign spare the question whether they count from the end.
-                p, q, one = np.uint64(u), np.uint64(v), np.uint64(1)
-                a, b = u - p, v - q
-                k11, k10, k01 = share * a * b, share * b, share * a
-                k10, k01, k00 = k10 - k11, k01 - k11, share - k10 - k01 + k11
-                for c in range(3):
-                    out[j, i, c] += (
-                        k00 * paint[q, p, c]
-                        + k01 * paint[q, p + one, c]
-                        + k10 * paint[q + one, p, c]
-                        + k11 * paint[q + one, p + one, c]
-                    )
+                add_between(ball.paint, v, u, share, out[j, i])
                 out[j, i, 3] += share
 
 
 @jit
-def turned(image: np.ndarray, centre: np.ndarray, turn: float, out: np.ndarray) -> None:
-    """Write the image about a centre, turned back, into `out`, shape (2 m + 1, 2 m + 1, 3)."""
-    half = (out.shape[0] - 1) // 2
-    cosine, sine = math.cos(turn), math.sin(turn)
-    rows, columns = image.shape[0], image.shape[1]
-    for j in range(-half, half + 1):
-        for i in range(-half, half + 1):
-            x = min(max(centre[0] + i * cosine + j * sine, 0.0), columns - 1.001)
-            y = min(max(centre[1] - i * sine + j * cosine, 0.0), rows - 1.001)
-            p, q = int(x), int(y)
-            a, b = x - p, y - q
-            for c in range(3):
-                out[half + j, half + i, c] = (1.0 - b) * (
-                    (1.0 - a) * image[q, p, c] + a * image[q, p + 1, c]
-                ) + b * ((1.0 - a) * image[q + 1, p, c] + a * image[q + 1, p + 1, c])
-
-
-@jit
 def normal_equations(
-    seen: np.ndarray,
-    behind: np.ndarray,
+    patch: Patch,
     layers: np.ndarray,
     centres: np.ndarray,
     pivot: np.ndarray,
     radius: float,
-    corner: np.ndarray,
     scale: float,
-    is_sparse: bool,
-    matrix: np.ndarray,
-    vector: np.ndarray,
-    tally: np.ndarray,
-) -> float:
-    """Fill the normal equations of shifts of the layers; return the robust cost.
+) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the robust cost, matrix and vector of the shifts of layers, and what pixels look like.
 
     The image is ``behind (1 - sum of shares) + sum of layers``, all in whitened colours; `layers`
-    has shape (ball, row, column, 4). Residuals beyond `scale` count less and less (Geman and
-    McClure). A sparse sum leaves out every second pixel and those that no layer reaches.
+    has shape (ball, row, column, 4), `centres` (ball, 2). Residuals beyond `scale` count less and
+    less (Geman and McClure). A sparse sum leaves out every second pixel and those that no layer
+    reaches.
 
-    `tally`, shape (ball, 4): pixels of each ball, those explained, those that look like what is
-    behind instead, and the ball's largest share, which decides what its pixels are.
+    The last one has shape (ball, 4): pixels of each ball, those explained, those that look like
+    what is behind instead, and the ball's largest share, which decides what its pixels are.
     """
+    seen, behind, corner, is_sparse = patch
     balls, rows, columns = layers.shape[0], layers.shape[1], layers.shape[2]
-    matrix[:] = 0.0
-    vector[:] = 0.0
-    tally[:] = 0.0
+    matrix, vector = np.zeros((2 * balls, 2 * balls)), np.zeros(2 * balls)
+    tally = np.zeros((balls, 4))
     for b in range(balls):
         for j in range(rows):
             for i in range(columns):
@@ -259,7 +257,7 @@ def normal_equations(
     for m in range(2 * balls):
         for n in range(m):
             matrix[n, m] = matrix[m, n]
-    return cost
+    return cost, matrix, vector, tally
 
 
 @jit
@@ -293,28 +291,21 @@ def _is_rod(x: float, y: float, centres: np.ndarray, pivot: np.ndarray, radius: 
 
 @jit
 def gains(
-    seen: np.ndarray,
-    behind: np.ndarray,
-    offset: np.ndarray,
-    stride: int,
-    centres: np.ndarray,
-    turns: np.ndarray,
-    radius: float,
-    paint: np.ndarray,
-    scale: float,
-    out: np.ndarray,
-) -> None:
-    """Write how much better a ball at each centre explains the image than the background does.
+    patch: Patch, stride: int, centres: np.ndarray, turns: np.ndarray, ball: Ball, scale: float
+) -> np.ndarray:
+    """Return how much better a ball at each centre explains the image than the background does.
 
-    `seen` and `behind`, in whitened colours, are sampled every `stride` pixels from `offset`. The
-    gain is the mean over the disc of the fall of the bounded squared residual, between -1 and 1.
+    The patch is sampled every `stride` pixels. The gain is the mean over the disc of the fall of
+    the bounded squared residual, between -1 and 1.
     """
+    seen, behind, paint = patch.seen, patch.behind, ball.paint
     half = (paint.shape[0] - 1) // 2
     limit = scale * scale
-    reach = 0.9 * radius / stride
-    for k in range(centres.shape[0]):
-        cx = (centres[k, 0] - offset[0]) / stride
-        cy = (centres[k, 1] - offset[1]) / stride
+    reach = 0.9 * ball.radius / stride
+    out = np.empty(len(centres))
+    for k in range(len(centres)):
+        cx = (centres[k, 0] - patch.corner[0]) / stride
+        cy = (centres[k, 1] - patch.corner[1]) / stride
         cosine, sine = stride * math.cos(turns[k]), stride * math.sin(turns[k])
         total, count = 0.0, 0
         for j in range(int(cy - reach), int(cy + reach) + 2):
@@ -334,3 +325,4 @@ def gains(
                 if as_wall == as_wall:  # both are known
                     total += as_wall / (limit + as_wall) - as_ball / (limit + as_ball)
         out[k] = total / max(count, 1)
+    return out

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from latolato.experiment.tracking.kernels.jit import jit
+from latolato.experiment.tracking.kernels.layers import Ball, add_between
 
 # Paths of fewer samples are drawn one by one.
 FEWEST = 4
@@ -64,19 +65,17 @@ def pieces_of(path: np.ndarray) -> np.ndarray:
 
 
 @jit
-def running_sum(
-    piece: np.ndarray, turn: float, radius: float, blur: float, paint: np.ndarray
-) -> np.ndarray:
-    """Return the running sum of a disc along a piece's direction, shape (across, along, 4).
+def running_sum(piece: np.ndarray, turn: float, ball: Ball) -> np.ndarray:
+    """Return the running sum of a ball along a piece's direction, shape (across, along, 4).
 
-    The disc is premultiplied colour and share, as `cover` draws it, in steps of `step_of` from
+    The ball is premultiplied colour and share, as `cover` draws it, in steps of `step_of` from
     the corner of the square that holds it.
     """
-    step = step_of(blur)
-    reach = radius + 2.0 * blur
+    step = step_of(ball.blur)
+    reach = ball.radius + 2.0 * ball.blur
     count = 2 * math.ceil(reach / step) + 1
     middle = (count - 1) // 2
-    half = (paint.shape[0] - 1) // 2
+    half = (ball.paint.shape[0] - 1) // 2
     out = np.zeros((count, count, 4), np.float32)
     # From along and across the piece to columns and rows of the paint.
     cosine, sine = math.cos(turn), math.sin(turn)
@@ -84,36 +83,25 @@ def running_sum(
         piece[2] * cosine - piece[3] * sine,
         piece[2] * sine + piece[3] * cosine,
     )
-    before = np.zeros(4)
-    now = np.zeros(4)
+    before, now, total = np.zeros(4), np.zeros(4), np.zeros(4)
     for m in range(count):
         t = (m - middle) * step
-        total0, total1, total2, total3 = 0.0, 0.0, 0.0, 0.0
-        before[:] = 0.0
+        total[:] = before[:] = 0.0
         for n in range(count):
             s = (n - middle) * step
             square = s * s + t * t
             now[:] = 0.0
             if square < reach * reach:
-                depth = (radius - math.sqrt(square)) / blur
+                depth = (ball.radius - math.sqrt(square)) / ball.blur
                 share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 u = min(max(s * along_u - t * along_v + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(s * along_v + t * along_u + half, 0.0), 2.0 * half - 1e-3)
-                p, q = int(u), int(v)
-                a, b = u - p, v - q
-                for c in range(3):
-                    now[c] = share * (
-                        (1.0 - b) * ((1.0 - a) * paint[q, p, c] + a * paint[q, p + 1, c])
-                        + b * ((1.0 - a) * paint[q + 1, p, c] + a * paint[q + 1, p + 1, c])
-                    )
+                add_between(ball.paint, v, u, share, now)
                 now[3] = share
-            total0 += 0.5 * step * (before[0] + now[0])
-            total1 += 0.5 * step * (before[1] + now[1])
-            total2 += 0.5 * step * (before[2] + now[2])
-            total3 += 0.5 * step * (before[3] + now[3])
-            out[m, n, 0], out[m, n, 1] = total0, total1
-            out[m, n, 2], out[m, n, 3] = total2, total3
-            before[:] = now
+            for c in range(4):
+                total[c] += 0.5 * step * (before[c] + now[c])
+                out[m, n, c] = total[c]
+                before[c] = now[c]
     return out
 
 
@@ -128,16 +116,15 @@ def sweep(
     piece: np.ndarray,
     total: np.ndarray,
     step: float,
-    left: float,
-    top: float,
+    corner: np.ndarray,
     out: np.ndarray,
 ) -> None:
     """Add a disc that moves along a piece to `out`, shape (row, column, 4), as `cover` does."""
-    x0, y0 = piece[0] - left, piece[1] - top
+    x0, y0 = piece[0] - corner[0], piece[1] - corner[1]
     ux, uy, length = piece[2], piece[3], piece[4]
     middle = (total.shape[0] - 1) // 2
     reach = middle * step
-    weight = np.float32(piece[5] / length)
+    weight = piece[5] / length
     across, along = ux / step, uy / step
     x1, y1 = x0 + length * ux, y0 + length * uy
     rows, columns = out.shape[0], out.shape[1]
@@ -157,32 +144,6 @@ def sweep(
             s = dx * across + dy * along + middle
             if s <= 0.0 or s - early >= 2 * middle:
                 continue
-            late0, late1, late2, late3 = _looked_up(total, t, min(s, last))
+            add_between(total, t, min(s, last), weight, out[j, i])
             if s > early:
-                early0, early1, early2, early3 = _looked_up(total, t, s - early)
-                late0, late1 = late0 - early0, late1 - early1
-                late2, late3 = late2 - early2, late3 - early3
-            out[j, i, 0] += weight * late0
-            out[j, i, 1] += weight * late1
-            out[j, i, 2] += weight * late2
-            out[j, i, 3] += weight * late3
-
-
-@jit
-def _looked_up(total: np.ndarray, t: float, s: float) -> tuple[float, float, float, float]:
-    """Return the running sum between its entries."""
-    # Whole numbers without a sign spare the question whether they count from the end.
-    m, n = np.uint64(t), np.uint64(s)
-    b, a = np.float32(t - m), np.float32(s - n)
-    row, next_row = total[m], total[m + np.uint64(1)]
-    p, q = row[n], row[n + np.uint64(1)]
-    v, w = next_row[n], next_row[n + np.uint64(1)]
-    k11 = a * b
-    k10, k01 = b - k11, a - k11
-    k00 = np.float32(1.0) - a - k10
-    return (
-        k00 * p[0] + k01 * q[0] + k10 * v[0] + k11 * w[0],
-        k00 * p[1] + k01 * q[1] + k10 * v[1] + k11 * w[1],
-        k00 * p[2] + k01 * q[2] + k10 * v[2] + k11 * w[2],
-        k00 * p[3] + k01 * q[3] + k10 * v[3] + k11 * w[3],
-    )
+                add_between(total, t, s - early, -weight, out[j, i])
