@@ -181,7 +181,7 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     bad = tmp_path / "bad.csv"
     bad.write_text("drive_amplitude,frequency_ratio,class\n100 mm,1.0,wild\n")
     page.get_by_label("Trial table").set_input_files(bad)
-    page.get_by_text("class must be one of none, weak, strong, got 'wild'").wait_for()
+    page.get_by_text("class must be 'none', 'weak' or 'strong', got 'wild'").wait_for()
     assert page.evaluate("() => window.latolato.views.map.chart.trials") is None
 
 

@@ -19,7 +19,7 @@ from latolato.analysis import (
     poincare_section,
     response_period,
 )
-from latolato.app.analyse.answer import compute
+from latolato.app.analyse.answer import compute as compute_analysis
 from latolato.app.analyse.forms import about_request
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
@@ -264,7 +264,7 @@ def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
         "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
     }
     given = {"analysis": "floquet", "settings": {"period": "2"}}
-    answer = compute({**asked, **given}, tmp_path, print)
+    answer = compute_analysis({**asked, **given}, tmp_path, print)
     assert answer["verdict"]
     assert (tmp_path / "result.png").exists()
 

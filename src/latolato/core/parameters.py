@@ -8,9 +8,8 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, COUNT, QUANTITIES, Limit, Quantity, Range
-from latolato.core.registry import checked_count, checked_number, types_of
+from latolato.core.registry import checked_choice, checked_count, checked_number, types_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,11 +98,7 @@ class Parameter:
     def checked(self, value: Any) -> Any:
         """Return a number as a float or an int, or a word, or raise an `InputError`."""
         if self.choices:
-            if value not in self.choices:
-                *others, last = map(repr, self.choices)
-                rule = f"must be {', '.join(others)} or {last}"
-                raise InputError(rule, parameter=self.name, value=value)
-            return value
+            return checked_choice(self.name, value, self.choices)
         if self.kind is int:
             return checked_count(self.name, value, self.allowed)
         return checked_number(self.name, value, self.allowed, self.unit)

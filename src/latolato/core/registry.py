@@ -7,7 +7,7 @@ scenario files, forms and tables are generated from the registries.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
@@ -176,6 +176,20 @@ def checked_count(name: str, value: Any, allowed: Range = COUNT) -> int:
     if not is_whole:
         raise InputError("must be a whole number", parameter=name, value=value)
     return _within(name, int(value), allowed, "1")
+
+
+def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
+    """Return one of the words that a parameter may be.
+
+    Raises
+    ------
+    InputError
+        For any other.
+    """
+    if value not in choices:
+        *others, last = map(repr, choices)
+        raise InputError(f"must be {', '.join(others)} or {last}", parameter=name, value=value)
+    return str(value)
 
 
 def _within(name: str, number: Number, allowed: Range, unit: str) -> Number:

@@ -86,7 +86,7 @@ export function parseTrials(registry, text) {
 function numberOfClass(text) {
   const name = text.toLowerCase();
   if (!CLASSES.includes(name))
-    throw new InputError(`class must be one of ${CLASSES.join(", ")}, got '${name}'`);
+    throw new InputError("must be 'none', 'weak' or 'strong'", { parameter: "class", value: name });
   return CLASSES.indexOf(name);
 }
 
