@@ -22,6 +22,13 @@ FITS = {"decay": "decay", "driven": "drive", "toy": "restitution"}
 TYPED_DRIVES = [name for name in drives if name != "measured_pivot"]
 
 
+@pytest.fixture
+def page(page):
+    """A page as wide as a small laptop."""
+    page.set_viewport_size({"width": 1366, "height": 768})
+    return page
+
+
 def faults(page):
     """Return the errors that are on show."""
     return [e.inner_text() for e in page.locator(".error, .notice").all() if e.is_visible()]
