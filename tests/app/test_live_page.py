@@ -288,13 +288,16 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1280])
-def test_live_is_accessible_and_fits_the_screen(page, scheme, width):
-    page.emulate_media(color_scheme=scheme)
+def test_live_is_accessible_and_fits_the_screen(page, width):
     page.set_viewport_size({"width": width, "height": 900})
     open_live(page)
-    assert serious_faults(page) == []
+    # Contrast is checked of what is there: of a pressed button, too.
+    assert page.locator(".trick button[aria-pressed=true]").first.is_visible()
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_timeout(300)
+        assert serious_faults(page) == []
     assert page.evaluate("() => document.documentElement.scrollWidth") <= width
 
 
@@ -306,15 +309,3 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     assert of_toy(page, "time") == 0.0
     page.get_by_role("button", name="Play", exact=True).click()
     wait_for_toy(page, "toy.time > 0.1")
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_pressed_button_is_readable(page, scheme):
-    page.emulate_media(color_scheme=scheme)
-    open_live(page)
-    pressed = page.locator(".trick button[aria-pressed=true]").first
-    ground, ink = pressed.evaluate(
-        "e => [getComputedStyle(e).backgroundColor, getComputedStyle(e).color]"
-        ".map(c => c.match(/\\d+/g).slice(0, 3).reduce((a, b) => a + Number(b), 0))"
-    )
-    assert abs(ground - ink) > 250
