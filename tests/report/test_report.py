@@ -139,6 +139,11 @@ def test_every_claim_is_on_the_page_with_its_verdict_in_words(made, read):
         assert claim.where.split(",")[0] in text
 
 
+def test_no_figure_warns_of_anything(made):
+    # The page lists warnings of runs; any other one is an error in all tests.
+    assert "Warnings of the runs" not in made[0].index.read_text(encoding="utf-8")
+
+
 def test_nothing_of_the_machine_is_on_the_page(made):
     text = made[0].index.read_text(encoding="utf-8")
     for secret in (str(made[0].index.parent), "/home/", "/root/", "/tmp/"):
