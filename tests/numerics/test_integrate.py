@@ -1,10 +1,6 @@
 """The kernels: plain Python equals compiled code, and cutting the work changes no bit."""
 
 import itertools
-import os
-import subprocess
-import sys
-import textwrap
 
 import numpy as np
 import pytest
@@ -188,36 +184,6 @@ def test_elapsed_time_is_not_a_sum_of_rounded_steps():
     found = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
     assert found.reached == 3000.0
     assert found.state.total_steps == 30_000
-
-
-def test_kernels_of_several_processes_share_one_cache(tmp_path):
-    # Compiled in processes of their own, used together: each must stay itself. (Functions of one
-    # name and number in two processes would be linked to each other.)
-    script = textwrap.dedent("""
-        import sys
-        import latolato as ll
-        toy = ll.LatoLato(length=0.9, mass=0.5, radius=0.09)
-        drives = {
-            "harmonic": ll.Harmonic(drive_amplitude=0.1, drive_frequency=9.0),
-            "static": None,
-        }
-        for name in sys.argv[1:]:
-            run = ll.simulate(toy, drives[name], initial_angle=0.8, times=[2.0],
-                              contact=ll.ClampContact(clamp_step=1e-3))
-            print(name, float(run.angle[0]).hex(), float(run.drive_work[0]).hex())
-    """)
-    environment = {**os.environ, "LATOLATO_CACHE_DIR": str(tmp_path)}
-
-    def lines(*names):
-        done = subprocess.run(
-            [sys.executable, "-c", script, *names],
-            env=environment, capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        return done.stdout.splitlines()
-
-    alone = [*lines("harmonic"), *lines("static")]
-    assert lines("harmonic", "static") == alone
-    assert lines("static", "harmonic") == alone[::-1]
 
 
 @pytest.mark.parametrize("compiled", [False, True])
