@@ -36,10 +36,10 @@ def assert_close(a, b):
     np.testing.assert_array_equal(a.contact_kinds, b.contact_kinds)
 
 
-def test_plain_python_equals_compiled(make_system, drive, damping_law):
+def test_plain_python_equals_compiled(laws):
     # The same scalar source; fused multiply-adds may differ in the last digits, which contacts
     # amplify a little.
-    system = make_system(**damping_law)
+    system, drive, _ = laws
     times = np.linspace(0.0, 2.0, 21)
     fast = run(system, drive, 2.0, times)
     plain = run(system, drive, 2.0, times, compiled=False)

@@ -47,8 +47,8 @@ class TestEverySystemDriveAndDamping:
             return {"initial_angle": (0.8, -0.5), "initial_angular_velocity": (0.3, -0.2)}
         return {"initial_angle": 0.8, "initial_angular_velocity": 0.3}
 
-    def test_ledger_closes_and_walls_hold(self, make_system, drive, damping_law):
-        system = make_system(**damping_law)
+    def test_ledger_closes_and_walls_hold(self, laws):
+        system, drive, damping_law = laws
         run = ll.simulate(system, drive, duration=6.0, **self.start(system))
         assert run.attrs["status"] == "complete"
         assert recomputed(run) <= 1e-9
@@ -68,9 +68,9 @@ class TestEverySystemDriveAndDamping:
         if not damping_law:
             assert np.all(run.damping_loss.values == 0.0)
 
-    def test_tolerance_is_met(self, make_system, drive, damping_law):
+    def test_tolerance_is_met(self, laws):
         # The error at 1e-8, seen from 1e-12, over the few periods before contacts spread it.
-        system = make_system(**damping_law)
+        system, drive, _ = laws
         times = np.linspace(0.0, 4.0, 41)
         rough, fine = (
             ll.simulate(system, drive, times=times, tolerance=tolerance, **self.start(system))
@@ -78,9 +78,9 @@ class TestEverySystemDriveAndDamping:
         )
         assert float(np.abs(rough.angle - fine.angle).max()) <= 1e-7
 
-    def test_powers_are_the_rates_of_the_works(self, make_system, drive, damping_law):
+    def test_powers_are_the_rates_of_the_works(self, laws):
         # By the fundamental theorem: Simpson's rule over the powers between the samples.
-        system = make_system(**damping_law)
+        system, drive, _ = laws
         times = np.linspace(0.0, 3.0, 6001)
         run = ll.simulate(system, drive, times=times, **self.start(system))
         for power, work in (("drive_power", "drive_work"), ("damping_power", "damping_loss")):
