@@ -152,15 +152,15 @@ class TestStrongDrag:
     ):
         # Friction stops the ball in 3 ms; against its sign quadratic drag would speed it up.
         light = ll.Pendulum(length=1.0, mass=0.01, quadratic_damping=1.0, coulomb_damping=20.0)
-        found = ll.sweep(
+        result = ll.sweep(
             light, axes={"initial_angular_velocity": [5.0, -5.0]}, initial_angle=1.0, duration=0.5,
             tolerance=1e-3, observables=["final_angle"], executor=executor,
         )  # fmt: skip
         fine = ll.simulate(
             light, initial_angle=1.0, initial_angular_velocity=5.0, duration=0.5, tolerance=1e-10
         )
-        assert found.final_angle[0] == pytest.approx(float(fine.angle[-1]), abs=1e-3)
-        assert found.final_angle[1] < 1.0
+        assert result.final_angle[0] == pytest.approx(float(fine.angle[-1]), abs=1e-3)
+        assert result.final_angle[1] < 1.0
 
     def test_weak_drag_changes_no_step(self):
         start = Start((1.0,), (0.0,))
@@ -181,9 +181,9 @@ class TestStrongDrag:
 
 def test_elapsed_time_is_not_a_sum_of_rounded_steps():
     system = ll.Pendulum(length=1.0, mass=0.8)
-    found = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
-    assert found.reached == 3000.0
-    assert found.state.total_steps == 30_000
+    result = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
+    assert result.reached == 3000.0
+    assert result.state.total_steps == 30_000
 
 
 @pytest.mark.parametrize("compiled", [False, True])

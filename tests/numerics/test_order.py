@@ -3,7 +3,7 @@
 An order is the least-squares slope of log(error) over log(step) for thirteen step sizes. The error
 of a trajectory is a root mean square over many instants, and the geometric mean is taken over many
 starts: events cut steps at other places for each step size, which scatters the error of one
-trajectory by more than the 0.1 asked for. Errors are measured against a run with a step several
+trajectory by more than the tolerance of 0.1. Errors are measured against a run with a step several
 times smaller, and lie far above rounding.
 """
 
@@ -163,8 +163,8 @@ def test_order_of_contact_times_and_velocities(restitution, drag):
     times = np.array([end])
 
     def contacts(step):
-        found = runs(system, drive, step, times, starts, end, rest_speed=1e-6, contact_limit=50)
-        return [(r.contact_times[:2], r.contact_values[0, :2]) for r in found]
+        result = runs(system, drive, step, times, starts, end, rest_speed=1e-6, contact_limit=50)
+        return [(r.contact_times[:2], r.contact_values[0, :2]) for r in result]
 
     exact = contacts(0.0015)
 
@@ -200,8 +200,8 @@ class TestSteppers:
             assert (stepper.kicks * c**k).sum() == pytest.approx(1.0 / (k + 1), abs=2e-13), k
         # And of double integrals: sum b (1 - c) c^k = 1/((k + 1)(k + 2)).
         for k in range(stepper.order - 1):
-            found = (stepper.kicks * (1.0 - c) * c**k).sum()
-            assert found == pytest.approx(1.0 / ((k + 1) * (k + 2)), abs=2e-13), k
+            result = (stepper.kicks * (1.0 - c) * c**k).sum()
+            assert result == pytest.approx(1.0 / ((k + 1) * (k + 2)), abs=2e-13), k
 
     @pytest.mark.parametrize("stepper", [BLANES_MOAN_RKN, BLANES_MOAN_GENERAL])
     def test_order_on_the_harmonic_oscillator(self, stepper):
