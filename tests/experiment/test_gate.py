@@ -66,18 +66,18 @@ def _changed(path, output, change):
     return output
 
 
-def _ok_share(path, pivot, ball, **given):
+def _ok_share(path, pivot, ball, **arguments):
     """Return the share of samples that are ok; none are if the track is refused."""
     try:
-        table = ll.track(path, pivot=pivot, balls=[ball], **given)
+        table = ll.track(path, pivot=pivot, balls=[ball], **arguments)
     except InputError:
         return 0.0
     return float((table.flag_1 == "ok").mean())
 
 
-def _assert_refused(path, pivot, ball, match, **given):
+def _assert_refused(path, pivot, ball, match, **arguments):
     with pytest.raises(InputError, match=match) as caught:
-        ll.track(path, pivot=pivot, balls=[ball], **given)
+        ll.track(path, pivot=pivot, balls=[ball], **arguments)
     assert caught.value.way_out
 
 
@@ -120,8 +120,8 @@ def test_a_wrong_radius_is_refused_with_both_radii(film, capsys, tmp_path):
     assert _ok_share(path, pivot, ball, length=SWING.length, radius=0.01) < 0.05
     output = tmp_path / "none.csv"
     clicks = ["--pivot", "{:g},{:g}".format(*pivot), "--ball", "{:g},{:g}".format(*ball)]
-    given = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
-    assert main(["track", str(path), *clicks, *given]) == 2
+    arguments = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
+    assert main(["track", str(path), *clicks, *arguments]) == 2
     assert "check radius and length" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
@@ -308,8 +308,8 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
     made = conditions[name].make({"ball_radius": 0.02, **scene}, size)
     path = tmp_path / "clip.mp4"
     clicks = synthesise_video(run, path, *made, seed=3).attrs
-    found = []
-    monkeypatch.setattr(track, "examine", lambda *given: found.append(gate.examine(*given)) or [])
+    findings = []
+    monkeypatch.setattr(track, "examine", lambda *seen: findings.append(gate.examine(*seen)) or [])
     ll.track(
         path,
         pivot=_place(clicks, "pivot"),
@@ -317,4 +317,4 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
         length=clicks["length"],
         radius=clicks["radius"],
     )
-    assert found == [[]]
+    assert findings == [[]]
