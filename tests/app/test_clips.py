@@ -112,28 +112,28 @@ def opened(allowance=None):
 
 @pytest.fixture
 def page():
-    with opened() as (found, _):
-        yield found
+    with opened() as (result, _):
+        yield result
 
 
 @pytest.fixture(scope="module")
 def lasting_page():
-    with opened() as (found, _):
-        yield found
+    with opened() as (result, _):
+        yield result
 
 
 def workers(parent=None):
     """Processes that read clips for a process, by default for this one."""
     parent = parent or os.getpid()
-    found = []
+    result = []
     for status in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             fields = status.read_text().rpartition(")")[2].split()
             command = (status.parent / "cmdline").read_bytes()
             is_limited = b"latolato.app.worker" in command and b"cpu_time" in command
             if int(fields[1]) == parent and is_limited and fields[0] != "Z":
-                found.append(int(status.parent.name))
-    return found
+                result.append(int(status.parent.name))
+    return result
 
 
 def wait(is_so):
@@ -497,13 +497,13 @@ def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path
         desk.send('{"hello": true}')
         key = json.loads(desk.recv())["desk"]
         socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
-        while not (found := workers(server.process.pid)):
+        while not (result := workers(server.process.pid)):
             time.sleep(0.02)
         assert list(tmp_path.glob("latolato-app-*/latolato-clips-*/*"))
         stop_server(server)
     assert not list(tmp_path.glob("latolato-app-*"))
     # Also without a word from the server the worker would end: its input is closed.
     deadline = time.monotonic() + 10.0
-    while Path(f"/proc/{found[0]}").exists() and time.monotonic() < deadline:
+    while Path(f"/proc/{result[0]}").exists() and time.monotonic() < deadline:
         time.sleep(0.02)
-    assert not Path(f"/proc/{found[0]}").exists()
+    assert not Path(f"/proc/{result[0]}").exists()

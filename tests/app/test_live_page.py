@@ -42,15 +42,15 @@ def test_a_key_changes_the_motion_with_the_next_picture(page):
           const { time } = toy;
           await new Promise(requestAnimationFrame);
           const [change] = toy.drive.changes;
-          return { asked: change.time - time, moved: toy.time - change.time };
+          return { delay: change.time - time, moved: toy.time - change.time };
         }"""
     )
-    assert changed["asked"] == 0.0
+    assert changed["delay"] == 0.0
     assert changed["moved"] > 0.0
-    shown = float(page.get_by_label("driving amplitude", exact=False).first.input_value())
-    assert shown / 1000 > before
+    output = float(page.get_by_label("driving amplitude", exact=False).first.input_value())
+    assert output / 1000 > before
     # The pivot soon reaches so high.
-    wait_for_toy(page, f"toy.drive.isSteady && toy.pivot.height > 0.999 * {shown / 1000}")
+    wait_for_toy(page, f"toy.drive.isSteady && toy.pivot.height > 0.999 * {output / 1000}")
     page.wait_for_function("() => location.search.includes('drive_amplitude')")
 
 
@@ -91,26 +91,26 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
     x, y = page.evaluate(place, [ball, None])
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
-    wanted = math.radians(degrees)
+    expected = math.radians(degrees)
     for step in range(1, 9):
-        x, y = page.evaluate(place, [ball, wanted * step / 8])
+        x, y = page.evaluate(place, [ball, expected * step / 8])
         page.mouse.move(box["x"] + x, box["y"] + y)
         page.wait_for_timeout(30)
     # The picture makes room as a ball rises: go on to where the place is now.
     for _ in range(3):
         page.wait_for_timeout(200)
-        x, y = page.evaluate(place, [ball, wanted])
+        x, y = page.evaluate(place, [ball, expected])
         page.mouse.move(box["x"] + x, box["y"] + y)
     page.wait_for_function(
         """([k, angle]) => {
           const { motion } = window.latolato.views.live;
           return Math.abs(motion.angle(motion.balls[k]) - angle) < 0.03;
         }""",
-        arg=[ball, wanted],
+        arg=[ball, expected],
         timeout=10_000,
     )
     page.wait_for_timeout(300)
-    x, y = page.evaluate(place, [ball, wanted])
+    x, y = page.evaluate(place, [ball, expected])
     pixel, colour = page.evaluate(
         """([k, x, y]) => {
           const { scene, motion } = window.latolato.views.live;
@@ -264,7 +264,7 @@ def test_an_address_that_makes_no_toy_says_why(page, query, fault):
     notice.get_by_text(fault).wait_for()
 
 
-def test_a_value_out_of_range_is_told_beside_its_field(page):
+def test_a_value_out_of_range_is_explained_next_to_its_field(page):
     open_live(page)
     field = page.get_by_label("angular driving frequency", exact=False).first
     field.fill("1e8")
