@@ -116,10 +116,10 @@ def examples(kind):
         for f in optional
     ]
     for chosen in itertools.product(*choices):
-        given = {f.name: field_value(kind, f, 0.15) for f in required}
-        given.update({f.name: value for f, value in zip(optional, chosen, strict=True)})
+        arguments = {f.name: field_value(kind, f, 0.15) for f in required}
+        arguments.update({f.name: value for f, value in zip(optional, chosen, strict=True)})
         words = [str(c) for c in chosen if isinstance(c, str)]
-        yield "-".join(["full", *words]), kind(**given)
+        yield "-".join(["full", *words]), kind(**arguments)
 
 
 def all_examples(registry):
