@@ -116,10 +116,10 @@ def examples(kind):
         for f in optional
     ]
     for chosen in itertools.product(*choices):
-        given = {f.name: field_value(kind, f, 0.15) for f in required}
-        given.update({f.name: value for f, value in zip(optional, chosen, strict=True)})
+        arguments = {f.name: field_value(kind, f, 0.15) for f in required}
+        arguments.update({f.name: value for f, value in zip(optional, chosen, strict=True)})
         words = [str(c) for c in chosen if isinstance(c, str)]
-        yield "-".join(["full", *words]), kind(**given)
+        yield "-".join(["full", *words]), kind(**arguments)
 
 
 def all_examples(registry):
@@ -152,23 +152,40 @@ def damping_law(request):
     return request.param
 
 
+def system_of(kind, **law):
+    """A registered system whose balls have these damping coefficients."""
+    names = {f.name for f in dataclasses.fields(kind)}
+    if "right" in names:
+        return kind(
+            right=Ball(length=0.9, mass=0.5, radius=0.09, **law),
+            left=Ball(length=0.85, mass=0.3, radius=0.09, **law),
+            restitution=0.85,
+        )
+    own = {"length": 0.9, "mass": 0.5, "radius": 0.09, "restitution": 0.85}
+    return kind(**{k: v for k, v in own.items() if k in names}, **law)
+
+
 @pytest.fixture(params=list(systems))
 def make_system(request):
     """For every registered system: a function of a damping law that returns it."""
-    kind = systems[request.param]
+    return functools.partial(system_of, systems[request.param])
 
-    def make(**law):
-        names = {f.name for f in dataclasses.fields(kind)}
-        if "right" in names:
-            return kind(
-                right=Ball(length=0.9, mass=0.5, radius=0.09, **law),
-                left=Ball(length=0.85, mass=0.3, radius=0.09, **law),
-                restitution=0.85,
-            )
-        own = {"length": 0.9, "mass": 0.5, "radius": 0.09, "restitution": 0.85}
-        return kind(**{k: v for k, v in own.items() if k in names}, **law)
 
-    return make
+def pairs_of_laws():
+    """Yield (system, drive, damping law) as parameters; every two of them occur together."""
+    names = list(systems)
+    for (i, drive), (j, law) in itertools.product(
+        enumerate(all_examples(drives)), enumerate(DAMPING_LAWS)
+    ):
+        name = names[(i + j) % len(names)]
+        system = system_of(systems[name], **law.values[0])
+        yield pytest.param((system, *drive.values, *law.values), id=f"{name}-{drive.id}-{law.id}")
+
+
+@pytest.fixture(params=pairs_of_laws())
+def laws(request):
+    """A system, a drive and the system's damping law, as keyword arguments of a ball."""
+    return request.param
 
 
 @pytest.fixture(scope="session")

@@ -25,12 +25,12 @@ def test_values_along_an_axis_have_its_name(name):
 
 
 def test_one_number_is_an_axis_of_one_value():
-    found = ll.analysis.first_push(
+    result = ll.analysis.first_push(
         TOY, DRIVE, frequency_ratio=2.4, drive_phase=0.0, scan_points=2, refinements=0,
         transient_periods=1,
     )  # fmt: skip
-    assert found.first_push.dims == ("frequency_ratio", "drive_phase")
-    assert found.first_push.shape == (1, 1)
+    assert result.first_push.dims == ("frequency_ratio", "drive_phase")
+    assert result.first_push.shape == (1, 1)
 
 
 NEEDED = {
@@ -48,9 +48,9 @@ DRIVEN = sorted(n for n in analyses if "drive" in inspect.signature(analyses[n])
 def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
     parameters = inspect.signature(analyses[name]).parameters
     system = TOY if name in ("self_start", "pair_symmetry", "impact_map") else BALL
-    asked = {n: v for n, v in NEEDED.items() if n in parameters}
-    asked = {n: v for n, v in asked.items() if parameters[n].default is parameters[n].empty}
+    settings = {n: v for n, v in NEEDED.items() if n in parameters}
+    settings = {n: v for n, v in settings.items() if parameters[n].default is parameters[n].empty}
     if "initial_angle" in parameters:
-        asked["initial_angle"] = 0.2
+        settings["initial_angle"] = 0.2
     with pytest.raises(InputError, match="drive must be None or one of"):
-        analyses[name](system, drive=drive, **asked)
+        analyses[name](system, drive=drive, **settings)

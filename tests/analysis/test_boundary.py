@@ -21,76 +21,76 @@ def grid(rows, **dims):
 
 
 def test_edges_and_widths_of_straight_flanks_are_exact():
-    found = ll.map_boundary(grid([trapezium(1.88, 1.9, 2.4, 2.46)] * 3), "mean_energy", 0.5)
+    result = ll.map_boundary(grid([trapezium(1.88, 1.9, 2.4, 2.46)] * 3), "mean_energy", 0.5)
     # straight lines are interpolated without error
-    np.testing.assert_allclose(found.left_edge, 1.89, rtol=1e-12)
-    np.testing.assert_allclose(found.right_edge, 2.43, rtol=1e-12)
-    np.testing.assert_allclose(found.left_width, 0.016, rtol=1e-9)
-    np.testing.assert_allclose(found.right_width, 0.048, rtol=1e-9)
-    np.testing.assert_allclose(found.left_plateau, 1.0)
+    np.testing.assert_allclose(result.left_edge, 1.89, rtol=1e-12)
+    np.testing.assert_allclose(result.right_edge, 2.43, rtol=1e-12)
+    np.testing.assert_allclose(result.left_width, 0.016, rtol=1e-9)
+    np.testing.assert_allclose(result.right_width, 0.048, rtol=1e-9)
+    np.testing.assert_allclose(result.left_plateau, 1.0)
 
 
 def test_a_sloping_plateau_does_not_blur_a_sharp_edge():
     # the energy of unstable motion rises with the frequency by a factor of three
     row = trapezium(1.88, 1.9, 2.7, 2.72) * (1.0 + 2.0 * (RATIOS - 1.9) / 0.8)
-    found = ll.map_boundary(grid([row] * 3), "mean_energy", 0.3)
-    assert (found.left_width < 0.03).all()
-    assert (found.right_width < 0.03).all()
+    result = ll.map_boundary(grid([row] * 3), "mean_energy", 0.3)
+    assert (result.left_width < 0.03).all()
+    assert (result.right_width < 0.03).all()
 
 
 def test_a_soft_edge_is_wider_than_a_sharp_one():
-    found = ll.map_boundary(grid([trapezium(1.88, 1.9, 2.2, 2.7)] * 3), "mean_energy", 0.5)
-    assert (found.left_width < 0.1 * found.right_width).all()
+    result = ll.map_boundary(grid([trapezium(1.88, 1.9, 2.2, 2.7)] * 3), "mean_energy", 0.5)
+    assert (result.left_width < 0.1 * result.right_width).all()
 
 
 @pytest.mark.parametrize("level", [0.02, 0.5, 0.97])
 def test_widths_do_not_depend_on_the_level_where_the_plateau_is_flat(level):
-    found = ll.map_boundary(grid([trapezium(1.8, 1.85, 2.4, 2.45)] * 3), "mean_energy", level)
-    np.testing.assert_allclose(found.left_width, 0.04, rtol=1e-9)
-    np.testing.assert_allclose(found.right_width, 0.04, rtol=1e-9)
+    result = ll.map_boundary(grid([trapezium(1.8, 1.85, 2.4, 2.45)] * 3), "mean_energy", level)
+    np.testing.assert_allclose(result.left_width, 0.04, rtol=1e-9)
+    np.testing.assert_allclose(result.right_width, 0.04, rtol=1e-9)
 
 
 def test_a_jump_between_neighbours_shows_as_less_than_a_spacing():
     rows = [np.where((RATIOS > 1.9) & (RATIOS < 2.5), 3.0, 0.0)] * 3
-    found = ll.map_boundary(grid(rows), "mean_energy", 1.0)
-    np.testing.assert_allclose(found.left_width, 0.8 * found.attrs["spacing"], rtol=1e-9)
+    result = ll.map_boundary(grid(rows), "mean_energy", 1.0)
+    np.testing.assert_allclose(result.left_width, 0.8 * result.attrs["spacing"], rtol=1e-9)
 
 
 def test_the_main_region_is_the_one_with_the_largest_integral_not_a_narrow_band():
     band = trapezium(0.99, 1.0, 1.02, 1.03, height=2.0)
-    found = ll.map_boundary(grid([trapezium(1.8, 1.9, 2.2, 2.7) + band] * 3), "mean_energy", 0.5)
-    np.testing.assert_allclose(found.left_edge, 1.85, rtol=1e-12)
+    result = ll.map_boundary(grid([trapezium(1.8, 1.9, 2.2, 2.7) + band] * 3), "mean_energy", 0.5)
+    np.testing.assert_allclose(result.left_edge, 1.85, rtol=1e-12)
 
 
-def test_what_cannot_be_told_is_nan():
+def test_an_undetermined_boundary_is_nan():
     low = trapezium(1.8, 1.9, 2.2, 2.7, height=0.1)  # below the level
     cut = np.where(RATIOS < 2.3, trapezium(1.8, 1.9, 2.4, 2.7), np.nan)
     lifted = 0.3 + trapezium(1.8, 1.9, 2.2, 2.7)  # never below a tenth of the plateau
-    found = ll.map_boundary(grid([low, cut, lifted]), "mean_energy", 0.5)
-    assert np.isnan(found.left_edge.values).tolist() == [True, False, False]
-    assert np.isnan(found.right_edge.values).tolist() == [True, True, False]
-    assert np.isnan(found.left_width.values).tolist() == [True, False, True]
-    assert np.isnan(found.right_width.values).tolist() == [True, True, True]
+    result = ll.map_boundary(grid([low, cut, lifted]), "mean_energy", 0.5)
+    assert np.isnan(result.left_edge.values).tolist() == [True, False, False]
+    assert np.isnan(result.right_edge.values).tolist() == [True, True, False]
+    assert np.isnan(result.left_width.values).tolist() == [True, False, True]
+    assert np.isnan(result.right_width.values).tolist() == [True, True, True]
 
 
 def test_the_contour_of_a_cone_is_a_circle_in_the_units_of_the_axes():
     x, y = np.linspace(1.0, 3.0, 201), np.linspace(0.0, 2.0, 201)
     cone = np.hypot(y[:, None] - 1.0, x[None] - 2.0)
-    found = ll.map_boundary(grid(cone, drive_amplitude=y, frequency_ratio=x), "mean_energy", 0.5)
-    radius = np.hypot(found.boundary_x - 2.0, found.boundary_y - 1.0)
+    result = ll.map_boundary(grid(cone, drive_amplitude=y, frequency_ratio=x), "mean_energy", 0.5)
+    radius = np.hypot(result.boundary_x - 2.0, result.boundary_y - 1.0)
     # the bilinear surface is off by spacing^2 / (8 radius)
     np.testing.assert_allclose(radius, 0.5, atol=3e-5)
-    assert set(found.part.values) == {0}
+    assert set(result.part.values) == {0}
 
 
 def test_the_order_of_dimensions_and_values_does_not_matter():
-    wanted = ll.map_boundary(grid([trapezium(1.8, 1.9, 2.2, 2.7)] * 3), "mean_energy", 0.5)
+    expected = ll.map_boundary(grid([trapezium(1.8, 1.9, 2.2, 2.7)] * 3), "mean_energy", 0.5)
     turned = (
         grid([trapezium(1.8, 1.9, 2.2, 2.7)] * 3)
         .transpose()
         .isel(frequency_ratio=slice(None, None, -1))
     )
-    xr.testing.assert_identical(ll.map_boundary(turned, "mean_energy", 0.5), wanted)
+    xr.testing.assert_identical(ll.map_boundary(turned, "mean_energy", 0.5), expected)
 
 
 def test_a_damped_pendulum_from_a_small_angle_grows_between_the_edges_of_the_tongue():
@@ -99,14 +99,14 @@ def test_a_damped_pendulum_from_a_small_angle_grows_between_the_edges_of_the_ton
     swept = ll.sweep(
         pendulum, axes=axes, initial_angle=1e-6, duration=150.0, observables=["largest_angle"]
     )
-    found = ll.map_boundary(swept, "largest_angle", 1e-5)
+    result = ll.map_boundary(swept, "largest_angle", 1e-5)
     from latolato.analysis import mathieu_tongue_edges
 
     low, high = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
     # 150 s of growth by a factor of ten need a rate of 0.015 1/s: one spacing inside the edge
-    assert float(found.left_edge[0]) == pytest.approx(low, abs=0.01)
-    assert float(found.right_edge[0]) == pytest.approx(high, abs=0.01)
-    assert found.boundary_y.attrs["units"] == "m"
+    assert float(result.left_edge[0]) == pytest.approx(low, abs=0.01)
+    assert float(result.right_edge[0]) == pytest.approx(high, abs=0.01)
+    assert result.boundary_y.attrs["units"] == "m"
 
 
 @pytest.mark.parametrize(

@@ -297,8 +297,8 @@ class TestBounces:
             return y[0] - low
 
         wall.terminal, wall.direction = True, -1
-        time, state, found = 0.0, (0.6, 0.0), []
-        while len(found) < 5:
+        time, state, result = 0.0, (0.6, 0.0), []
+        while len(result) < 5:
             run = solve_ivp(
                 lambda _, y: (y[1], -G * math.sin(y[0])),
                 (time, time + 5.0),
@@ -307,9 +307,9 @@ class TestBounces:
                 **TIGHT,
             )
             time, state = run.t_events[0][0], (low, -run.y_events[0][0][1])
-            found.append(time)
+            result.append(time)
         np.testing.assert_allclose(
-            exact.collision_times(5, **TOY), found, rtol=0, atol=1e-11
+            exact.collision_times(5, **TOY), result, rtol=0, atol=1e-11
         )  # event location on the integrator's interpolant
 
     def test_bounces_reflect_at_each_collision_and_stay_above_the_wall(self):

@@ -61,16 +61,16 @@ TOYS = {
 
 def assert_matrix_is_that_of_differences(flow, start, duration, kinds):
     middle = np.array(start)
-    found = flow.follow(middle, duration)
-    assert set(found.contact_kinds) == set(kinds)
+    result = flow.follow(middle, duration)
+    assert set(result.contact_kinds) == set(kinds)
     columns = []
     for unit in np.eye(len(start)) * 1e-6:
         ahead, behind = (flow.follow(middle + s * unit, duration).end for s in (1.0, -1.0))
         columns.append((ahead - behind) / 2e-6)
     differences = np.array(columns).T
     # Central differences of 1e-6 err by about 1e-6^2 |M|^3 and the run's 1e-12 over 1e-6.
-    scale = np.max(np.abs(found.matrix)) ** 2
-    assert np.max(np.abs(found.matrix - differences)) < 1e-7 * max(scale, 1.0)
+    scale = np.max(np.abs(result.matrix)) ** 2
+    assert np.max(np.abs(result.matrix - differences)) < 1e-7 * max(scale, 1.0)
 
 
 @pytest.mark.parametrize("name", TOYS)
@@ -94,21 +94,21 @@ def test_the_matrix_of_one_impact_is_that_of_finite_differences(name, start, kin
 )
 def test_the_determinant_is_that_of_the_laws_of_motion(name):
     system, drive, start, duration, _ = TOYS[name]
-    found = Flow(system, drive).follow(np.array(start), duration)
-    expected = found.spread
-    assert np.linalg.slogdet(found.matrix)[1] == pytest.approx(expected, abs=1e-11)
+    result = Flow(system, drive).follow(np.array(start), duration)
+    expected = result.spread
+    assert np.linalg.slogdet(result.matrix)[1] == pytest.approx(expected, abs=1e-11)
     linear = [b.damping / (b.mass * b.length) for b in system.balls]
     if not any(b.quadratic_damping + b.coulomb_damping for b in system.balls):
-        bounces = 2.0 * found.impacts * math.log(getattr(system, "restitution", 1.0))
+        bounces = 2.0 * result.impacts * math.log(getattr(system, "restitution", 1.0))
         assert expected == pytest.approx(-sum(linear) * duration + bounces, abs=1e-12)
 
 
 def test_rest_on_a_wall_forgets_the_start():
     toy = ll.LatoLato(**TOY, damping=0.05, restitution=0.3)
     strong = ll.Harmonic(drive_amplitude=0.3, drive_frequency=6.0)
-    found = Flow(toy, strong).follow(np.array([0.3, 0.0]), 6.0)
-    assert 2 in found.contact_kinds
-    assert not found.matrix.any()
+    result = Flow(toy, strong).follow(np.array([0.3, 0.0]), 6.0)
+    assert 2 in result.contact_kinds
+    assert not result.matrix.any()
 
 
 def test_the_matrix_is_the_same_in_plain_python():
@@ -134,7 +134,7 @@ def test_clamped_contact_is_refused():
 
 
 def test_exponents_obey_the_sum_rule_and_are_sorted():
-    asked = {"duration": 200.0, "transient": 20.0, "tolerance": 1e-9}
+    settings = {"duration": 200.0, "transient": 20.0, "tolerance": 1e-9}
     watched = ["lyapunov_spectrum", "lyapunov_exponent", "sum_rule_residual", "bottom_contacts"]
     cases = (
         (TOYS["free"][0], {"initial_angle": [0.3]}, -0.0625),
@@ -142,7 +142,7 @@ def test_exponents_obey_the_sum_rule_and_are_sorted():
         (ll.LatoLato(**TOY), {"initial_angle": [0.6, 0.9]}, 0.0),
     )
     for system, axes, total in cases:
-        grid = ll.sweep(system, SHAKE, axes=axes, observables=watched, **asked)
+        grid = ll.sweep(system, SHAKE, axes=axes, observables=watched, **settings)
         exponents = grid.lyapunov_exponents.values
         assert grid.lyapunov_exponents.dims[-1] == "exponent"
         assert np.all(exponents[:, 0] >= exponents[:, 1])
@@ -180,13 +180,13 @@ def test_every_kind_of_deviation_is_registered_but_the_matrix():
 
 def test_lanes_stretch_deviations_like_single_trajectories():
     toy = ll.LatoLato(**TOY, damping=0.02, restitution=0.6)
-    asked = {
+    settings = {
         "axes": {"drive_amplitude": [0.05, 0.2, 0.4], "frequency_ratio": [0.5, 1.8, 3.0, 4.5]},
         "duration": 6.0, "transient": 1.0, "initial_offset": 0.2, "tolerance": 1e-8,
         "observables": ["lyapunov_spectrum", "sum_rule_residual", "bottom_contacts"],
     }  # fmt: skip
-    lanes = ll.sweep(toy, executor="threads", **asked)
-    plain = ll.sweep(toy, executor="reference", **asked)
+    lanes = ll.sweep(toy, executor="threads", **settings)
+    plain = ll.sweep(toy, executor="reference", **settings)
     assert float(lanes.bottom_contacts.max()) > 3
     resting = np.isinf(plain.lyapunov_exponents.values)
     assert np.array_equal(np.isinf(lanes.lyapunov_exponents.values), resting)

@@ -37,8 +37,8 @@ def test_hill_s_matrix_gives_the_closed_form_of_the_cosine():
     problem = linearised(PAPER, None)
     for w in (2.0, 3.13, 6.0, 6.26, 9.0):
         drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=w)
-        found = problem.growth(w, 0.2, "determinant")
-        assert found == pytest.approx(rate(drive), rel=1e-12, abs=1e-12)
+        result = problem.growth(w, 0.2, "determinant")
+        assert result == pytest.approx(rate(drive), rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("guide", ["below", "above"])
@@ -56,9 +56,9 @@ def test_a_run_grows_at_this_rate(guide):
 def test_the_largest_multiplier_is_one_on_an_edge():
     edges = ll.analysis.tongue_edges(PAPER, crank(2.0), drive_amplitude=0.1)
     for ratio in (float(edges.low), float(edges.high)):
-        found = ll.analysis.growth_rate(PAPER, crank(ratio))
+        result = ll.analysis.growth_rate(PAPER, crank(ratio))
         # edge and rate are each good to 1e-12, and the rate is steep here
-        assert float(found.largest_multiplier) == pytest.approx(1.0, abs=1e-10)
+        assert float(result.largest_multiplier) == pytest.approx(1.0, abs=1e-10)
 
 
 def test_without_drive_it_is_the_root_of_the_plain_equation():

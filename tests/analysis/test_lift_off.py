@@ -23,9 +23,9 @@ def start(system, ratio, drive=None):
 
 @pytest.mark.parametrize("ratio", [1.0, 3.0, 10.0])
 def test_a_cosine_lifts_where_its_acceleration_reaches_gravity(ratio):
-    found = ll.analysis.self_start(TOY, ratio)
-    assert float(found.drive_amplitude) == pytest.approx(1.0 / ratio**2, rel=1e-15)
-    assert float(found.drive_acceleration_ratio) == pytest.approx(1.0, rel=1e-15)
+    result = ll.analysis.self_start(TOY, ratio)
+    assert float(result.drive_amplitude) == pytest.approx(1.0 / ratio**2, rel=1e-15)
+    assert float(result.drive_acceleration_ratio) == pytest.approx(1.0, rel=1e-15)
 
 
 def test_a_guide_above_lowers_the_amplitude_and_one_below_raises_it():
@@ -49,19 +49,19 @@ def test_the_largest_acceleration_is_gravity_there(rod, guide):
 
 @pytest.mark.parametrize("drive", [None, crank(0.2), crank(0.4), crank(0.4, "above")])
 def test_runs_leave_rest_at_the_same_amplitude(drive):
-    found = ll.analysis.self_start(TOY, 3.5, drive, check=True)
+    result = ll.analysis.self_start(TOY, 3.5, drive, check=True)
     # bisected to 1e-11; runs see a hop once it exceeds the last digits of the force
-    expected = float(found.drive_amplitude)
-    assert float(found.simulated_amplitude) == pytest.approx(expected, rel=1e-9, abs=0.0)
+    expected = float(result.drive_amplitude)
+    assert float(result.simulated_amplitude) == pytest.approx(expected, rel=1e-9, abs=0.0)
 
 
 def test_friction_raises_the_amplitude():
     # -(g + y'') m sin(low) = C0
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, coulomb_damping=0.05)
-    found = ll.analysis.self_start(toy, 3.0, check=True)
+    result = ll.analysis.self_start(toy, 3.0, check=True)
     expected = (9.8 + 0.05 / (0.8 * 0.1)) / (9.0 * 9.8)
-    assert float(found.drive_amplitude) == pytest.approx(expected, rel=1e-14)
-    assert float(found.simulated_amplitude) == pytest.approx(expected, rel=1e-9)
+    assert float(result.drive_amplitude) == pytest.approx(expected, rel=1e-14)
+    assert float(result.simulated_amplitude) == pytest.approx(expected, rel=1e-9)
 
 
 def pair(right_friction=0.0, left_friction=0.0):
@@ -73,26 +73,26 @@ def pair(right_friction=0.0, left_friction=0.0):
 
 
 def test_unequal_balls_part_from_their_joint_equilibrium_like_equal_ones():
-    found = ll.analysis.self_start(pair(), 3.0, check=True)
-    assert float(found.drive_amplitude) == pytest.approx(1.0 / 9.0, rel=1e-14)
-    assert float(found.simulated_amplitude) == pytest.approx(1.0 / 9.0, rel=1e-9)
+    result = ll.analysis.self_start(pair(), 3.0, check=True)
+    assert float(result.drive_amplitude) == pytest.approx(1.0 / 9.0, rel=1e-14)
+    assert float(result.simulated_amplitude) == pytest.approx(1.0 / 9.0, rel=1e-9)
 
 
 def test_of_unequal_balls_the_one_of_least_friction_leaves_first():
-    found = ll.analysis.self_start(pair(0.05, 0.03), 3.0, check=True)
+    result = ll.analysis.self_start(pair(0.05, 0.03), 3.0, check=True)
     # of held balls a dip within a step is followed from its ends and middle, to some 1e-5
-    expected = float(found.drive_amplitude)
-    assert float(found.simulated_amplitude) == pytest.approx(expected, rel=1e-5)
+    expected = float(result.drive_amplitude)
+    assert float(result.simulated_amplitude) == pytest.approx(expected, rel=1e-5)
     assert start(pair(0.05, 0.02), 3.0) < expected < start(pair(0.05, 0.04), 3.0)
     assert start(pair(0.06, 0.03), 3.0) == expected
 
 
-def test_a_crank_too_short_is_told():
+def test_a_crank_that_is_too_short_is_refused():
     with pytest.warns(RuntimeWarning, match="no amplitude below 0.999 of the drive"):
-        found = ll.analysis.self_start(TOY, 1.0, crank(0.2, "above"), check=True)
-    assert str(found.status.values) == "out of reach"
-    assert math.isnan(found.drive_amplitude)
-    assert math.isnan(found.simulated_amplitude)
+        result = ll.analysis.self_start(TOY, 1.0, crank(0.2, "above"), check=True)
+    assert str(result.status.values) == "out of reach"
+    assert math.isnan(result.drive_amplitude)
+    assert math.isnan(result.simulated_amplitude)
 
 
 def test_systems_without_a_wall_or_a_radius_are_refused():
@@ -108,6 +108,6 @@ def test_systems_without_a_wall_or_a_radius_are_refused():
 
 
 def test_the_picture_shows_the_amplitude():
-    found = ll.analysis.self_start(TOY, 3.0, crank(0.4))
-    texts = [text.get_text() for text in picture.draw(found).axes[0].texts]
-    assert f"{float(found.drive_amplitude):.5g} m" in texts
+    result = ll.analysis.self_start(TOY, 3.0, crank(0.4))
+    texts = [text.get_text() for text in picture.draw(result).axes[0].texts]
+    assert f"{float(result.drive_amplitude):.5g} m" in texts

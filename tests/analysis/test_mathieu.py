@@ -67,10 +67,10 @@ def test_multiplier_on_an_edge_is_one_in_magnitude_and_real(order, amplitude, da
     gamma = damping / 0.8
     for ratio in edges:
         frequency = ratio * math.sqrt(G)
-        found = multipliers(amplitude=amplitude, frequency=frequency, gamma=gamma)
+        result = multipliers(amplitude=amplitude, frequency=frequency, gamma=gamma)
         # The characteristic polynomial at the expected multiplier: unlike the multipliers, which
         # merge on an undamped edge, it feels the integrator's error (1e-12) only linearly.
-        assert abs((found[0] - expected) * (found[1] - expected)) < 1e-10
+        assert abs((result[0] - expected) * (result[1] - expected)) < 1e-10
         inside, outside = ratio * 1.0001, ratio * 0.9999
         if ratio == edges[1]:
             inside, outside = outside, inside
@@ -93,7 +93,7 @@ def test_multiplier_on_an_edge_is_one_in_magnitude_and_real(order, amplitude, da
 def test_growth_rate_equals_the_monodromy_route(amplitude, ratio, damping, length):
     frequency = ratio * math.sqrt(G / length)
     gamma = damping / (0.8 * length)
-    found = multipliers(
+    result = multipliers(
         amplitude=amplitude * length, frequency=frequency, gamma=gamma, length=length
     )
     period = 2.0 * math.pi / frequency
@@ -106,15 +106,15 @@ def test_growth_rate_equals_the_monodromy_route(amplitude, ratio, damping, lengt
     )
     # Compared through cosh, which the integration gives to 1e-11 of itself: the rate alone has a
     # square-root singularity on the edges, where it magnifies any error without bound.
-    trace = abs(found.sum().real) * math.exp(0.5 * gamma * period)
+    trace = abs(result.sum().real) * math.exp(0.5 * gamma * period)
     expected = max(0.5 * trace, 1.0)
     assert math.cosh((growth + 0.5 * gamma) * period) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("frequency,amplitude", [(6.26, 0.05), (3.1, 0.4), (9.0, 0.5)])
 def test_growth_rate_inside_a_tongue_equals_the_monodromy_route(frequency, amplitude):
-    found = multipliers(amplitude=amplitude, frequency=frequency, gamma=0.0625)
-    expected = math.log(np.max(np.abs(found))) * frequency / (2.0 * math.pi)
+    result = multipliers(amplitude=amplitude, frequency=frequency, gamma=0.0625)
+    expected = math.log(np.max(np.abs(result))) * frequency / (2.0 * math.pi)
     growth = exact.mathieu_growth_rate(
         drive_amplitude=amplitude, drive_frequency=frequency, damping=0.05, **PAPER
     )

@@ -19,22 +19,22 @@ TOY_SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * math.sqrt(
 @pytest.mark.parametrize("kind", [ll.Pendulum, ll.Mathieu])
 @pytest.mark.parametrize("damping", [0.0, 0.05])
 def test_hanging_still_grows_as_hills_determinant_says(kind, damping):
-    found = floquet(kind(length=1.0, mass=0.8, damping=damping), SHAKE)
+    result = floquet(kind(length=1.0, mass=0.8, damping=damping), SHAKE)
     expected = mathieu_growth_rate(
         drive_amplitude=0.05, drive_frequency=6.26, length=1.0, mass=0.8, damping=damping
     )
-    assert found.growth_rate.item() == pytest.approx(float(expected), abs=1e-9)
-    assert found.status.item() == "unstable"
-    assert found.multiplier_error.item() < 1e-10
+    assert result.growth_rate.item() == pytest.approx(float(expected), abs=1e-9)
+    assert result.status.item() == "unstable"
+    assert result.multiplier_error.item() < 1e-10
 
 
 @pytest.mark.parametrize("amplitude, status", [(0.1, "unstable"), (0.12, "stable")])
 def test_upright_is_stable_above_kapitzas_amplitude(amplitude, status):
     # A0 w > sqrt(2 g l) to first order: at w = 40 that is 0.1107 m.
     fast = ll.Harmonic(drive_amplitude=amplitude, drive_frequency=40.0)
-    found = floquet(PENDULUM, fast, initial_angle=math.pi)
-    assert found.initial_angle.item() == pytest.approx(math.pi, abs=1e-12)
-    assert found.status.item() == status
+    result = floquet(PENDULUM, fast, initial_angle=math.pi)
+    assert result.initial_angle.item() == pytest.approx(math.pi, abs=1e-12)
+    assert result.status.item() == status
 
 
 def test_multipliers_multiply_to_what_drag_and_impacts_take():
@@ -44,17 +44,17 @@ def test_multipliers_multiply_to_what_drag_and_impacts_take():
         (TOY, TOY_SHAKE, {"initial_angle": 0.3, "initial_angular_velocity": 1.0}, 2),
     )
     for system, drive, start, period in cases:
-        found = floquet(system, drive, period=period, **start)
+        result = floquet(system, drive, period=period, **start)
         time = period * math.tau / drive.drive_frequency
         rate = system.damping / (system.mass * system.length)
-        bounces = found.impacts.item() * 2.0 * math.log(getattr(system, "restitution", 1.0))
+        bounces = result.impacts.item() * 2.0 * math.log(getattr(system, "restitution", 1.0))
         expected = math.exp(-rate * time + bounces)
-        product = np.prod(found.multipliers.values)
+        product = np.prod(result.multipliers.values)
         # Rounding of a determinant of matrices with entries up to ten.
         assert product == pytest.approx(expected, abs=1e-12)
-        assert found.determinant.item() == pytest.approx(expected, abs=1e-12)
-        assert found.expected_determinant.item() == pytest.approx(expected, abs=1e-12)
-        assert found.difference_residual.item() < 1e-6
+        assert result.determinant.item() == pytest.approx(expected, abs=1e-12)
+        assert result.expected_determinant.item() == pytest.approx(expected, abs=1e-12)
+        assert result.difference_residual.item() < 1e-6
 
 
 def test_two_mirrored_balls_have_the_multipliers_of_one():
@@ -84,21 +84,21 @@ def test_the_swing_in_the_tongue_has_period_two_and_is_stable():
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=2.0 * NATURAL)
     end = 400 * math.tau / drive.drive_frequency
     run = ll.simulate(PENDULUM, drive, initial_angle=0.1, times=[0.0, end])
-    found = floquet(
+    result = floquet(
         PENDULUM, drive, period=2,
         initial_angle=run.angle.values[-1],
         initial_angular_velocity=run.angular_velocity.values[-1],
     )  # fmt: skip
-    assert (found.status.item(), found.response_period.item()) == ("stable", 2)
-    assert abs(found.initial_angular_velocity.item()) > 0.1  # not the hanging one
+    assert (result.status.item(), result.response_period.item()) == ("stable", 2)
+    assert abs(result.initial_angular_velocity.item()) > 0.1  # not the hanging one
 
 
 def test_a_toy_at_rest_has_multipliers_of_exactly_zero():
-    found = floquet(TOY, None or ll.Harmonic(drive_amplitude=0.01, drive_frequency=10.0),
+    result = floquet(TOY, None or ll.Harmonic(drive_amplitude=0.01, drive_frequency=10.0),
                     initial_offset=0.0)  # fmt: skip
-    assert found.status.item() == "rest"
-    assert not found.multipliers.values.any()
-    assert found.growth_rate.item() == -math.inf
+    assert result.status.item() == "rest"
+    assert not result.multipliers.values.any()
+    assert result.growth_rate.item() == -math.inf
 
 
 def test_a_rotating_pendulum_repeats_itself_modulo_a_turn():
@@ -109,13 +109,13 @@ def test_a_rotating_pendulum_repeats_itself_modulo_a_turn():
         floquet(PENDULUM, drive, initial_angle=angle, initial_angular_velocity=velocity)
         for angle, velocity in starts
     ]
-    turning = [found for found in tried if found.turns.item() == 1]
+    turning = [result for result in tried if result.turns.item() == 1]
     assert turning
-    for found in turning:
+    for result in turning:
         run = ll.simulate(
             PENDULUM, drive, times=[0.0, math.tau / drive.drive_frequency],
-            initial_angle=found.initial_angle.item(),
-            initial_angular_velocity=found.initial_angular_velocity.item(),
+            initial_angle=result.initial_angle.item(),
+            initial_angular_velocity=result.initial_angular_velocity.item(),
         )  # fmt: skip
         assert run.angle.values[1] - run.angle.values[0] == pytest.approx(math.tau, abs=1e-9)
 
@@ -123,13 +123,13 @@ def test_a_rotating_pendulum_repeats_itself_modulo_a_turn():
 def test_what_is_not_there_is_said_and_not_made_up():
     free = ll.Harmonic(drive_amplitude=0.4, drive_frequency=9.0)
     with pytest.warns(RuntimeWarning, match="no motion of period 1"):
-        found = floquet(
+        result = floquet(
             ll.LatoLato(length=1.0, mass=0.8, radius=0.1), free, initial_angle=1.0, tolerance=1e-6,
             initial_angular_velocity=3.0,
         )  # fmt: skip
-    assert found.status.item() == "not found"
-    assert np.isnan(found.multipliers.values).all()
-    assert math.isnan(found.growth_rate.item())
+    assert result.status.item() == "not found"
+    assert np.isnan(result.multipliers.values).all()
+    assert math.isnan(result.growth_rate.item())
 
 
 @pytest.mark.parametrize(
@@ -149,6 +149,6 @@ def test_what_is_not_there_is_said_and_not_made_up():
     ],
 )  # fmt: skip
 def test_bad_input_is_refused_with_a_way_out(changes, message):
-    given = {"system": PENDULUM, "drive": SHAKE} | changes
+    arguments = {"system": PENDULUM, "drive": SHAKE} | changes
     with pytest.raises(ValueError, match=message):
-        floquet(given.pop("system"), given.pop("drive"), **given)
+        floquet(arguments.pop("system"), arguments.pop("drive"), **arguments)

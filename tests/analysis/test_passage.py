@@ -21,10 +21,10 @@ DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * TOY.natural_fr
 def test_the_mean_of_censored_waiting_times_is_unbiased_and_its_interval_covers():
     generator = np.random.default_rng(1)
     waits = generator.exponential(3.0, size=(2000, 40))
-    found = [censored_mean(float(np.minimum(w, 2.0).sum()), int((w < 2.0).sum())) for w in waits]
+    result = [censored_mean(float(np.minimum(w, 2.0).sum()), int((w < 2.0).sum())) for w in waits]
     # 1/mean is unbiased to 1/events (20 of 40 are seen), 2000 samples scatter by 0.5 %
-    assert np.mean([1.0 / f.mean for f in found]) == pytest.approx(1.0 / 3.0, rel=0.05)
-    inside = np.mean([f.low <= 3.0 <= f.high for f in found])
+    assert np.mean([1.0 / f.mean for f in result]) == pytest.approx(1.0 / 3.0, rel=0.05)
+    inside = np.mean([f.low <= 3.0 <= f.high for f in result])
     assert 0.94 <= inside <= 0.985  # the interval of a Poisson count covers at least 95 %
 
 
@@ -37,7 +37,7 @@ def test_a_warm_oscillator_reaches_an_energy_as_the_averaged_equation_says():
     w0 = system.natural_frequency
     strength = math.sqrt(2.0 * gamma * heat / (mass * length**2))
     threshold = math.sqrt(2.0 * b * heat / (mass * 9.8 * length))
-    found = first_passage_time(
+    result = first_passage_time(
         system, noise_strength=strength, threshold_angle=threshold, duration=6000.0,
         trajectories=300, noise_interval=0.3, noise_seed=3,
     )  # fmt: skip
@@ -46,16 +46,16 @@ def test_a_warm_oscillator_reaches_an_energy_as_the_averaged_equation_says():
     # diffusion between tests (Chernoff; Siegmund): E by 0.58 (2 gamma b (kT)^2 pi/w0)^(1/2)
     lift = 0.5826 * math.sqrt(2.0 * gamma * b * math.pi / w0)
     mean *= 1.0 + lift * math.expm1(b) / b / (expi(b) - math.log(b) - np.euler_gamma)
-    assert found.passage_fraction > 0.9
+    assert result.passage_fraction > 0.9
     # four standard errors; the waiting times here are narrower than exponential, as it says
-    assert found.status.item() == "not exponential"
-    error = found.mean_first_passage_time_error.item()
-    assert found.mean_first_passage_time.item() == pytest.approx(mean, abs=4.0 * error)
+    assert result.status.item() == "not exponential"
+    error = result.mean_first_passage_time_error.item()
+    assert result.mean_first_passage_time.item() == pytest.approx(mean, abs=4.0 * error)
 
 
 def toy_times(system=TOY, **changed):
-    asked = {"noise_strength": 2.0, "threshold_angle": 0.5, "duration": 40.0, "trajectories": 40}
-    return first_passage_time(system, DRIVE, **(asked | changed))
+    settings = {"noise_strength": 2.0, "threshold_angle": 0.5, "duration": 40.0, "trajectories": 40}
+    return first_passage_time(system, DRIVE, **(settings | changed))
 
 
 def test_more_noise_starts_the_toy_sooner_and_a_trajectory_is_a_run():
@@ -80,9 +80,9 @@ def test_more_noise_starts_the_toy_sooner_and_a_trajectory_is_a_run():
 
 def test_both_balls_of_a_pair_start_as_one_of_the_mirror_pair_does():
     assert hanging_angles(PAIR) == pytest.approx((TOY.contact_angle_low, -TOY.contact_angle_low))
-    found = toy_times(PAIR, noise_strength=3.0, trajectories=10)
-    assert found.first_passage.shape == (10,)
-    assert found.passage_fraction > 0.0
+    result = toy_times(PAIR, noise_strength=3.0, trajectories=10)
+    assert result.first_passage.shape == (10,)
+    assert result.passage_fraction > 0.0
 
 
 def test_unequal_balls_hang_where_their_torques_balance():
@@ -95,25 +95,25 @@ def test_unequal_balls_hang_where_their_torques_balance():
 
 def test_weak_noise_starts_nothing_and_says_so():
     with pytest.warns(RuntimeWarning, match="no trajectory of 5 reached 0.5 rad within 2 s"):
-        found = toy_times(noise_strength=1e-6, duration=2.0, trajectories=5)
-    assert found.status.item() == "none passed"
-    assert math.isnan(found.mean_first_passage_time.item())
+        result = toy_times(noise_strength=1e-6, duration=2.0, trajectories=5)
+    assert result.status.item() == "none passed"
+    assert math.isnan(result.mean_first_passage_time.item())
     # exp(-waited/mean) = 5 % at the bound
-    assert found.mean_first_passage_time_low.item() == pytest.approx(
+    assert result.mean_first_passage_time_low.item() == pytest.approx(
         10.0 / math.log(20.0), rel=1e-12
     )
-    assert found.passage_fraction == 0.0
-    assert draw(found).axes
+    assert result.passage_fraction == 0.0
+    assert draw(result).axes
 
 
 def test_drift_is_not_taken_for_activation():
     pendulum = ll.Pendulum(length=1.0, mass=0.8)
-    found = first_passage_time(
+    result = first_passage_time(
         pendulum, noise_strength=1e-6, threshold_angle=0.1, initial_angular_velocity=1.0,
         duration=2.0, trajectories=5,
     )  # fmt: skip
-    assert found.status.item() == "all at once"
-    assert math.isnan(found.mean_first_passage_time.item())
+    assert result.status.item() == "all at once"
+    assert math.isnan(result.mean_first_passage_time.item())
 
 
 @pytest.mark.parametrize(

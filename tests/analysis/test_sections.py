@@ -22,48 +22,48 @@ def toy_drive(ratio, amplitude=0.03):
 
 @pytest.mark.parametrize("phase", [0.0, 1.0, math.pi, 5.0])
 def test_the_section_of_period_two_is_two_mirrored_points_at_every_phase(phase):
-    found = poincare_section(SINGLE, TONGUE, initial_angle=0.1, section_phase=phase, periods=20)
-    angle, speed = found.angle.values, found.angular_velocity.values
+    result = poincare_section(SINGLE, TONGUE, initial_angle=0.1, section_phase=phase, periods=20)
+    angle, speed = result.angle.values, result.angular_velocity.values
     # The run's tolerance of 1e-9 and what is left of the transient.
     for samples in (angle, speed):
         assert np.ptp(samples[::2]) < 1e-6
         assert samples[1] == pytest.approx(-samples[0], abs=1e-6)
 
 
-def test_points_of_a_section_lie_at_the_asked_phase_after_the_transient():
+def test_points_of_a_section_lie_at_its_phase_after_the_transient():
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.26, drive_phase=2.0)
-    found = poincare_section(
+    result = poincare_section(
         SINGLE, drive, initial_angle=0.1, section_phase=1.0, periods=5, transient_periods=10
     )
-    turns = (6.26 * found.time.values + 2.0 - 1.0) / math.tau
+    turns = (6.26 * result.time.values + 2.0 - 1.0) / math.tau
     np.testing.assert_allclose(turns, np.round(turns), atol=1e-12)  # rounding
-    assert found.time.values[0] >= 10 * math.tau / 6.26
+    assert result.time.values[0] >= 10 * math.tau / 6.26
 
 
 def test_the_map_of_a_period_one_bounce_is_one_point():
-    found = impact_map(TOY, toy_drive(2.4), initial_offset=0.2, periods=20)
-    assert found.status == "complete"
-    assert found.impacts_per_period == 1.0
-    assert set(found.impact_side.values) == {"bottom"}
-    assert np.ptp(found.impact_phase.values) < 1e-6  # tolerance 1e-9, and the transient's rest
-    assert np.all(found.angular_velocity_after > 0.0)
+    result = impact_map(TOY, toy_drive(2.4), initial_offset=0.2, periods=20)
+    assert result.status == "complete"
+    assert result.impacts_per_period == 1.0
+    assert set(result.impact_side.values) == {"bottom"}
+    assert np.ptp(result.impact_phase.values) < 1e-6  # tolerance 1e-9, and the transient's rest
+    assert np.all(result.angular_velocity_after > 0.0)
     expected = response_period(TOY, toy_drive(2.4), initial_offset=0.2)
-    assert found.impacts_per_period == expected.impacts_per_period
+    assert result.impacts_per_period == expected.impacts_per_period
 
 
 def test_strong_driving_knocks_at_bottom_and_top_alternately():
-    found = impact_map(TOY, toy_drive(3.0, 0.1), initial_offset=0.2, periods=6)
-    sides = list(found.impact_side.values)
+    result = impact_map(TOY, toy_drive(3.0, 0.1), initial_offset=0.2, periods=6)
+    sides = list(result.impact_side.values)
     assert sides[:4] in (["top", "bottom"] * 2, ["bottom", "top"] * 2)
     # Away from the wall: inwards at the top, outwards at the bottom.
     assert np.all(
-        np.sign(found.angular_velocity_after) == np.where(np.array(sides) == "top", -1, 1)
+        np.sign(result.angular_velocity_after) == np.where(np.array(sides) == "top", -1, 1)
     )
 
 
 def test_balls_at_rest_have_no_impacts():
-    found = impact_map(TOY, toy_drive(2.4), initial_offset=0.0, periods=5, transient_periods=10)
-    assert (found.status, found.sizes["impact"]) == ("no impacts", 0)
+    result = impact_map(TOY, toy_drive(2.4), initial_offset=0.0, periods=5, transient_periods=10)
+    assert (result.status, result.sizes["impact"]) == ("no impacts", 0)
 
 
 def test_two_balls_open_twice_as_fast_as_one_leaves_the_wall():
@@ -77,7 +77,7 @@ def test_two_balls_open_twice_as_fast_as_one_leaves_the_wall():
 
 
 def test_figure_11_has_rest_on_the_way_up_and_motion_on_the_way_down():
-    found = bifurcation_diagram(
+    result = bifurcation_diagram(
         TOY,
         toy_drive(2.4),
         parameter="frequency_ratio",
@@ -86,15 +86,15 @@ def test_figure_11_has_rest_on_the_way_up_and_motion_on_the_way_down():
         points=26,
         initial_offset=0.0,
     )
-    between = found.sel(frequency_ratio=slice(2.21, 2.59))
+    between = result.sel(frequency_ratio=slice(2.21, 2.59))
     assert set(between.status.sel(direction="up").values) == {"rest"}
     assert set(between.status.sel(direction="down").values) == {"periodic"}
     assert np.all(between.is_hysteretic == 1)
     # Just above lift-off the balls hop low on the way up, and swing on the way down.
-    assert np.all(found.is_hysteretic.sel(frequency_ratio=slice(3.03, 3.2)) == 0)
+    assert np.all(result.is_hysteretic.sel(frequency_ratio=slice(3.03, 3.2)) == 0)
     # Lift-off from rest, A0 w^2 = g, comes before the upper branch is reached.
     lift_off = math.sqrt(TOY.length / 0.03)
-    jump = found.frequency_ratio.where(found.status.sel(direction="up") != "rest").min()
+    jump = result.frequency_ratio.where(result.status.sel(direction="up") != "rest").min()
     assert lift_off <= jump <= lift_off + 0.1
     # The upper branch softens: the angle grows towards lower frequencies.
     down = between.largest_angle_watched.sel(direction="down")
@@ -123,9 +123,15 @@ def test_one_way_of_a_diagram_is_that_of_both():
     ],
 )
 def test_bad_input_of_a_diagram_is_refused(options, message):
-    given = {"parameter": "restitution", "low": 0.8, "high": 0.9, "initial_offset": 0.1, **options}
+    swept = {
+        "parameter": "restitution",
+        "low": 0.8,
+        "high": 0.9,
+        "initial_offset": 0.1,
+        **options,
+    }
     with pytest.raises(ValueError, match=message):
-        bifurcation_diagram(TOY, toy_drive(2.4), **given)
+        bifurcation_diagram(TOY, toy_drive(2.4), **swept)
 
 
 def test_an_impact_map_needs_walls():
@@ -138,7 +144,7 @@ def test_sections_need_at_least_one_point():
         poincare_section(SINGLE, TONGUE, initial_angle=0.1, periods=0)
 
 
-def test_whether_two_chaotic_ways_differ_cannot_be_told():
+def test_whether_two_chaotic_ways_differ_is_undecided():
     largest = np.array([[0.28, 0.5, 0.5, 0.5, 0.1], [3.04, 0.5, 0.7, 0.5, 0.1]])
     up = ["aperiodic", "periodic", "periodic", "not settled", "rest"]
     down = ["aperiodic", "aperiodic", "periodic", "periodic", "rest"]

@@ -1,5 +1,5 @@
 """A running server, a browser, and pages that fail on whatever a user would call broken."""
 
-from app_pages import browser, page, server, watch
+from app_pages import anchor, browser, page, server, watch
 
-__all__ = ["browser", "page", "server", "watch"]
+__all__ = ["anchor", "browser", "page", "server", "watch"]

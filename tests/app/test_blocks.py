@@ -23,12 +23,12 @@ def test_what_is_packed_is_unpacked(arrays, about):
     about.pop("arrays", None)
     block = pack(about, arrays)
     assert len(block) % 8 == 0
-    found_about, found = unpack(block)
+    found_about, result = unpack(block)
     assert found_about == about
-    assert found.keys() == arrays.keys()
+    assert result.keys() == arrays.keys()
     for name, values in arrays.items():
-        assert found[name].dtype == values.dtype
-        np.testing.assert_array_equal(found[name], values)
+        assert result[name].dtype == values.dtype
+        np.testing.assert_array_equal(result[name], values)
 
 
 @given(

@@ -86,13 +86,13 @@ def test_a_page_computes_what_python_computes(empty_page):
         {"name": name, **described_array(array), "bytes": list(array.tobytes())}
         for name, array in case.arrays.items()
     ]
-    found = empty_page.evaluate(RUN, {"arrays": arrays, "how": case.options["how"]})
-    assert found["pieces"] == modules
-    assert found["status"] == case.expected["status"] == "complete"
-    assert len(found["times"]) > 10
+    result = empty_page.evaluate(RUN, {"arrays": arrays, "how": case.options["how"]})
+    assert result["pieces"] == modules
+    assert result["status"] == case.expected["status"] == "complete"
+    assert len(result["times"]) > 10
     # The motion is regular: see `tests/numerics/test_wasm.py`.
-    np.testing.assert_allclose(found["times"], case.expected["contact_times"], rtol=0, atol=1e-10)
-    np.testing.assert_allclose(found["angles"], case.expected["samples"][0], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result["times"], case.expected["contact_times"], rtol=0, atol=1e-10)
+    np.testing.assert_allclose(result["angles"], case.expected["samples"][0], rtol=0, atol=1e-12)
 
 
 def test_workers_of_a_page_compute_a_map(empty_page):

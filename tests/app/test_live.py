@@ -46,13 +46,13 @@ def test_a_toy_moves_as_the_same_steps_in_python(tmp_path, job):
     for tick, _, speed in job.actions:
         sizes[:, tick] += np.array([speed, -speed])[: system.angles]
     # Kicks end a step, even those that change nothing: as a toy does at each tick.
-    found = integrate(
+    result = integrate(
         system, scenario.drive, start, instants[1:], instants[-1], step=step,
         rest_speed=run.get("rest_speed", DEFAULT_REST_SPEED), kick_times=instants[:-1],
         kick_sizes=sizes,
     )  # fmt: skip
     angles = np.array(done["angles"]).T
-    np.testing.assert_allclose(angles, found.samples[: 2 * system.angles : 2], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(angles, result.samples[: 2 * system.angles : 2], rtol=0, atol=1e-12)
 
 
 def beginning(scenario):

@@ -42,15 +42,15 @@ def test_a_key_changes_the_motion_with_the_next_picture(page):
           const { time } = toy;
           await new Promise(requestAnimationFrame);
           const [change] = toy.drive.changes;
-          return { asked: change.time - time, moved: toy.time - change.time };
+          return { delay: change.time - time, moved: toy.time - change.time };
         }"""
     )
-    assert changed["asked"] == 0.0
+    assert changed["delay"] == 0.0
     assert changed["moved"] > 0.0
-    shown = float(page.get_by_label("driving amplitude", exact=False).first.input_value())
-    assert shown / 1000 > before
+    output = float(page.get_by_label("driving amplitude", exact=False).first.input_value())
+    assert output / 1000 > before
     # The pivot soon reaches so high.
-    wait_for_toy(page, f"toy.drive.isSteady && toy.pivot.height > 0.999 * {shown / 1000}")
+    wait_for_toy(page, f"toy.drive.isSteady && toy.pivot.height > 0.999 * {output / 1000}")
     page.wait_for_function("() => location.search.includes('drive_amplitude')")
 
 
@@ -91,26 +91,26 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
     x, y = page.evaluate(place, [ball, None])
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
-    wanted = math.radians(degrees)
+    expected = math.radians(degrees)
     for step in range(1, 9):
-        x, y = page.evaluate(place, [ball, wanted * step / 8])
+        x, y = page.evaluate(place, [ball, expected * step / 8])
         page.mouse.move(box["x"] + x, box["y"] + y)
         page.wait_for_timeout(30)
     # The picture makes room as a ball rises: go on to where the place is now.
     for _ in range(3):
         page.wait_for_timeout(200)
-        x, y = page.evaluate(place, [ball, wanted])
+        x, y = page.evaluate(place, [ball, expected])
         page.mouse.move(box["x"] + x, box["y"] + y)
     page.wait_for_function(
         """([k, angle]) => {
           const { motion } = window.latolato.views.live;
           return Math.abs(motion.angle(motion.balls[k]) - angle) < 0.03;
         }""",
-        arg=[ball, wanted],
+        arg=[ball, expected],
         timeout=10_000,
     )
     page.wait_for_timeout(300)
-    x, y = page.evaluate(place, [ball, wanted])
+    x, y = page.evaluate(place, [ball, expected])
     pixel, colour = page.evaluate(
         """([k, x, y]) => {
           const { scene, motion } = window.latolato.views.live;
@@ -264,7 +264,7 @@ def test_an_address_that_makes_no_toy_says_why(page, query, fault):
     notice.get_by_text(fault).wait_for()
 
 
-def test_a_value_out_of_range_is_told_beside_its_field(page):
+def test_a_value_out_of_range_is_explained_next_to_its_field(page):
     open_live(page)
     field = page.get_by_label("angular driving frequency", exact=False).first
     field.fill("1e8")
@@ -288,13 +288,16 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1280])
-def test_live_is_accessible_and_fits_the_screen(page, scheme, width):
-    page.emulate_media(color_scheme=scheme)
+def test_live_is_accessible_and_fits_the_screen(page, width):
     page.set_viewport_size({"width": width, "height": 900})
     open_live(page)
-    assert serious_faults(page) == []
+    # Contrast is checked of what is there: of a pressed button, too.
+    assert page.locator(".trick button[aria-pressed=true]").first.is_visible()
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_timeout(300)
+        assert serious_faults(page) == []
     assert page.evaluate("() => document.documentElement.scrollWidth") <= width
 
 
@@ -306,15 +309,3 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     assert of_toy(page, "time") == 0.0
     page.get_by_role("button", name="Play", exact=True).click()
     wait_for_toy(page, "toy.time > 0.1")
-
-
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_pressed_button_is_readable(page, scheme):
-    page.emulate_media(color_scheme=scheme)
-    open_live(page)
-    pressed = page.locator(".trick button[aria-pressed=true]").first
-    ground, ink = pressed.evaluate(
-        "e => [getComputedStyle(e).backgroundColor, getComputedStyle(e).color]"
-        ".map(c => c.match(/\\d+/g).slice(0, 3).reduce((a, b) => a + Number(b), 0))"
-    )
-    assert abs(ground - ink) > 250

@@ -102,11 +102,11 @@ def test_pages_compute_the_map_that_python_computes(name, in_pages):
     for variable, row in zip(page["variables"], page["values"], strict=True):
         one, other = (values[variable["name"]].reshape(49, -1) for values in (native, moved))
         one, other = (each[:, variable["ball"] or 0] for each in (one, other))
-        found = np.array(row, dtype=float)
-        assert np.array_equal(np.isnan(found), np.isnan(one)), variable
+        result = np.array(row, dtype=float)
+        assert np.array_equal(np.isnan(result), np.isnan(one)), variable
         with np.errstate(invalid="ignore"):  # infinite ones
             regular = np.abs(other - one) < 1e-11 * (1.0 + np.abs(one))
-        np.testing.assert_allclose(found[regular], one[regular], rtol=1e-10, atol=1e-10)
+        np.testing.assert_allclose(result[regular], one[regular], rtol=1e-10, atol=1e-10)
         compared += np.count_nonzero(regular)
     assert compared >= 25 * len(page["variables"])
 

@@ -1,4 +1,4 @@
-"""Refused input and faults of the program: which is which, and how each is told."""
+"""Refused input and faults of the program: which is which, and how each is reported."""
 
 import contextlib
 import copy
@@ -219,7 +219,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def told(capsys, arguments):
+def outcome(capsys, arguments):
     """The exit code of a command, and what it printed on standard error."""
     code = cli.main(arguments)
     return code, capsys.readouterr().err
@@ -228,7 +228,7 @@ def told(capsys, arguments):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_bad_command_is_refused_in_one_line(command, folder, capsys):
     before = sorted(folder.iterdir())
-    code, said = told(capsys, shlex.split(command))
+    code, said = outcome(capsys, shlex.split(command))
     assert code == 2, said
     assert said.startswith("latolato: ")
     assert said.count("\n") == 1
@@ -240,7 +240,7 @@ def test_a_bad_command_is_refused_in_one_line(command, folder, capsys):
 )
 @pytest.mark.parametrize("name", [o.name for o in law_options().values() if o.kind is not bool])
 def test_a_bad_value_of_any_option_is_refused_in_one_line(name, text, folder, capsys):
-    code, said = told(capsys, ["simulate", "fig02", f"--{name.replace('_', '-')}={text}"])
+    code, said = outcome(capsys, ["simulate", "fig02", f"--{name.replace('_', '-')}={text}"])
     assert code == 2, said
     assert said.startswith("latolato: ")
     assert said.count("\n") == 1
@@ -362,14 +362,14 @@ def test_a_tampered_file_is_read_or_refused(name, whole, tmp_path, monkeypatch, 
         content = target.read_bytes()
         target.write_bytes(tampered(content, dice))
         for command in TAMPERED[name]:
-            code, said = told(capsys, command.split())
+            code, said = outcome(capsys, command.split())
             assert code in (0, 1, 2), said
             assert "Traceback" not in said
         target.write_bytes(content)
 
 
 def test_a_track_table_is_no_run_to_plot(whole, capsys):
-    code, said = told(capsys, ["plot", str(whole / "table.csv")])
+    code, said = outcome(capsys, ["plot", str(whole / "table.csv")])
     assert code == 2
     assert "is a track table, not a run; see `latolato fit --help`" in said
 
@@ -382,7 +382,7 @@ def test_a_film_that_cannot_be_decoded_is_refused(folder, whole, capsys):
     start = data.index(b"mdat") + 4
     Path("damaged.mp4").write_bytes(data[:start] + bytes(1000) + data[start + 1000 :])
     for name in ("picture.mp4", "damaged.mp4"):
-        code, said = told(capsys, ["track", name, "--ball", "3,3", "--length", "1"])
+        code, said = outcome(capsys, ["track", name, "--ball", "3,3", "--length", "1"])
         assert code == 2, said
         assert name in said
         assert said.count("\n") == 1
@@ -594,7 +594,7 @@ def test_a_fault_of_the_program_asks_for_a_report_and_keeps_the_traceback(capsys
         path.unlink()
 
 
-def test_a_report_that_cannot_be_written_is_told(capsys, monkeypatch):
+def test_a_report_that_cannot_be_written_gives_an_error(capsys, monkeypatch):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 

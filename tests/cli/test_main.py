@@ -212,8 +212,8 @@ BAD_INPUT = [
 def test_bad_input_gives_one_line_with_value_and_rule_and_writes_nothing(
     arguments, message, capsys
 ):
-    asked = [] if {"--output", "--plot", "--animate"} & set(arguments) else ["--output", "run.nc"]
-    assert message in refused(capsys, "simulate", *arguments, *asked)
+    output = [] if {"--output", "--plot", "--animate"} & set(arguments) else ["--output", "run.nc"]
+    assert message in refused(capsys, "simulate", *arguments, *output)
 
 
 @pytest.mark.parametrize(
@@ -279,21 +279,21 @@ def test_a_signal_that_python_wraps_in_an_error_ends_as_that_signal(monkeypatch,
 
 def test_plain_options_run_the_toy_of_the_experiment():
     # the example of the documentation
-    found = simulate(
+    result = simulate(
         *("--system", "latolato", "--length", "24.5 cm", "--mass", "0.1", "--radius", "2 cm"),
         *("--damping", "0.005", "--drive-amplitude", "20 mm", "--drive-frequency", "15.1"),
         *("--initial-angle", "20 deg", "--duration", "10", "--output", "run.nc"),
     )
     toy = ll.LatoLato(length=0.245, mass=0.1, radius=0.02, damping=0.005)
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1)
-    wanted = ll.simulate(toy, drive, initial_angle=math.radians(20), duration=10.0)
+    expected = ll.simulate(toy, drive, initial_angle=math.radians(20), duration=10.0)
     written = ll.load("run.nc")
-    np.testing.assert_array_equal(written.angle, wanted.angle)
-    assert found["largest_angle"] == float(abs(wanted.angle).max())
-    assert found["contacts"] == {"bottom": wanted.sizes["contact"]}
-    assert found["files"] == ["run.nc"]
-    assert found["status"] == "complete"
-    assert found["energy_residual"] < 1e-9 * found["largest_energy"]  # the promise of the ledger
+    np.testing.assert_array_equal(written.angle, expected.angle)
+    assert result["largest_angle"] == float(abs(expected.angle).max())
+    assert result["contacts"] == {"bottom": expected.sizes["contact"]}
+    assert result["files"] == ["run.nc"]
+    assert result["status"] == "complete"
+    assert result["energy_residual"] < 1e-9 * result["largest_energy"]  # the promise of the ledger
 
 
 def test_a_frequency_in_hertz_is_turned_into_an_angular_one():
@@ -346,8 +346,8 @@ def test_times_come_from_a_list_or_a_file_and_samples_are_even():
 
 def test_files_named_by_options_are_looked_for_in_the_working_directory(tmp_path):
     (tmp_path / "elsewhere").mkdir()
-    shown = run("scenarios", "show", "zeno").stdout
-    Path("elsewhere/mine.toml").write_text(shown)
+    output = run("scenarios", "show", "zeno").stdout
+    Path("elsewhere/mine.toml").write_text(output)
     Path("times.txt").write_text("0\n0.25\n")
     run("simulate", "elsewhere/mine.toml", "--times", "times.txt", "--output", "a.nc")
     np.testing.assert_array_equal(ll.load("a.nc").time, [0.0, 0.25])
@@ -363,8 +363,8 @@ def test_a_result_file_is_run_again_to_the_same_numbers():
 def test_a_result_a_picture_and_an_animation_are_written_in_one_go():
     names = ["run.csv", "run.svg", "run.gif"]
     options = zip(("--output", "--plot", "--animate"), names, strict=True)
-    found = simulate(*TOY, *(part for option in options for part in option), "--speed", "4")
-    assert found["files"] == names
+    result = simulate(*TOY, *(part for option in options for part in option), "--speed", "4")
+    assert result["files"] == names
     assert {p.name for p in Path().iterdir()} == {*names, "run.contacts.csv"}
     assert Path("run.svg").read_text().startswith("<?xml")
     assert Path("run.gif").read_bytes().startswith(b"GIF89a")
@@ -439,11 +439,11 @@ def test_a_warning_is_one_line_on_standard_error(capsys):
     assert json.loads(printed.out)["status"] != "complete"
 
 
-def test_all_shipped_scenarios_are_listed_and_shown():
+def test_all_shipped_scenarios_are_listed_and_printed():
     listed = run("scenarios").stdout.splitlines()
     assert [line.split()[0] for line in listed] == list(scenarios())
-    shown = run("scenarios", "show", "zeno").stdout
-    Path("mine.toml").write_text(shown)
+    output = run("scenarios", "show", "zeno").stdout
+    Path("mine.toml").write_text(output)
     assert ll.load_scenario("mine.toml").system == ll.load_scenario("zeno").system
 
 

@@ -49,8 +49,8 @@ def run_kernel():
 
 
 def only_file(folder):
-    (found,) = (path for path in folder.rglob("*") if path.is_file())
-    return found
+    (result,) = (path for path in folder.rglob("*") if path.is_file())
+    return result
 
 
 def flipped(at):
@@ -301,12 +301,12 @@ def test_the_command_line_warns_in_one_line_that_nothing_can_be_kept(tmp_path, m
 def test_the_application_gives_a_run_in_spite_of_damaged_kernels():
     server = start_server()
     try:
-        asked = urllib.request.Request(
+        settings = urllib.request.Request(
             f"{server.address}api/run",
             b'{"scenario": "zeno"}',
             {"Content-Type": "application/json"},
         )
-        _, arrays = unpack(urllib.request.urlopen(asked).read())
+        _, arrays = unpack(urllib.request.urlopen(settings).read())
     finally:
         stop_server(server)
     assert len(arrays["time"]) > 100

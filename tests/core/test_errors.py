@@ -6,7 +6,7 @@ from latolato.core.errors import InputError
 from latolato.scenario.tables import ForeignParameterError
 
 
-def test_a_name_in_a_value_stays_what_was_given():
+def test_a_name_in_a_value_stays_as_it_is():
     error = InputError("must be a number", parameter="length", value="{parameter}")
     assert str(error) == "length must be a number, got '{parameter}'"
     whole = InputError("Ball needs '{parameter}' [m]", parameter="length", way_out="give it")

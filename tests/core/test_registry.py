@@ -65,7 +65,7 @@ def test_a_long_text_or_nothing_known_is_no_trouble():
         ("share", 1, Range(0, 1, open_high=True), "1", "in [0, 1), got 1; give less than 1"),
     ],
 )
-def test_a_number_outside_is_told_how_to_change(name, value, allowed, unit, message):
+def test_a_number_out_of_range_is_refused_with_a_way_out(name, value, allowed, unit, message):
     with pytest.raises(ValueError, match=f"^{re.escape(f'{name} must lie {message}')}$"):
         checked_number(name, value, allowed, unit)
 

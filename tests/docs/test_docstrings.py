@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.parametrize("name", ["analysis/multipliers", "observables/period"])
 def test_examples_of_one_file_are_collected_without_the_rest(name):
     command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "--doctest-modules"]
-    found = subprocess.run(
+    result = subprocess.run(
         [*command, "-p", "no:cacheprovider", f"src/latolato/{name}.py"],
         cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
-    assert found.returncode in (0, 5), found.stdout  # 5: the file has no examples
+    assert result.returncode in (0, 5), result.stdout  # 5: the file has no examples

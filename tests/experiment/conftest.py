@@ -31,10 +31,10 @@ class Clip:
     @property
     def options(self):
         """The command line's clicks."""
-        found = ["--balls", str(len(self.balls)), "--pivot", "{},{}".format(*self.pivot)]
+        result = ["--balls", str(len(self.balls)), "--pivot", "{},{}".format(*self.pivot)]
         for ball in self.balls:
-            found += ["--ball", "{},{}".format(*ball)]
-        return [*found, "--length", f"{self.length} m", "--radius", "2 cm"]
+            result += ["--ball", "{},{}".format(*ball)]
+        return [*result, "--length", f"{self.length} m", "--radius", "2 cm"]
 
 
 def made(path, system, seconds, angle):

@@ -26,9 +26,9 @@ WATCHED = PENDULUM_OBSERVABLES
 
 @pytest.fixture(scope="module")
 def table():
-    found = motion_table(SINGLE, DRIVE, duration=30.0, initial_angle=0.1)
-    found.attrs["length"] = 0.363
-    return found
+    result = motion_table(SINGLE, DRIVE, duration=30.0, initial_angle=0.1)
+    result.attrs["length"] = 0.363
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -64,13 +64,13 @@ def trials_on(grid, shift=0.0):
 
 
 def test_a_motion_is_followed_with_residuals_of_the_noise_and_no_phase(table):
-    found = ll.compare(table, SINGLE)
+    result = ll.compare(table, SINGLE)
     # Noise is 1 mrad; the start is known to a fifth of that and grows.
-    assert float(found.residual_rms) < 2e-3
-    assert float(found.phase_rms_late) < 5e-3
-    assert float(found.followed_until) == found.time.values[-1]
-    assert "for all" in found.attrs["verdict"]
-    pulls = found.angle_residual / np.hypot(1e-3, found.angle_computed_sigma)
+    assert float(result.residual_rms) < 2e-3
+    assert float(result.phase_rms_late) < 5e-3
+    assert float(result.followed_until) == result.time.values[-1]
+    assert "for all" in result.attrs["verdict"]
+    pulls = result.angle_residual / np.hypot(1e-3, result.angle_computed_sigma)
     assert float(np.mean(np.abs(pulls) < 3.0)) > 0.97
 
 
@@ -85,17 +85,17 @@ def test_a_pair_is_followed_through_its_impacts():
     w0 = PAIR.natural_frequency
     drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.4 * w0)
     table = motion_table(PAIR, drive, duration=8.0, initial_offset=0.3)
-    found = ll.compare(table, PAIR)
-    assert float(found.residual_rms) < 3e-3
-    assert float(np.nanmin(found.likeness)) > 0.99
+    result = ll.compare(table, PAIR)
+    assert float(result.residual_rms) < 3e-3
+    assert float(np.nanmin(result.likeness)) > 0.99
 
 
 def test_a_decay_is_compared_with_its_own_fit():
     table = decay_table(length=0.363, mass=0.10804, damping=0.00274, duration=12.0)
     fit = ll.fit_decay(table, mass=0.10804, method="equation", compare=False, profile=False)
-    found = ll.compare(table, fit, match=12.0)
-    assert float(found.residual_rms) == pytest.approx(1e-3, rel=0.1)
-    assert found.attrs["sigma_of_length"] == fit["length"].sigma
+    result = ll.compare(table, fit, match=12.0)
+    assert float(result.residual_rms) == pytest.approx(1e-3, rel=0.1)
+    assert result.attrs["sigma_of_length"] == fit["length"].sigma
 
 
 @pytest.mark.parametrize("ahead", [-0.8, 0.3])
@@ -111,23 +111,25 @@ def test_the_phase_difference_of_two_swings_is_found(ahead):
 
 
 def test_trials_from_the_map_agree_with_it(grid):
-    found = ll.compare(trials_on(grid), grid, draws=10, sigmas={"length": 5e-4})
-    assert float(found.agreement) == 1.0
-    assert float(found.kappa) == 1.0
-    assert float(found.agreement_high) == 1.0
-    assert float(found.agreement_low) < 1.0
-    assert int(found.confusion.sum()) == found.sizes["trial"]
-    assert np.trace(found.confusion.values) == found.sizes["trial"]
-    inside = np.abs(found.boundary_x - found.boundary_computed) <= found.boundary_half_gap + 0.011
+    result = ll.compare(trials_on(grid), grid, draws=10, sigmas={"length": 5e-4})
+    assert float(result.agreement) == 1.0
+    assert float(result.kappa) == 1.0
+    assert float(result.agreement_high) == 1.0
+    assert float(result.agreement_low) < 1.0
+    assert int(result.confusion.sum()) == result.sizes["trial"]
+    assert np.trace(result.confusion.values) == result.sizes["trial"]
+    inside = (
+        np.abs(result.boundary_x - result.boundary_computed) <= result.boundary_half_gap + 0.011
+    )
     assert bool(inside.all())
-    assert set(found.boundary_side.values.tolist()) == {"left", "right"}
+    assert set(result.boundary_side.values.tolist()) == {"left", "right"}
 
 
 def test_moved_trials_agree_less_and_by_a_shifted_boundary(grid):
-    found = ll.compare(trials_on(grid, shift=0.08), grid, draws=0)
-    assert float(found.agreement) < 0.85
-    assert float(found.kappa) < 0.7
-    assert float((found.boundary_x - found.boundary_computed).mean()) < -0.04
+    result = ll.compare(trials_on(grid, shift=0.08), grid, draws=0)
+    assert float(result.agreement) < 0.85
+    assert float(result.kappa) < 0.7
+    assert float((result.boundary_x - result.boundary_computed).mean()) < -0.04
 
 
 def test_doubt_about_the_length_widens_the_agreement(grid):
@@ -184,27 +186,27 @@ def responses():
 
 
 def test_response_curves_of_the_same_system_agree(responses):
-    _, found = responses
-    assert found.angle_at_trial.values == pytest.approx(
-        found.largest_angle_after_transient.values, abs=1e-4
+    _, result = responses
+    assert result.angle_at_trial.values == pytest.approx(
+        result.largest_angle_after_transient.values, abs=1e-4
     )
-    assert "agree within 3" in found.attrs["verdict"]
-    assert np.all(found.peak_measured_sigma > 0.0)
+    assert "agree within 3" in result.attrs["verdict"]
+    assert np.all(result.peak_measured_sigma > 0.0)
     # The peak moves to the left with the amplitude (Fig. 11).
-    assert found.peak_computed_place[1] < found.peak_computed_place[0]
+    assert result.peak_computed_place[1] < result.peak_computed_place[0]
 
 
 def test_every_comparison_is_drawn_from_a_file(table, grid, responses, tmp_path):
-    found = {
+    result = {
         "motion": ll.compare(table, SINGLE, draws=2),
         "map": ll.compare(trials_on(grid, 0.05), grid, draws=2),
         "response": responses[1],
     }
-    for name, dataset in found.items():
+    for name, dataset in result.items():
         again = ll.load(ll.save(dataset, tmp_path / f"{name}.nc"))
         assert ll.plot(again).axes, name
     with pytest.raises(ValueError, match="drawn whole"):
-        ll.plot(found["map"], log=True)
+        ll.plot(result["map"], log=True)
 
 
 def test_what_cannot_be_compared_is_refused(table, grid, responses):
@@ -235,9 +237,9 @@ def test_the_command_compares_motions_maps_and_responses(table, grid, responses,
     system += ["--damping", "0.00274"]
     plot = ["--plot", str(tmp_path / "picture.png")]
     assert main(["compare", str(track), *system, *plot, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["comparison"] == "motion"
-    assert told["values"]["residual_rms"]["value"] < 2e-3
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["comparison"] == "motion"
+    assert summary["values"]["residual_rms"]["value"] < 2e-3
     assert (tmp_path / "picture.png").stat().st_size > 10_000
     result = ["--output", str(tmp_path / "c.nc"), "--draws", "3", "--sigma", "length = 0.5 mm"]
     assert main(["compare", "--trials", str(trials), "--map", str(chart), *result]) == 0

@@ -22,15 +22,15 @@ def decay(tmp_path_factory):
     return write_table(decay_table(**BODY), tmp_path_factory.mktemp("fits") / "decay.csv")
 
 
-def test_a_decay_is_fitted_drawn_stored_and_told_as_json(decay, tmp_path, capsys):
+def test_a_decay_is_fitted_drawn_stored_and_printed_as_json(decay, tmp_path, capsys):
     picture, result = tmp_path / "decay.png", tmp_path / "decay.nc"
-    given = ["--length", "36.3 cm", "--mass", "108.04 g", "--plot", picture, "--output", result]
-    assert main(["fit", "decay", str(decay), *map(str, given), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["values"]["damping"]["value"] == pytest.approx(0.00274, rel=0.01)
-    assert "Linear drag describes this decay best" in told["verdict"]
+    arguments = ["--length", "36.3 cm", "--mass", "108.04 g", "--plot", picture, "--output", result]
+    assert main(["fit", "decay", str(decay), *map(str, arguments), "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["values"]["damping"]["value"] == pytest.approx(0.00274, rel=0.01)
+    assert "Linear drag describes this decay best" in summary["verdict"]
     assert picture.stat().st_size > 10_000
-    assert load_fit(result)["damping"].value == told["values"]["damping"]["value"]
+    assert load_fit(result)["damping"].value == summary["values"]["damping"]["value"]
     assert main(["plot", str(result), "--output", str(tmp_path / "again.png")]) == 0
     assert (tmp_path / "again.png").read_bytes() == picture.read_bytes()
     assert main(["plot", str(result), "--animate", str(tmp_path / "again.gif")]) == 2
@@ -54,11 +54,11 @@ def test_drive_restitution_and_model_have_a_command_and_a_picture(tmp_path, caps
     balls = write_table(table, tmp_path / "pair.csv")
     body = ["--length", "0.245", "--radius", "0.02"]
     system = ["--system", "latolato", "--mass", "0.106", "--damping", "0.004", *body]
-    given = ["--drive-amplitude", "3 cm", "--drive-frequency", "15.1"]
+    arguments = ["--drive-amplitude", "3 cm", "--drive-frequency", "15.1"]
     for name, rest in {
         "drive": [str(moving)],
         "restitution": [str(balls), *body],
-        "model": [str(balls), *system, *given, "--vary", "length,restitution", "--ball", "1"],
+        "model": [str(balls), *system, *arguments, "--vary", "length,restitution", "--ball", "1"],
     }.items():
         picture = tmp_path / f"{name}.svg"
         assert main(["fit", name, *rest, "--plot", str(picture)]) == 0
@@ -118,7 +118,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(arguments, said, decay, tm
     words = [str(decay) if word == "TABLE" else word for word in arguments]
     before = sorted(decay.parent.iterdir())
     assert main(["fit", *words]) == 2
-    told = capsys.readouterr().err
-    assert said in told
-    assert told.count("\n") == 1
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
     assert sorted(decay.parent.iterdir()) == before

@@ -16,9 +16,9 @@ SLOW = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
 FAST = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.1)
 
 
-def near(found, **truths):
+def near(result, **truths):
     for name, truth in truths.items():
-        assert abs(found[name].value - truth) < 4.0 * found[name].sigma, (name, str(found[name]))
+        assert abs(result[name].value - truth) < 4.0 * result[name].sigma, (name, str(result[name]))
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.7])
@@ -27,13 +27,13 @@ def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(cor
     misses = []
     for seed in range(8):
         table = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, correlation=correlation)
-        found = fit_model(table, guess)
+        fit = fit_model(table, guess)
         truths = {"length": 0.363, "damping": 0.00274}
-        misses += [(found[name].value - x) / found[name].sigma for name, x in truths.items()]
-        assert found["length"].value == pytest.approx(0.363, rel=1e-3)
+        misses += [(fit[name].value - x) / fit[name].sigma for name, x in truths.items()]
+        assert fit["length"].value == pytest.approx(0.363, rel=1e-3)
     assert np.mean(np.abs(misses) < 2.0) > 0.75  # 16 numbers
-    assert "in one piece" in found.verdict
-    assert isinstance(found.drive, ll.Harmonic)
+    assert "in one piece" in fit.verdict
+    assert isinstance(fit.drive, ll.Harmonic)
 
 
 def test_a_pivot_seen_aside_is_within_the_deviations():
@@ -42,12 +42,12 @@ def test_a_pivot_seen_aside_is_within_the_deviations():
     for seed in range(6):
         aside = {"size": 1.2e-4, "pivot_error": np.random.default_rng(seed).normal(0.0, PLACE, 2)}
         still = motion_table(PENDULUM, initial_angle=0.7, seed=seed, duration=10.0, **aside)
-        found = fit_model(still, guess)
-        misses += [(found["length"].value - 0.363) / found["length"].sigma]
-        misses += [(found["damping"].value - 0.00274) / found["damping"].sigma]
+        fit = fit_model(still, guess)
+        misses += [(fit["length"].value - 0.363) / fit["length"].sigma]
+        misses += [(fit["damping"].value - 0.00274) / fit["damping"].sigma]
         moved = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, duration=8.0, **aside)
-        found = fit_model(moved, guess)
-        driven += [(found["length"].value - 0.363) / found["length"].sigma]
+        fit = fit_model(moved, guess)
+        driven += [(fit["length"].value - 0.363) / fit["length"].sigma]
     # Without the pivot's error half of them miss by more.
     assert np.mean(np.abs(misses) < 2.0) > 0.8
     assert np.mean(np.abs(driven) < 2.0) > 0.8
@@ -68,41 +68,41 @@ def test_the_mirrored_pair_knows_its_pivot_by_one_part():
 
 def test_the_spline_of_a_measured_pivot_may_be_the_drive():
     table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=6.0)
-    found = fit_model(table, PENDULUM, "measured", vary=["length"])
-    assert found.dataset.attrs["drive"] == "measured_pivot"
-    assert found["length"].value == pytest.approx(0.363, rel=2e-3)
+    fit = fit_model(table, PENDULUM, "measured", vary=["length"])
+    assert fit.dataset.attrs["drive"] == "measured_pivot"
+    assert fit["length"].value == pytest.approx(0.363, rel=2e-3)
 
 
 def test_a_colliding_pair_gives_its_restitution():
     table = motion_table(TOY, FAST, initial_angle=0.5)
     guess = ll.LatoLato(length=0.25, mass=0.106, damping=0.004, radius=0.02, restitution=0.8)
-    found = fit_model(table, guess)
-    near(found, length=0.245, damping=0.005, restitution=0.9)
-    assert found["restitution"].sigma < 5e-3
+    fit = fit_model(table, guess)
+    near(fit, length=0.245, damping=0.005, restitution=0.9)
+    assert fit["restitution"].sigma < 5e-3
 
 
 def test_two_balls_give_a_value_each():
     table = motion_table(PAIR, FAST, initial_angle=(0.5, -0.3), duration=10.0)
-    found = fit_model(table, PAIR, FAST)
-    near(found, right_length=0.245, left_length=0.245, right_damping=0.005, restitution=0.9)
-    assert found.dataset["right_length"].attrs["long_name"].endswith("right ball")
+    fit = fit_model(table, PAIR, FAST)
+    near(fit, right_length=0.245, left_length=0.245, right_damping=0.005, restitution=0.9)
+    assert fit.dataset["right_length"].attrs["long_name"].endswith("right ball")
 
 
 def test_parameters_of_the_drive_and_the_direction_of_gravity_may_vary():
     table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=10.0)
     table["angle_1"].values[:] += 0.01
-    found = fit_model(table, PENDULUM, SLOW, vary=["drive_amplitude", "angle_offset"], profile=True)
-    near(found, drive_amplitude=0.02, angle_offset=0.01)
-    assert found["angle_offset"].low < 0.01 < found["angle_offset"].high
+    fit = fit_model(table, PENDULUM, SLOW, vary=["drive_amplitude", "angle_offset"], profile=True)
+    near(fit, drive_amplitude=0.02, angle_offset=0.01)
+    assert fit["angle_offset"].low < 0.01 < fit["angle_offset"].high
 
 
 def test_chaotic_motion_is_cut_into_pieces():
     wild = ll.Harmonic(drive_amplitude=0.2, drive_frequency=9.0)
     table = motion_table(PENDULUM, wild, initial_angle=1.5, duration=25.0)
-    found = fit_model(table, PENDULUM, wild)
-    assert found.dataset.attrs["windows"] >= 1
-    assert found.dataset.attrs["scatter"] < 2e-3
-    near(found, length=0.363)
+    fit = fit_model(table, PENDULUM, wild)
+    assert fit.dataset.attrs["windows"] >= 1
+    assert fit.dataset.attrs["scatter"] < 2e-3
+    near(fit, length=0.363)
 
 
 @pytest.mark.parametrize(

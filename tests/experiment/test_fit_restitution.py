@@ -18,24 +18,24 @@ def pair(restitution):
 @pytest.mark.parametrize("restitution, drive", [(0.9, DRIVE), (0.9, None), (0.6, DRIVE)])
 def test_two_balls_give_their_restitution_impact_by_impact(restitution, drive):
     table = motion_table(pair(restitution), drive, initial_angle=(0.6, -0.4), duration=8.0)
-    found = ll.fit_restitution(table, length=0.245, radius=0.02)
-    pooled = found["restitution"]
+    fit = ll.fit_restitution(table, length=0.245, radius=0.02)
+    pooled = fit["restitution"]
     assert abs(pooled.value - restitution) < 3.0 * pooled.sigma
     assert pooled.sigma < 0.01
-    misses = (found.dataset.restitution_each - restitution) / found.dataset.restitution_each_sigma
+    misses = (fit.dataset.restitution_each - restitution) / fit.dataset.restitution_each_sigma
     assert np.mean(np.abs(misses) < 3.0) > 0.9
-    assert (found.dataset.angular_velocity_before * found.dataset.angular_velocity_after < 0).all()
+    assert (fit.dataset.angular_velocity_before * fit.dataset.angular_velocity_after < 0).all()
     theta = 2.0 * np.arcsin(0.02 / 0.245)
-    assert np.median(found.dataset.separation_at_contact) == pytest.approx(theta, abs=5e-3)
+    assert np.median(fit.dataset.separation_at_contact) == pytest.approx(theta, abs=5e-3)
 
 
 def test_one_ball_and_a_wall_give_it_too():
     toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
     table = motion_table(toy, DRIVE, initial_angle=0.5, duration=8.0)
     table = table.drop_vars(["ball_2_x", "ball_2_y", "angle_2", "angle_sigma_2", "flag_2"])
-    found = ll.fit_restitution(table, length=0.245)
-    assert abs(found["restitution"].value - 0.9) < 3.0 * found["restitution"].sigma
-    assert "one ball and a wall" in found.verdict
+    fit = ll.fit_restitution(table, length=0.245)
+    assert abs(fit["restitution"].value - 0.9) < 3.0 * fit["restitution"].sigma
+    assert "one ball and a wall" in fit.verdict
 
 
 def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():

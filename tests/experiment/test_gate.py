@@ -66,18 +66,18 @@ def _changed(path, output, change):
     return output
 
 
-def _ok_share(path, pivot, ball, **given):
+def _ok_share(path, pivot, ball, **arguments):
     """Return the share of samples that are ok; none are if the track is refused."""
     try:
-        table = ll.track(path, pivot=pivot, balls=[ball], **given)
+        table = ll.track(path, pivot=pivot, balls=[ball], **arguments)
     except InputError:
         return 0.0
     return float((table.flag_1 == "ok").mean())
 
 
-def _assert_refused(path, pivot, ball, match, **given):
+def _assert_refused(path, pivot, ball, match, **arguments):
     with pytest.raises(InputError, match=match) as caught:
-        ll.track(path, pivot=pivot, balls=[ball], **given)
+        ll.track(path, pivot=pivot, balls=[ball], **arguments)
     assert caught.value.way_out
 
 
@@ -98,7 +98,7 @@ def test_a_panning_camera_is_refused(film, tmp_path):
 
 
 @quiet
-@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1), (0.22, -0.25)])
+@pytest.mark.parametrize("aside", [(0.3, -0.05), (-0.2, -0.1)])
 def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
     path, attrs = film(f"parked{aside}", parked_x=aside[0], parked_y=aside[1])
     click = _place(attrs, "parked")
@@ -106,7 +106,7 @@ def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
 
 
 @quiet
-@pytest.mark.parametrize("click", [(60, 60), (250, 40), (160, 120), (30, 200)])
+@pytest.mark.parametrize("click", [(60, 60), (160, 120)])
 def test_a_click_on_a_textured_wall_is_not_followed(film, click):
     path, attrs = film("texture", background="texture")
     assert _ok_share(path, _place(attrs, "pivot"), click) < 0.05
@@ -120,8 +120,8 @@ def test_a_wrong_radius_is_refused_with_both_radii(film, capsys, tmp_path):
     assert _ok_share(path, pivot, ball, length=SWING.length, radius=0.01) < 0.05
     output = tmp_path / "none.csv"
     clicks = ["--pivot", "{:g},{:g}".format(*pivot), "--ball", "{:g},{:g}".format(*ball)]
-    given = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
-    assert main(["track", str(path), *clicks, *given]) == 2
+    arguments = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
+    assert main(["track", str(path), *clicks, *arguments]) == 2
     assert "check radius and length" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
@@ -284,19 +284,23 @@ def test_light_that_changes_for_all_changes_nothing():
     assert gate.changing_pixels(Sample(sample.times, brighter), _track(centres)) is None
 
 
-# Every way of filming that `latolato synthesise` knows, in small pictures, and other materials.
+# Every way of filming that `latolato synthesise` knows, in pictures as small as the gate accepts,
+# and other materials. The gate examines each ball by itself: a few films of two balls are enough.
 ODD = {
     "mirror": {"ball_colour": "#c9ccd1", "metal": 1.0, "gloss": 1.0},
     "white": {"ball_colour": "#ffffff", "background": "gradient"},
     "black": {"ball_colour": "#101010", "background": "texture"},
     "banded": {"pattern": 0.5},
 }
-FILMED = [(name, {}) for name in conditions] + [("clean", scene) for scene in ODD.values()]
+FILMED = [
+    *(pytest.param(SWING, name, {}, id=name) for name in conditions),
+    *(pytest.param(SWING, "clean", scene, id=name) for name, scene in ODD.items()),
+    *(pytest.param(TOY, name, {}, id=f"{name}-two") for name in ("clean", "occluded", "steel")),
+]
 
 
 @quiet
-@pytest.mark.parametrize("system", [SWING, TOY], ids=["one", "two"])
-@pytest.mark.parametrize("name,scene", FILMED, ids=[*conditions, *ODD])
+@pytest.mark.parametrize("system,name,scene", FILMED)
 def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_path, monkeypatch):
     turned = conditions[name].make()[1].rotation in (90, 270)
     size = {"width": 360, "height": 480} if turned else {"width": 480, "height": 360}
@@ -304,8 +308,8 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
     made = conditions[name].make({"ball_radius": 0.02, **scene}, size)
     path = tmp_path / "clip.mp4"
     clicks = synthesise_video(run, path, *made, seed=3).attrs
-    found = []
-    monkeypatch.setattr(track, "examine", lambda *given: found.append(gate.examine(*given)) or [])
+    findings = []
+    monkeypatch.setattr(track, "examine", lambda *seen: findings.append(gate.examine(*seen)) or [])
     ll.track(
         path,
         pivot=_place(clicks, "pivot"),
@@ -313,4 +317,4 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
         length=clicks["length"],
         radius=clicks["radius"],
     )
-    assert found == [[]]
+    assert findings == [[]]

@@ -92,8 +92,8 @@ def test_a_phone_that_swings_gives_its_angle_from_its_gyroscope(tmp_path):
     path = written(tmp_path, head + lines(time, rate))
     table = import_table(path, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
     assert table.angle_1.values == pytest.approx(angle, abs=2e-3)
-    found = ll.fit_decay(table, method="envelope", profile=False)
-    assert found["decay_rate_envelope"].value == pytest.approx(0.03, rel=0.02)
+    fit = ll.fit_decay(table, method="envelope", profile=False)
+    assert fit["decay_rate_envelope"].value == pytest.approx(0.03, rel=0.02)
     short = written(tmp_path, head + lines(time[:50], rate[:50]), "short.csv")
     with pytest.raises(ValueError, match="at least 6 turning points"):
         import_table(short, {"time": "Time", "angular_velocity_1": "Gyroscope x"})
@@ -134,7 +134,7 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
         ("a,b\n0,1\n1,2\n", None, "say what its columns are"),
     ],
 )  # fmt: skip
-def test_what_is_missing_is_told_in_one_line(tmp_path, text, columns, said):
+def test_what_is_missing_is_named_in_one_line(tmp_path, text, columns, said):
     with pytest.raises(ValueError, match=said) as caught:
         import_table(written(tmp_path, text), columns)
     assert "\n" not in str(caught.value)

@@ -118,9 +118,9 @@ def test_turning_the_stored_pictures_back_shows_the_ball_where_it_was_clicked(
     truth = synthesise_video(run, tmp_path / "clip.mp4", ALONE, camera)
     with av.open(str(tmp_path / "clip.mp4")) as file:
         frame = next(file.decode(video=0))
-        shown = np.rot90(frame.to_ndarray(format="rgb24"), frame.rotation // 90)
-    assert shown.shape == (240, 320, 3)
-    v, u = np.nonzero(shown[..., 0] > shown[..., 2] + 80.0)  # orange
+        output = np.rot90(frame.to_ndarray(format="rgb24"), frame.rotation // 90)
+    assert output.shape == (240, 320, 3)
+    v, u = np.nonzero(output[..., 0] > output[..., 2] + 80.0)  # orange
     # Means of whole pixels that are orange enough, with chroma of half the resolution.
     assert u.mean() == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.5)
     assert v.mean() == pytest.approx(truth.attrs["ball_1_pixel_v"], abs=0.5)
@@ -208,10 +208,10 @@ def test_the_command_prints_clicks_that_lie_on_the_ball(tmp_path, capsys):
         "--camera width=320 --camera height=240 --seed 4 --json"
     )
     assert main(arguments.split()) == 0
-    found = json.loads(capsys.readouterr().out)
+    result = json.loads(capsys.readouterr().out)
     truth = read_table(table)
-    assert found["frames"] == truth.sizes["frame"] == 12
-    assert found["ball"][0][0] == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.01)
+    assert result["frames"] == truth.sizes["frame"] == 12
+    assert result["ball"][0][0] == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.01)
     assert truth.attrs["gravity_direction"] == pytest.approx(np.radians(7.0), abs=1e-3)
     assert video.stat().st_size > 1000
 
@@ -226,7 +226,7 @@ def test_the_command_that_tracks_the_video_declares_its_camera(tmp_path, capsys)
 
 
 @pytest.mark.parametrize(
-    "given, message",
+    "arguments, message",
     [
         ({"width": 641}, "width must be even and in [64, 4096] pixels, got 641"),
         ({"rotation": 45}, "rotation must be one of 0, 90, 180, 270 deg, got 45"),
@@ -235,9 +235,9 @@ def test_the_command_that_tracks_the_video_declares_its_camera(tmp_path, capsys)
         ({"row_time": 1.0}, "row_time must let 960 rows fit"),
     ],
 )
-def test_cameras_that_cannot_be_are_refused(given, message):
+def test_impossible_cameras_are_refused(arguments, message):
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the message is compared below
-        Camera(**given)
+        Camera(**arguments)
     assert message in str(caught.value)
 
 

@@ -143,7 +143,7 @@ def peer(angle, times, velocity=0.0):
         pulled = -(9.8 + lift * np.cos(SHAKEN.drive_frequency * t)) * np.sin(y[0]) - rate * y[1]
         return y[1], pulled - (SOFT.stiffness * (y[0] - low) if y[0] < low else 0.0)
 
-    t, y, found = 0.0, np.array([angle, velocity]), []
+    t, y, result = 0.0, np.array([angle, velocity]), []
 
     def at_wall(t, y):
         return y[0] - low
@@ -158,8 +158,8 @@ def peer(angle, times, velocity=0.0):
             t, y = part.t[-1], part.y[:, -1]
             if part.status == 1:  # a hair beyond, so that the event is not met again at once
                 y = np.array([low + np.copysign(1e-15, y[1]), y[1]])
-        found.append(y[0])
-    return np.array(found)
+        result.append(y[0])
+    return np.array(result)
 
 
 def test_it_moves_as_the_peer_does():
@@ -172,9 +172,9 @@ def test_it_moves_as_the_peer_does():
 def test_its_energy_is_accounted_for():
     start = Start((0.6,), (0.0,))
     step = choose_step(TOY, SHAKEN, start, 1e-10, SOFT)
-    found = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, step=step, law=SOFT)
-    assert found.state.ledger_error < 1e-9
-    assert found.state.largest_energy > 1.0
+    run = integrate(TOY, SHAKEN, start, np.zeros(0), 20.0, step=step, law=SOFT)
+    assert run.state.ledger_error < 1e-9
+    assert run.state.largest_energy > 1.0
 
 
 def test_kicks_in_the_wall_leave_no_gap_in_the_ledger():
@@ -204,25 +204,25 @@ def test_a_law_whose_motion_nobody_knows_is_refused():
 
 def test_a_hard_spring_is_an_elastic_impact():
     elastic = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=1.0)
-    given = {"initial_angle": 0.6, "times": np.linspace(0.05, 2.0, 40), "tolerance": 1e-8}
-    hard = ll.simulate(elastic, SHAKEN, contact=SoftWall(stiffness=1e8), **given)
-    walls = ll.simulate(elastic, SHAKEN, contact="exact", **given)
+    arguments = {"initial_angle": 0.6, "times": np.linspace(0.05, 2.0, 40), "tolerance": 1e-8}
+    hard = ll.simulate(elastic, SHAKEN, contact=SoftWall(stiffness=1e8), **arguments)
+    walls = ll.simulate(elastic, SHAKEN, contact="exact", **arguments)
     # The ball stays in the wall for pi/sqrt(stiffness), a third of a millisecond, a few times.
     assert float(abs(hard.angle - walls.angle).max()) < 5e-3
 
 
 def test_plain_python_moves_the_same():
-    found = [
+    result = [
         Flow(TOY, SHAKEN, contact=SOFT, tolerance=1e-8, compiled=compiled)
         .follow(np.array([0.6, 0.0]), 3.0)
         for compiled in (True, False)
     ]  # fmt: skip
-    np.testing.assert_allclose(found[0].end, found[1].end, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result[0].end, result[1].end, rtol=0, atol=1e-12)
 
 
 def test_a_sweep_carries_it():
     starts = np.linspace(0.3, 0.9, 4)
-    found = ll.sweep(
+    result = ll.sweep(
         TOY, SHAKEN, axes={"initial_angle": starts}, duration=5.0, contact=SOFT,
         observables=["final_angle"], tolerance=1e-8,
     )  # fmt: skip
@@ -231,7 +231,7 @@ def test_a_sweep_carries_it():
               .angle[-1])
         for x in starts
     ]  # fmt: skip
-    np.testing.assert_allclose(found.final_angle, alone, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(result.final_angle, alone, rtol=0, atol=1e-12)
 
 
 # The matrix of rough steps is that of the numbers that are computed, too, but where the wall begins
@@ -239,15 +239,15 @@ def test_a_sweep_carries_it():
 @pytest.mark.parametrize("tolerance, error", [(1e-11, 1e-6), (1e-4, 2e-5)])
 def test_small_deviations_are_followed_through_it(tolerance, error):
     flow, start = Flow(TOY, SHAKEN, contact=SOFT, tolerance=tolerance), np.array([0.6, 0.1])
-    found = flow.follow(start, 4.0)
+    result = flow.follow(start, 4.0)
     h = 1e-6
     differences = [
         (flow.follow(start + h * unit, 4.0).end - flow.follow(start - h * unit, 4.0).end) / (2 * h)
         for unit in np.eye(2)
     ]
-    np.testing.assert_allclose(found.matrix, np.array(differences).T, rtol=error, atol=error)
+    np.testing.assert_allclose(result.matrix, np.array(differences).T, rtol=error, atol=error)
     rate = TOY.damping / (TOY.mass * TOY.length)
-    assert np.linalg.det(found.matrix) == pytest.approx(np.exp(-rate * 4.0), rel=1e-9)
+    assert np.linalg.det(result.matrix) == pytest.approx(np.exp(-rate * 4.0), rel=1e-9)
 
 
 def test_scenarios_the_command_line_and_the_app_know_it_by_name(tmp_path):

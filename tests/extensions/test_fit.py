@@ -91,8 +91,8 @@ def test_it_has_a_command_with_the_options_of_its_function(table, tmp_path):
     assert "first instant used" in options
     assert "--mass" in options
     picture, stored = tmp_path / "rest.png", tmp_path / "rest.nc"
-    given = ["--start", "500 ms", "--mass", "100 g", "--plot", picture, "--output", stored]
-    summary = json.loads(run("fit", "rest", path, *given, "--json"))
+    arguments = ["--start", "500 ms", "--mass", "100 g", "--plot", picture, "--output", stored]
+    summary = json.loads(run("fit", "rest", path, *arguments, "--json"))
     mean = fit_rest(table, start=0.5)["angle_offset"].value
     # The file holds nine digits of an angle.
     assert summary["values"]["angle_offset"]["value"] == pytest.approx(mean, abs=1e-8)

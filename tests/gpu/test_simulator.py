@@ -36,7 +36,7 @@ def test_cuda_in_the_simulator_equals_the_reference(plan):
     )
 
     assert child.returncode == 0, child.stderr.decode()
-    found = pickle.loads(child.stdout)
-    assert found.keys() == set(expected.data_vars)
-    for name, values in found.items():  # the same operations in the same order: to the last bit
+    result = pickle.loads(child.stdout)
+    assert result.keys() == set(expected.data_vars)
+    for name, values in result.items():  # the same operations in the same order: to the last bit
         np.testing.assert_array_equal(values, expected[name].values, err_msg=name)

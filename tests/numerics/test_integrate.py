@@ -1,10 +1,6 @@
 """The kernels: plain Python equals compiled code, and cutting the work changes no bit."""
 
 import itertools
-import os
-import subprocess
-import sys
-import textwrap
 
 import numpy as np
 import pytest
@@ -40,10 +36,10 @@ def assert_close(a, b):
     np.testing.assert_array_equal(a.contact_kinds, b.contact_kinds)
 
 
-def test_plain_python_equals_compiled(make_system, drive, damping_law):
+def test_plain_python_equals_compiled(laws):
     # The same scalar source; fused multiply-adds may differ in the last digits, which contacts
     # amplify a little.
-    system = make_system(**damping_law)
+    system, drive, _ = laws
     times = np.linspace(0.0, 2.0, 21)
     fast = run(system, drive, 2.0, times)
     plain = run(system, drive, 2.0, times, compiled=False)
@@ -156,15 +152,15 @@ class TestStrongDrag:
     ):
         # Friction stops the ball in 3 ms; against its sign quadratic drag would speed it up.
         light = ll.Pendulum(length=1.0, mass=0.01, quadratic_damping=1.0, coulomb_damping=20.0)
-        found = ll.sweep(
+        result = ll.sweep(
             light, axes={"initial_angular_velocity": [5.0, -5.0]}, initial_angle=1.0, duration=0.5,
             tolerance=1e-3, observables=["final_angle"], executor=executor,
         )  # fmt: skip
         fine = ll.simulate(
             light, initial_angle=1.0, initial_angular_velocity=5.0, duration=0.5, tolerance=1e-10
         )
-        assert found.final_angle[0] == pytest.approx(float(fine.angle[-1]), abs=1e-3)
-        assert found.final_angle[1] < 1.0
+        assert result.final_angle[0] == pytest.approx(float(fine.angle[-1]), abs=1e-3)
+        assert result.final_angle[1] < 1.0
 
     def test_weak_drag_changes_no_step(self):
         start = Start((1.0,), (0.0,))
@@ -185,39 +181,9 @@ class TestStrongDrag:
 
 def test_elapsed_time_is_not_a_sum_of_rounded_steps():
     system = ll.Pendulum(length=1.0, mass=0.8)
-    found = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
-    assert found.reached == 3000.0
-    assert found.state.total_steps == 30_000
-
-
-def test_kernels_of_several_processes_share_one_cache(tmp_path):
-    # Compiled in processes of their own, used together: each must stay itself. (Functions of one
-    # name and number in two processes would be linked to each other.)
-    script = textwrap.dedent("""
-        import sys
-        import latolato as ll
-        toy = ll.LatoLato(length=0.9, mass=0.5, radius=0.09)
-        drives = {
-            "harmonic": ll.Harmonic(drive_amplitude=0.1, drive_frequency=9.0),
-            "static": None,
-        }
-        for name in sys.argv[1:]:
-            run = ll.simulate(toy, drives[name], initial_angle=0.8, times=[2.0],
-                              contact=ll.ClampContact(clamp_step=1e-3))
-            print(name, float(run.angle[0]).hex(), float(run.drive_work[0]).hex())
-    """)
-    environment = {**os.environ, "LATOLATO_CACHE_DIR": str(tmp_path)}
-
-    def lines(*names):
-        done = subprocess.run(
-            [sys.executable, "-c", script, *names],
-            env=environment, capture_output=True, text=True, check=True,
-        )  # fmt: skip
-        return done.stdout.splitlines()
-
-    alone = [*lines("harmonic"), *lines("static")]
-    assert lines("harmonic", "static") == alone
-    assert lines("static", "harmonic") == alone[::-1]
+    result = integrate(system, DRIVE, Start((0.1,), (0.0,)), np.array([3000.0]), 3000.0, step=0.1)
+    assert result.reached == 3000.0
+    assert result.state.total_steps == 30_000
 
 
 @pytest.mark.parametrize("compiled", [False, True])

@@ -47,8 +47,8 @@ class TestEverySystemDriveAndDamping:
             return {"initial_angle": (0.8, -0.5), "initial_angular_velocity": (0.3, -0.2)}
         return {"initial_angle": 0.8, "initial_angular_velocity": 0.3}
 
-    def test_ledger_closes_and_walls_hold(self, make_system, drive, damping_law):
-        system = make_system(**damping_law)
+    def test_ledger_closes_and_walls_hold(self, laws):
+        system, drive, damping_law = laws
         run = ll.simulate(system, drive, duration=6.0, **self.start(system))
         assert run.attrs["status"] == "complete"
         assert recomputed(run) <= 1e-9
@@ -68,9 +68,9 @@ class TestEverySystemDriveAndDamping:
         if not damping_law:
             assert np.all(run.damping_loss.values == 0.0)
 
-    def test_tolerance_is_met(self, make_system, drive, damping_law):
+    def test_tolerance_is_met(self, laws):
         # The error at 1e-8, seen from 1e-12, over the few periods before contacts spread it.
-        system = make_system(**damping_law)
+        system, drive, _ = laws
         times = np.linspace(0.0, 4.0, 41)
         rough, fine = (
             ll.simulate(system, drive, times=times, tolerance=tolerance, **self.start(system))
@@ -78,9 +78,9 @@ class TestEverySystemDriveAndDamping:
         )
         assert float(np.abs(rough.angle - fine.angle).max()) <= 1e-7
 
-    def test_powers_are_the_rates_of_the_works(self, make_system, drive, damping_law):
+    def test_powers_are_the_rates_of_the_works(self, laws):
         # By the fundamental theorem: Simpson's rule over the powers between the samples.
-        system = make_system(**damping_law)
+        system, drive, _ = laws
         times = np.linspace(0.0, 3.0, 6001)
         run = ll.simulate(system, drive, times=times, **self.start(system))
         for power, work in (("drive_power", "drive_work"), ("damping_power", "damping_loss")):
@@ -399,9 +399,9 @@ class TestWalls:
         )
         assert run.attrs["step"] > 0.25 / math.sqrt(k)
         speed = math.sqrt(max(0.0, 2.0 * k * (math.cos(low - depth) - math.cos(low))))
-        wanted = [-speed] if depth > 0.0 else []
+        expected = [-speed] if depth > 0.0 else []
         # the tolerance of 1e-6 of a speed of 1.2 sqrt(k), over the touch's own 0.0045 sqrt(k)
-        np.testing.assert_allclose(run.angular_velocity_before, wanted, rtol=1e-3)
+        np.testing.assert_allclose(run.angular_velocity_before, expected, rtol=1e-3)
 
     @moderate
     @given(
@@ -558,13 +558,13 @@ class TestKernelChunks:
         # a hundred samples led to half the step and the last instant alone did not.
         pendulum = ll.Pendulum(length=1.0, mass=0.8, damping=0.5)
         noise = ll.VelocityKicks(noise_strength=30.0, noise_seed=4, noise_interval=0.5)
-        found = [
+        result = [
             ll.simulate(pendulum, initial_angle=0.5, noise=noise, times=times)
             for times in ([20.0], np.linspace(0.0, 20.0, 2001))
         ]
         for name in ("angle", "angular_velocity", "damping_loss", "noise_work"):
-            assert float(found[0][name][-1]) == float(found[1][name][-1])
-        assert found[0].attrs["step_halvings"] == found[1].attrs["step_halvings"] > 0
+            assert float(result[0][name][-1]) == float(result[1][name][-1])
+        assert result[0].attrs["step_halvings"] == result[1].attrs["step_halvings"] > 0
 
     @pytest.mark.parametrize("contact", ["exact", ll.ClampContact(clamp_step=1e-3)])
     def test_ledger_error_is_that_of_all_steps(self, contact):
@@ -580,7 +580,7 @@ class TestKernelChunks:
     def test_samples_do_not_change_the_motion(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.8)
         drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=7.5)
-        found = [
+        result = [
             integrate(
                 toy,
                 drive,
@@ -593,8 +593,8 @@ class TestKernelChunks:
             for times in (np.array([20.0]), np.linspace(0.0, 20.0, 20_001))
         ]
         for name in ("contact_times", "contact_kinds", "contact_values"):
-            np.testing.assert_array_equal(*(getattr(f, name) for f in found))
-        for name in found[0].state.dtype.names:
+            np.testing.assert_array_equal(*(getattr(f, name) for f in result))
+        for name in result[0].state.dtype.names:
             if name != "sample":  # how many were written
-                np.testing.assert_array_equal(*(f.state[name] for f in found))
-        np.testing.assert_array_equal(found[0].samples[:, -1], found[1].samples[:, -1])
+                np.testing.assert_array_equal(*(f.state[name] for f in result))
+        np.testing.assert_array_equal(result[0].samples[:, -1], result[1].samples[:, -1])

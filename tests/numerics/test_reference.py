@@ -78,7 +78,7 @@ def test_state_at_a_contact_is_the_state_after_it(case):
     np.testing.assert_array_equal(run.angular_velocity, first.angular_velocity_after)
 
 
-def test_copy_of_the_given_file_is_complete():
+def test_the_copy_of_the_file_is_complete():
     assert {name[:3] for name in CASES if name.startswith("R")} == {
         "R01", "R03", "R06", "R08", "R10", "R13", "R14", "R16"
     }  # fmt: skip

@@ -14,8 +14,8 @@ import latolato as ll
 G = 9.8
 
 
-def toy(**given):
-    return ll.LatoLato(**{"length": 1.0, "mass": 0.8, "radius": 0.1, **given})
+def toy(**arguments):
+    return ll.LatoLato(**{"length": 1.0, "mass": 0.8, "radius": 0.1, **arguments})
 
 
 def harmonic(ratio, frequency=8.0, phase=0.0):
@@ -376,19 +376,19 @@ class TestZenoCascade:
         # far below a rest speed of 1 rad/s: without loss it bounces on, with any loss it rests.
         one = toy(restitution=restitution)
         start, ball = one.contact_angle_low + 1e-4, one.balls[0]
-        asked = {"duration": 1.0, "rest_speed": 1.0}
+        arguments = {"duration": 1.0, "rest_speed": 1.0}
         run = (
-            ll.simulate(one, initial_angle=start, **asked)
+            ll.simulate(one, initial_angle=start, **arguments)
             if balls == 1
             else ll.simulate(
                 ll.BallPair(right=ball, left=ball, restitution=restitution),
                 initial_angle=(start, -start),
-                **asked,
+                **arguments,
             )
         )
         # A fall takes sqrt(2 1e-4/(g sin(low))) = 14.3 ms, so bounces are 28.6 ms apart.
-        wanted = ["bottom"] * 35 if restitution == 1.0 else ["rest"]
-        assert list(run.contact_kind.values) == wanted
+        expected = ["bottom"] * 35 if restitution == 1.0 else ["rest"]
+        assert list(run.contact_kind.values) == expected
         above = float((run.total_energy[..., 0] - run.total_energy[..., -1]).sum())
         assert float(run.capture_loss[-1]) == pytest.approx(above, abs=1e-13)
         assert (above > 1e-6) == (restitution < 1.0)

@@ -62,8 +62,8 @@ print(json.dumps("numba" in sys.modules))
 
 def kinds(kind: type = Observable) -> list[type]:
     """Return every observable of the package."""
-    found = [each for each in kind.__subclasses__() if each.__module__.startswith("latolato.")]
-    return [one for each in found for one in (each, *kinds(each))]
+    result = [each for each in kind.__subclasses__() if each.__module__.startswith("latolato.")]
+    return [one for each in result for one in (each, *kinds(each))]
 
 
 @pytest.fixture
@@ -112,7 +112,7 @@ def test_what_comes_with_the_package_never_imports_numba(tmp_path):
 
 def runs(count: int) -> list[list[float]]:
     """Return ends and ledgers of random runs of all kinds."""
-    random, found = np.random.default_rng(16), []
+    random, result = np.random.default_rng(16), []
     for number in range(count):
         body = {"length": random.uniform(0.3, 2.0), "mass": random.uniform(0.1, 1.0)}
         body["damping"] = random.choice([0.0, 0.05])
@@ -131,8 +131,8 @@ def runs(count: int) -> list[list[float]]:
         start = (angle, -0.4) if system.angles == 2 else angle
         run = ll.simulate(system, drive, initial_angle=start, duration=4.0)
         ends = [run[name].values.ravel()[-1] for name in ("angle", "drive_work", "tension")]
-        found.append([*map(float, ends), run.attrs["contacts"]])
-    return found
+        result.append([*map(float, ends), run.attrs["contacts"]])
+    return result
 
 
 @pytest.mark.slow
@@ -168,9 +168,9 @@ def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):
 
 def archive(folder: Path, **changes: object) -> Path:
     """Return a copy of the package's pieces with another description, or of a damaged piece."""
-    with zipfile.ZipFile(shipped.ARCHIVE) as given:
-        about = json.loads(given.read("about.json"))
-        code = given.read(about["pieces"][engine()[0]])
+    with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
+        about = json.loads(arguments.read("about.json"))
+        code = arguments.read(about["pieces"][engine()[0]])
     content = {"about.json": json.dumps({**about, **changes}).encode()}
     content[about["pieces"][engine()[0]]] = code[: len(code) // 2] if not changes else code
     copy = folder / "copy.zip"
@@ -182,9 +182,9 @@ def archive(folder: Path, **changes: object) -> Path:
 
 def flipped(folder: Path) -> Path:
     """Return a copy of the package's pieces with one wrong byte in the first of them."""
-    with zipfile.ZipFile(shipped.ARCHIVE) as given:
-        name = json.loads(given.read("about.json"))["pieces"][engine()[0]]
-        at = given.getinfo(name).header_offset + 1000
+    with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
+        name = json.loads(arguments.read("about.json"))["pieces"][engine()[0]]
+        at = arguments.getinfo(name).header_offset + 1000
     content = bytearray(shipped.ARCHIVE.read_bytes())
     content[at] ^= 255
     copy = folder / "flipped.zip"
@@ -216,10 +216,10 @@ def test_what_cannot_be_used_is_said_once(forgotten, monkeypatch, tmp_path, trou
         copy = archive(tmp_path)
     monkeypatch.setattr(shipped, "ARCHIVE", copy)
     words = f"cannot be used here .*{reason}.*, so numba compiles it"
-    with pytest.warns(RuntimeWarning, match=words) as told:
-        found = [shipped.load(*engine()) for _ in range(2)]
-    assert found == [None, None]
-    assert len(told) == 1
+    with pytest.warns(RuntimeWarning, match=words) as caught:
+        result = [shipped.load(*engine()) for _ in range(2)]
+    assert result == [None, None]
+    assert len(caught) == 1
 
 
 def test_replacing_the_file_changes_nothing_in_a_process_that_runs(
@@ -272,11 +272,11 @@ def test_other_platforms_get_their_machine_code(triple, first, at, processor):
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = shipped.target_for(triple)
-    with zipfile.ZipFile(shipped.ARCHIVE) as given:
-        about = json.loads(given.read("about.json"))
+    with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
+        about = json.loads(arguments.read("about.json"))
         names = list(about["pieces"].values())
         for name in (names[0], names[1], names[5], names[-1]):
-            code = shipped.machine_code(given.read(name), target)
+            code = shipped.machine_code(arguments.read(name), target)
             assert code.startswith(first)
             assert int.from_bytes(code[at : at + 2], "little") == processor
             assert name.encode() in code
@@ -289,8 +289,8 @@ def test_other_platforms_get_their_machine_code(triple, first, at, processor):
 def test_the_functions_that_all_pieces_call_are_known(forgotten):
     archive = shipped._archive()
     target = shipped._this_machine().target
-    with zipfile.ZipFile(shipped.ARCHIVE) as given:
-        calls = set(json.loads(given.read("about.json"))["calls"])
+    with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
+        calls = set(json.loads(arguments.read("about.json"))["calls"])
     for name in archive.names.values():
         _, missing = elf_of(shipped.machine_code(archive.content.read(name), target))
         assert missing <= calls, name

@@ -194,12 +194,14 @@ def twins():
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the run (stopped|failed)", RuntimeWarning)
         for name, system, drive, how in [*random_runs(), *resting_runs()]:
-            given = {"times": TIMES, **how}
-            pairs[name] = [record_run(each, drive, **given) for each in (system, shifted(system))]
-    found = in_node(native for native, _ in pairs.values())
+            arguments = {"times": TIMES, **how}
+            pairs[name] = [
+                record_run(each, drive, **arguments) for each in (system, shifted(system))
+            ]
+    result = in_node(native for native, _ in pairs.values())
     return {
         name: Twin(native.options["how"]["balls"], native.expected, other.expected, each)
-        for (name, (native, other)), each in zip(pairs.items(), found, strict=True)
+        for (name, (native, other)), each in zip(pairs.items(), result, strict=True)
     }
 
 
@@ -267,12 +269,12 @@ def test_runs_begin_from_parameters():
         system, how = systems(random)[system_name]
         drive = shaken[drive_name]
         case = record_run(system, drive, times=TIMES, **how, tolerance=1e-10)
-        given = {"angles": np.atleast_1d(how["initial_angle"]), "duration": DURATION}
-        given |= {"tolerance": 1e-10, "rest_speed": DEFAULT_REST_SPEED}
-        cases += [case, from_parameters(case, system, drive, **given)]
+        arguments = {"angles": np.atleast_1d(how["initial_angle"]), "duration": DURATION}
+        arguments |= {"tolerance": 1e-10, "rest_speed": DEFAULT_REST_SPEED}
+        cases += [case, from_parameters(case, system, drive, **arguments)]
         names.append((system_name, drive_name))
-    found = in_node(cases)
-    for name, from_memory, alone in zip(names, found[::2], found[1::2], strict=True):
+    result = in_node(cases)
+    for name, from_memory, alone in zip(names, result[::2], result[1::2], strict=True):
         assert alone["status"] == "complete"
         # What is prepared differs by fused multiply-adds: a last digit of the drive's phases, say.
         for what in ("samples", "contact_times"):
@@ -284,13 +286,13 @@ def test_runs_begin_from_parameters():
 def test_a_page_repeats_with_half_the_step_where_python_does():
     pendulum = ll.Pendulum(**BODY, damping=0.5)
     noise = ll.VelocityKicks(noise_strength=30.0, noise_seed=4, noise_interval=0.5)
-    given = {"angles": (0.5,), "duration": 20.0, "tolerance": 1e-10}
+    arguments = {"angles": (0.5,), "duration": 20.0, "tolerance": 1e-10}
     times = np.linspace(0.0, 20.0, 101)
     case = record_run(pendulum, ll.FixedPivot(), initial_angle=0.5, noise=noise, times=times)
-    (found,) = in_node([from_parameters(case, pendulum, ll.FixedPivot(), **given)])
-    assert found["closes"]
-    assert found["halvings"] > 0
-    assert found["run"]["settings"]["step"][0] == pytest.approx(case.expected["step"], rel=1e-14)
+    (result,) = in_node([from_parameters(case, pendulum, ll.FixedPivot(), **arguments)])
+    assert result["closes"]
+    assert result["halvings"] > 0
+    assert result["run"]["settings"]["step"][0] == pytest.approx(case.expected["step"], rel=1e-14)
 
 
 def test_references_of_thirty_digits():
@@ -329,15 +331,15 @@ SWEEPS = {
 
 def apart(values, others):
     """How far apart variables are at each point of a map, as shares of their size above 1."""
-    found = {}
+    result = {}
     for name, one in values.items():
         shape = others["status"].shape
         one, other = (x.reshape(*shape, -1).astype(float) for x in (one, others[name]))
         same = (one == other) | (np.isnan(one) & np.isnan(other))
         with np.errstate(invalid="ignore"):  # infinite ones
             far = np.where(same, 0.0, np.abs(one - other) / (1.0 + np.abs(np.nan_to_num(other))))
-        found[name] = np.nan_to_num(far, nan=np.inf).max(axis=-1)
-    return found
+        result[name] = np.nan_to_num(far, nan=np.inf).max(axis=-1)
+    return result
 
 
 ROUGH = ll.LatoLato(**TOY, **DRAGS, restitution=0.9)
@@ -371,7 +373,7 @@ HOW = {
 def test_maps_agree_from_their_parameters_on(name):
     system, angle, further = FROM_PARAMETERS[name]
     lengths = ("length",) if system.angles == 1 else ("right_length", "left_length")
-    given = {
+    arguments = {
         "axes": {
             "drive_amplitude": [0.0, 0.02, 0.1, 0.3],
             "frequency_ratio": [0.5, 1.0, 2.0, 3.0],
@@ -385,19 +387,19 @@ def test_maps_agree_from_their_parameters_on(name):
         **HOW.get(name, {}),
     }
     drive = CRANK if name == "crank" else None
-    plan = make_plan(system, drive, **given)
+    plan = make_plan(system, drive, **arguments)
     expected, _ = run_chunk(plan, 0, run_fastest)
-    moved, _ = run_chunk(make_plan(shifted(system), drive, **given), 0, run_fastest)
+    moved, _ = run_chunk(make_plan(shifted(system), drive, **arguments), 0, run_fastest)
     node, scalar = in_node(map_case(plan, expected, variant) for variant in ("", "-scalar"))
-    found = {name: node[name] for name in expected}
+    result = {name: node[name] for name in expected}
     for variable in expected:
         assert np.array_equal(node[variable], scalar[variable], equal_nan=True), variable
     status = expected["status"]
-    assert np.array_equal(found["status"], status)
+    assert np.array_equal(result["status"], status)
     assert np.any(status == INVALID) == system.has_contacts
     regular = np.max(list(apart(moved, expected).values()), axis=0) < REGULAR
     assert np.count_nonzero(regular & (status != INVALID)) >= 15
-    sizes = apart(found, expected)
+    sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
         assert size[regular].max() <= OBSERVED, variable
@@ -406,13 +408,13 @@ def test_maps_agree_from_their_parameters_on(name):
 def test_noise_has_the_random_numbers_of_numpy():
     seeds = [(0, 0), (2**63 - 1, 2**53 - 1), (12345, 7)]
     arrays = {f"{seed} {stream}": np.zeros(100_000) for seed, stream in seeds}
-    (found,) = in_node([Case({"module": "one", "normals": True}, arrays, arrays)])
+    (result,) = in_node([Case({"module": "one", "normals": True}, arrays, arrays)])
     for seed, stream in seeds:
         key = np.array([seed, stream], dtype=np.uint64)
         expected = np.random.Generator(np.random.Philox(key=key)).standard_normal(100_000)
         assert np.abs(expected).max() > 4.0  # from the tail of the ziggurat too
         # The layers' widths come of one another, by 255 roundings.
-        np.testing.assert_allclose(found[f"{seed} {stream}"], expected, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(result[f"{seed} {stream}"], expected, rtol=0, atol=1e-13)
 
 
 REFUSED = {
@@ -452,9 +454,9 @@ def test_maps_that_make_no_sense_are_refused_and_leave_nothing_behind():
     cases = [
         Case({"module": "lanes", "question": {**usual, **bad}}, {}) for bad in REFUSED.values()
     ]
-    for words, found in zip(REFUSED, in_node(cases), strict=True):
-        assert words in found["error"]
-        assert found["left"] == 0, words
+    for words, result in zip(REFUSED, in_node(cases), strict=True):
+        assert words in result["error"]
+        assert result["left"] == 0, words
 
 
 @pytest.mark.parametrize("in_lanes", [True, False], ids=["lanes", "one by one"])
@@ -465,7 +467,7 @@ def test_points_of_a_map_agree(name, in_lanes):
         "drive_amplitude": np.linspace(0.01, 0.3, 10),
         "frequency_ratio": np.linspace(0.4, 4.0, 10),
     }
-    given = {
+    arguments = {
         "axes": axes,
         "duration": 20.0,
         "transient": 5.0,
@@ -474,16 +476,16 @@ def test_points_of_a_map_agree(name, in_lanes):
         "tolerance": 1e-8,
     }
     native = run_fastest if in_lanes else run_scalar
-    plan = make_plan(system, None, **given)
-    (expected, _), (moved, _), (found, _) = (
+    plan = make_plan(system, None, **arguments)
+    (expected, _), (moved, _), (result, _) = (
         run_chunk(plan, 0, native),
-        run_chunk(make_plan(shifted(system), None, **given), 0, native),
+        run_chunk(make_plan(shifted(system), None, **arguments), 0, native),
         run_chunk(plan, 0, run_points_in_node(in_lanes)),
     )
-    assert np.array_equal(found["status"], expected["status"])
+    assert np.array_equal(result["status"], expected["status"])
     regular = np.max(list(apart(moved, expected).values()), axis=0) < REGULAR
     assert np.count_nonzero(regular) >= 50
-    sizes = apart(found, expected)
+    sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
         assert size[regular].max() <= OBSERVED, variable

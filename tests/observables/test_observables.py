@@ -110,15 +110,15 @@ def per_ball(run, name):
 
 def tops(t, x, v):
     """All samples of |x|, and its stationary values between them."""
-    found = list(np.abs(x))
+    result = list(np.abs(x))
     for i in np.flatnonzero((v[:-1] * v[1:] < 0.0) & (np.diff(t) > 1e-9)):
         h = t[i + 1] - t[i]
         u = v[i] / (v[i] - v[i + 1])
         # cubic Hermite: samples are a millisecond apart, its error is below 1e-12
         d = x[i + 1] - x[i]
         b, c = v[i] * h, v[i + 1] * h
-        found.append(abs(x[i] + u * (b + u * ((3 * d - 2 * b - c) + u * (b + c - 2 * d)))))
-    return found
+        result.append(abs(x[i] + u * (b + u * ((3 * d - 2 * b - c) + u * (b + c - 2 * d)))))
+    return result
 
 
 def sign_changes(values):
@@ -148,53 +148,55 @@ def by_hand(name, begin):
     late = t >= begin
     observed = DURATION - begin
     x, v = per_ball(run, "angle"), per_ball(run, "angular_velocity")
-    found = {"final_angle": x[:, -1], "final_angular_velocity": v[:, -1]}
+    result = {"final_angle": x[:, -1], "final_angular_velocity": v[:, -1]}
     energy = per_ball(run, "total_energy")
-    found["mean_energy"] = (energy * np.where(late, weights, 0.0)).sum(axis=1) / observed
-    found["crossings"] = [sign_changes(np.cos(a[late]) - math.cos(2.0)) for a in x]
-    found["rotations"] = [sign_changes(np.cos(0.5 * a[late])) for a in x]
+    result["mean_energy"] = (energy * np.where(late, weights, 0.0)).sum(axis=1) / observed
+    result["crossings"] = [sign_changes(np.cos(a[late]) - math.cos(2.0)) for a in x]
+    result["rotations"] = [sign_changes(np.cos(0.5 * a[late])) for a in x]
     when, kind = run.contact_time.values, run.contact_kind.values
     walls = []
     if system.angles == 1 and system.has_contacts:
         wall = {"bottom": system.contact_angle_low, "top": system.contact_angle_high}
         walls = [(a, wall[k]) for a, k in zip(when, kind, strict=True) if k in wall]
     bounced = [[w for a, w in walls if a >= since] for since in (0.0, begin)]
-    found["largest_angle"] = [max(tops(t, *a) + bounced[0]) for a in zip(x, v, strict=True)]
-    found["largest_angle_after_transient"] = [
+    result["largest_angle"] = [max(tops(t, *a) + bounced[0]) for a in zip(x, v, strict=True)]
+    result["largest_angle_after_transient"] = [
         max(tops(t[late], a[late], b[late]) + bounced[1]) for a, b in zip(x, v, strict=True)
     ]
-    found["motion_class"] = [
+    result["motion_class"] = [
         2 if a >= math.pi / 2 else 1 if b >= math.pi / 4 else 0
-        for a, b in zip(found["largest_angle"], found["largest_angle_after_transient"], strict=True)
+        for a, b in zip(
+            result["largest_angle"], result["largest_angle_after_transient"], strict=True
+        )
     ]
-    found["self_start"] = np.max(np.abs(x - x[:, :1]), axis=1) > 0.01
-    found["first_passage"] = [first_passage(t, *a, 1.2) for a in zip(x, v, strict=True)]
+    result["self_start"] = np.max(np.abs(x - x[:, :1]), axis=1) > 0.01
+    result["first_passage"] = [first_passage(t, *a, 1.2) for a in zip(x, v, strict=True)]
     for side in ("bottom", "top"):
-        found[f"{side}_contacts"] = [np.count_nonzero((kind == side) & (when >= begin))] * balls
+        result[f"{side}_contacts"] = [np.count_nonzero((kind == side) & (when >= begin))] * balls
     hits = np.isin(kind, ("bottom", "top")) & (when >= begin)
     before = per_ball(run, "angular_velocity_before")[:, hits]
     speeds = np.abs(before[0] - before[1] if balls == 2 else before[0])
     nothing = math.nan
-    found["mean_impact_speed"] = [speeds.mean() if len(speeds) else nothing] * balls
-    found["impact_speed_deviation"] = [speeds.std() if len(speeds) else nothing] * balls
-    found["largest_impact_speed"] = [speeds.max() if len(speeds) else nothing] * balls
+    result["mean_impact_speed"] = [speeds.mean() if len(speeds) else nothing] * balls
+    result["impact_speed_deviation"] = [speeds.std() if len(speeds) else nothing] * balls
+    result["largest_impact_speed"] = [speeds.max() if len(speeds) else nothing] * balls
     rests, releases = when[kind == "rest"], when[kind == "release"]
     if name == "toy at rest":  # it has been in contact all the time, which no row tells
         rests = np.array([0.0])
     ends = [min(releases[releases > a], default=DURATION) for a in rests]
     held = sum(max(0.0, b - max(a, begin)) for a, b in zip(rests, ends, strict=True))
-    found["rest_fraction"] = [held / observed] * balls
+    result["rest_fraction"] = [held / observed] * balls
     first = int(np.flatnonzero(t == begin)[0])
     for name_ in LEDGER:
         ledger = run[name_].values
-        found[name_] = ledger[-1] - ledger[first]
+        result[name_] = ledger[-1] - ledger[first]
     pushed = []
     for a in per_ball(run, "tension"):
         negative = np.minimum(a[late], 0.0)
         share = np.where(negative < 0.0, 1.0, 0.0)
         pushed.append(float((np.diff(t[late]) * 0.5 * (share[1:] + share[:-1])).sum()) / observed)
-    found["compression_fraction"] = pushed
-    return {k: np.asarray(a, dtype=np.float64) for k, a in found.items()}
+    result["compression_fraction"] = pushed
+    return {k: np.asarray(a, dtype=np.float64) for k, a in result.items()}
 
 
 @functools.cache
@@ -226,15 +228,15 @@ def compare(name, how, executor):
     """Hold every variable of a sweep against the dense run."""
     system, drive, _ = CASES[name]
     begin = transient_of(system, drive, **TRANSIENTS[how])
-    wanted = by_hand(name, begin)
+    target = by_hand(name, begin)
     largest_energy = float(dense_run(name, begin)[0].total_energy.max())
-    found = swept(name, how, executor)
-    for variable, values in wanted.items():
+    result = swept(name, how, executor)
+    for variable, values in target.items():
         alone = system.angles == 1 or variable in LEDGER
         expected = np.ravel(values)[0] if alone else values
         atol = tolerance_of(variable, largest_energy)
         np.testing.assert_allclose(
-            found[variable].values, expected, rtol=0.0, atol=atol, err_msg=variable
+            result[variable].values, expected, rtol=0.0, atol=atol, err_msg=variable
         )
 
 
@@ -253,14 +255,14 @@ def test_mean_energy_has_order_four():
     system, drive, start = CASES["rotating pendulum"]
     exact = by_hand("rotating pendulum", 0.0)["mean_energy"][0]
     # a step is 5 tolerance^(1/6) over the rate; the motion itself, of order 6, is far better
-    found = [
+    result = [
         ll.sweep(
             system, drive, axes={"gravity": [9.8]}, duration=DURATION, observables=["mean_energy"],
             tolerance=tolerance, executor="reference", **start,
         ).mean_energy.item()
         for tolerance in (1e-9, 1e-9 / 64.0, 1e-9 / 64.0**2)
     ]  # fmt: skip
-    errors = np.abs(np.array(found) - exact)
+    errors = np.abs(np.array(result) - exact)
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4.0, abs=0.1)
 
 
@@ -272,11 +274,11 @@ def test_variables_of_two_balls_are_the_same_compiled():
 
 
 def test_every_registered_observable_is_held_against_a_dense_run():
-    shown = set(by_hand("bouncing toy", 0.0)) | set(PoincareSection.variables)
-    shown |= set(ResponseSamples.variables)  # in tests/analysis/test_periods.py
+    output = set(by_hand("bouncing toy", 0.0)) | set(PoincareSection.variables)
+    output |= set(ResponseSamples.variables)  # in tests/analysis/test_periods.py
     for name, kind in observables.items():
         # What becomes of deviations is held against differences, in tests/analysis/test_flow.py.
-        assert kind.tangent is not None or set(kind.variables) <= shown, name
+        assert kind.tangent is not None or set(kind.variables) <= output, name
 
 
 def test_the_cases_have_something_to_find():
@@ -296,12 +298,12 @@ def test_stroboscope_gives_the_state_at_whole_periods(name):
     times = period * np.arange(last - 3, last + 1)
     run = ll.simulate(system, drive, **start, times=times, duration=DURATION, tolerance=TOLERANCE)
     executor = "reference" if system.angles == 2 else "threads"
-    found = swept(name, "no transient", executor)
-    assert found.sizes["sample"] == 4
+    result = swept(name, "no transient", executor)
+    assert result.sizes["sample"] == 4
     pairs = {"section_angle": "angle", "section_angular_velocity": "angular_velocity"}
     for variable, plain in pairs.items():
         # a step ends at each sample: other steps, each with its share of the tolerance
-        np.testing.assert_allclose(found[variable].values, run[plain].values, rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(result[variable].values, run[plain].values, rtol=0.0, atol=1e-8)
 
 
 def test_stroboscope_leaves_out_what_is_before_the_start_or_in_the_transient():
@@ -310,10 +312,10 @@ def test_stroboscope_leaves_out_what_is_before_the_start_or_in_the_transient():
     options = {"observables": [PoincareSection(periods=4)], "executor": "reference", **start}
     axes = {"gravity": [9.8]}
     for transient, known in ((0.0, [False, True, True, True]), (1.5, [False, False, False, True])):
-        found = ll.sweep(
+        result = ll.sweep(
             system, drive, axes=axes, duration=2.2 * period, transient=transient * period, **options
         )
-        angles = found.section_angle.values[0]
+        angles = result.section_angle.values[0]
         assert list(np.isfinite(angles)) == known
         if not transient:
             assert angles[1] == start["initial_angle"]  # period 0 is the start itself
@@ -323,7 +325,7 @@ def test_stroboscope_leaves_out_what_is_before_the_start_or_in_the_transient():
 def test_a_whole_number_of_periods_ends_with_the_final_state(periods, frequency):
     # the last two durations are rounded to just below so many periods
     system, _, start = CASES["rotating pendulum"]
-    found = ll.sweep(
+    result = ll.sweep(
         system,
         ll.Harmonic(drive_amplitude=0.1, drive_frequency=frequency),
         axes={"gravity": [9.8]},
@@ -332,9 +334,9 @@ def test_a_whole_number_of_periods_ends_with_the_final_state(periods, frequency)
         executor="reference",
         **start,
     )
-    assert found.section_angle.values[0, -1] == found.final_angle.values[0]
-    velocity = found.section_angular_velocity.values[0, -1]
-    assert velocity == found.final_angular_velocity.values[0]
+    assert result.section_angle.values[0, -1] == result.final_angle.values[0]
+    velocity = result.section_angular_velocity.values[0, -1]
+    assert velocity == result.final_angular_velocity.values[0]
 
 
 @pytest.mark.parametrize("angle", [0.3, 1.0, 2.0, 3.1])
@@ -361,9 +363,13 @@ def test_a_level_just_below_the_turning_point_is_crossed_twice_a_swing(turn):
     # The swing from 2 rad turns 1e-4 rad beyond the level and is back within 2 sqrt(2 1e-4/8.9)
     # = 9.5 ms; a step takes 73 ms at tolerance 1e-8, so that most turns lie within one. Between
     # walls the ball comes back in the time of one fall, on the same side.
-    given = {"length": 1.0, "mass": 0.8}
+    arguments = {"length": 1.0, "mass": 0.8}
     low = 0.0 if turn == "free" else 0.1
-    system = ll.Pendulum(**given) if turn == "free" else ll.LatoLato(**given, radius=math.sin(low))
+    system = (
+        ll.Pendulum(**arguments)
+        if turn == "free"
+        else ll.LatoLato(**arguments, radius=math.sin(low))
+    )
     fall = quad(
         # dt = dth/sqrt(2 g (cos th - cos 2)), th = 2 - (2 - low) s^2
         lambda s: 2.0 * (2.0 - low) * s
@@ -371,11 +377,11 @@ def test_a_level_just_below_the_turning_point_is_crossed_twice_a_swing(turn):
         0.0, 1.0,
     )[0]  # fmt: skip
     swings = 20
-    found = ll.sweep(
+    result = ll.sweep(
         system, axes={"initial_angle": [2.0]}, duration=(2 * swings + 1) * fall, tolerance=1e-8,
         observables=[Crossings(crossing_angle=2.0 - 1e-4)], executor="reference",
     )  # fmt: skip
-    assert float(found.crossings[0]) == 1.0 + 2.0 * swings  # the start is beyond the level
+    assert float(result.crossings[0]) == 1.0 + 2.0 * swings  # the start is beyond the level
 
 
 def test_friction_that_holds_the_ball_counts_as_rest():
@@ -384,36 +390,36 @@ def test_friction_that_holds_the_ball_counts_as_rest():
         system, initial_angle=0.5, duration=DURATION, times=np.linspace(0.0, DURATION, 100_001)
     )
     held = run.angular_velocity.values == 0.0
-    found = ll.sweep(
+    result = ll.sweep(
         system, axes={"gravity": [9.8]}, initial_angle=0.5, duration=DURATION,
         observables=["rest_fraction"], executor="reference", tolerance=TOLERANCE,
     )  # fmt: skip
-    assert 0.3 < float(found.rest_fraction[0]) < 1.0
+    assert 0.3 < float(result.rest_fraction[0]) < 1.0
     # one of a hundred thousand samples may lie on either side of the stop, one more is the start
-    assert float(found.rest_fraction[0]) == pytest.approx(np.mean(held), abs=3e-5)
+    assert float(result.rest_fraction[0]) == pytest.approx(np.mean(held), abs=3e-5)
 
 
 @pytest.mark.parametrize(
-    "limits, wanted", [((1.0, 0.5), 2.0), ((1.3, 1.0), 1.0), ((1.3, 1.25), 0.0)]
+    "limits, expected", [((1.0, 0.5), 2.0), ((1.3, 1.0), 1.0), ((1.3, 1.25), 0.0)]
 )
-def test_motion_class_follows_its_angles(limits, wanted):
+def test_motion_class_follows_its_angles(limits, expected):
     # 1.2 rad at first, 1.05 rad after a few swings of light damping
     strong, weak = limits
-    found = ll.sweep(
+    result = ll.sweep(
         ll.Pendulum(length=1.0, mass=0.8, damping=0.05), axes={"initial_angle": [1.2]},
         duration=DURATION, transient=3.0, executor="reference",
         observables=[MotionClass(strong_angle=strong, weak_angle=weak)],
     )  # fmt: skip
-    assert float(found.motion_class[0]) == wanted
+    assert float(result.motion_class[0]) == expected
 
 
 @pytest.mark.parametrize("least, moved", [(0.05, 1.0), (0.5, 0.0)])
 def test_self_start_is_a_motion_by_more_than_its_angle(least, moved):
-    found = ll.sweep(
+    result = ll.sweep(
         ll.Pendulum(length=1.0, mass=0.8), axes={"initial_angle": [0.2]}, duration=3.0,
         observables=[SelfStart(least_motion=least)], executor="reference",
     )  # fmt: skip
-    assert float(found.self_start[0]) == moved
+    assert float(result.self_start[0]) == moved
 
 
 def test_a_parabola_through_a_turn_is_met_exactly():
@@ -486,8 +492,8 @@ def one_point(observable, **options):
 
 def test_an_observable_of_ones_own_runs_on_every_executor(monkeypatch):
     monkeypatch.setitem(observables._entries, "time_seen", TimeSeen)
-    found = [one_point(TimeSeen(), executor=name) for name in ("threads", "reference")]
-    for each in found:
+    result = [one_point(TimeSeen(), executor=name) for name in ("threads", "reference")]
+    for each in result:
         assert each.time_seen.item() == pytest.approx(2.0, rel=1e-12)
 
 

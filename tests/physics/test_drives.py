@@ -58,8 +58,8 @@ def test_velocity_and_acceleration_are_the_derivatives_of_height(drive):
 
 
 def test_height_is_continuous_where_stretches_meet(drive):
-    found = pieces(drive)
-    for (_, end, p), (_, _, q) in itertools.pairwise(found):
+    result = pieces(drive)
+    for (_, end, p), (_, _, q) in itertools.pairwise(result):
         assert drive.height(end, p) == pytest.approx(drive.height(end, q), abs=1e-14)
 
 
@@ -134,9 +134,9 @@ def test_zero_amplitude_is_a_pivot_at_rest(name):
 
 class TestHarmonic:
     def test_height_is_the_papers_cosine(self):
-        found = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26, drive_phase=0.7)
+        drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26, drive_phase=0.7)
         for t in (0.0, 0.3, 8.1):
-            y, v, a = motion(found, t)
+            y, v, a = motion(drive, t)
             assert y == pytest.approx(0.2 * math.cos(6.26 * t + 0.7), abs=1e-15)
             assert v == pytest.approx(-0.2 * 6.26 * math.sin(6.26 * t + 0.7), abs=1e-14)
             assert a == pytest.approx(-0.2 * 6.26**2 * math.cos(6.26 * t + 0.7), abs=1e-13)
@@ -144,23 +144,23 @@ class TestHarmonic:
 
 class TestSwept:
     def test_frequency_at_an_instant_is_that_of_the_stage(self):
-        found = ll.FrequencySchedule(
+        drive = ll.FrequencySchedule(
             drive_amplitude=0.03, times=[0.0, 4.0], drive_frequencies=[19.83, 15.11], ramp=0.5
         )
         # The phase grows by the integral of the frequency: trapezoids are exact for a ramp.
         phase = 4.0 * 19.83 + 0.5 * (19.83 + 15.11) / 2.0 + 1.5 * 15.11
-        assert motion(found, 6.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
+        assert motion(drive, 6.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
         middle = 4.0 * 19.83 + 0.25 * (19.83 + (19.83 + 15.11) / 2.0) / 2.0
-        y, v, _ = motion(found, 4.25)
+        y, v, _ = motion(drive, 4.25)
         assert y == pytest.approx(0.03 * math.cos(middle), abs=1e-14)
         assert v == pytest.approx(-0.03 * (19.83 + 15.11) / 2.0 * math.sin(middle), abs=1e-13)
 
     def test_step_without_ramp_keeps_the_phase(self):
-        found = ll.FrequencySchedule(
+        drive = ll.FrequencySchedule(
             drive_amplitude=0.03, times=[0.0, 4.166], drive_frequencies=[19.83, 15.11]
         )
         phase = 4.166 * 19.83 + (9.0 - 4.166) * 15.11
-        assert motion(found, 9.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
+        assert motion(drive, 9.0)[0] == pytest.approx(0.03 * math.cos(phase), abs=1e-14)
 
     def test_one_stage_is_the_harmonic_drive(self):
         one = ll.FrequencySchedule(
@@ -171,11 +171,11 @@ class TestSwept:
             assert motion(one, t) == pytest.approx(motion(same, t), abs=1e-13)
 
     def test_short_ramp_tends_to_the_step(self):
-        given = {"drive_amplitude": 0.03, "times": [0.0, 2.0], "drive_frequencies": [9.0, 5.0]}
-        step = ll.FrequencySchedule(**given)
+        arguments = {"drive_amplitude": 0.03, "times": [0.0, 2.0], "drive_frequencies": [9.0, 5.0]}
+        step = ll.FrequencySchedule(**arguments)
         y = motion(step, 6.0)[0]
         gaps = [
-            abs(motion(ll.FrequencySchedule(**given, ramp=ramp), 6.0)[0] - y)
+            abs(motion(ll.FrequencySchedule(**arguments, ramp=ramp), 6.0)[0] - y)
             for ramp in (1e-2, 1e-3)
         ]
         # The phase differs by (9 - 5) ramp / 2.
@@ -193,15 +193,19 @@ class TestSwept:
         assert motion(chirp, 7.0)[0] == pytest.approx(0.02 * math.cos(phase + 18.0), abs=1e-14)
 
     def test_transmitted_jump_is_the_pivots_velocity_jump(self):
-        given = {"drive_amplitude": 0.03, "times": [0.0, 2.0, 5.0], "drive_frequencies": [9, 5, 8]}
-        step = ll.FrequencySchedule(**given, step_impulse=True)
-        found = pieces(step)
-        for (_, end, p), (_, _, q) in itertools.pairwise(found):
+        arguments = {
+            "drive_amplitude": 0.03,
+            "times": [0.0, 2.0, 5.0],
+            "drive_frequencies": [9, 5, 8],
+        }
+        step = ll.FrequencySchedule(**arguments, step_impulse=True)
+        result = pieces(step)
+        for (_, end, p), (_, _, q) in itertools.pairwise(result):
             jump = step.velocity(end, q) - step.velocity(end, p)
             assert q.jump == pytest.approx(jump, abs=1e-13)
             assert q.jump != 0.0
         for unlike in ({}, {"ramp": 0.5, "step_impulse": True}):
-            none = ll.FrequencySchedule(**given, **unlike)
+            none = ll.FrequencySchedule(**arguments, **unlike)
             assert {stretch.jump for stretch in none.stretches(END)} == {0.0}
 
     def test_starts_increase_where_a_ramp_fills_its_stage(self):
@@ -211,13 +215,13 @@ class TestSwept:
             times = np.cumsum(np.round(rng.uniform(0.1, 2.0, 4), 1)).round(1)
             times = [0.0, *map(float, times)]
             ramp = min(b - a for a, b in itertools.pairwise(times))
-            found = ll.FrequencySchedule(
+            drive = ll.FrequencySchedule(
                 drive_amplitude=0.03,
                 times=times,
                 drive_frequencies=[5.0, 6.0, 4.0, 7.0, 5.0],
                 ramp=ramp,
             )
-            starts = [s.start for s in found.stretches(100.0)]
+            starts = [s.start for s in drive.stretches(100.0)]
             assert all(b > a for a, b in itertools.pairwise(starts)), (times, ramp)
 
 
@@ -339,9 +343,9 @@ class TestCrankSlider:
         with mp.workdps(40):
             for t in (0.0, 0.1, 0.234, 0.31):
                 exact = [float(mp.diff(height, mp.mpf(t), n)) for n in (0, 1, 2)]
-                found = motion(crank, t)
+                result = motion(crank, t)
                 size = crank.largest_acceleration
-                for order, (mine, true) in enumerate(zip(found, exact, strict=True)):
+                for order, (mine, true) in enumerate(zip(result, exact, strict=True)):
                     assert mine == pytest.approx(true, abs=1e-13 * max(size / w ** (2 - order), a))
 
     @pytest.mark.parametrize("guide", ["below", "above"])
@@ -373,9 +377,9 @@ class TestCrankSlider:
 
 
 class TestMeasuredPivot:
-    def sampled_cosine(self, rate, **given):
+    def sampled_cosine(self, rate, **arguments):
         times = np.arange(0.0, 5.0 + 0.5 / rate, 1.0 / rate)
-        return ll.MeasuredPivot(times=times, pivot_heights=0.02 * np.cos(15.0 * times), **given)
+        return ll.MeasuredPivot(times=times, pivot_heights=0.02 * np.cos(15.0 * times), **arguments)
 
     def test_the_fastest_frequency_is_that_of_a_cosine(self):
         assert self.sampled_cosine(120.0).fastest_frequency == pytest.approx(15.0, rel=0.02)
@@ -385,22 +389,22 @@ class TestMeasuredPivot:
         same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
         gaps = []
         for rate in (120.0, 240.0):
-            found = self.sampled_cosine(rate)
+            drive = self.sampled_cosine(rate)
             inner = np.linspace(1.0, 4.0, 301)
-            gaps.append(max(abs(motion(found, t, 5.0)[2] - motion(same, t, 5.0)[2]) for t in inner))
+            gaps.append(max(abs(motion(drive, t, 5.0)[2] - motion(same, t, 5.0)[2]) for t in inner))
         assert gaps[0] < 1e-4 * 0.02 * 15.0**2
         assert gaps[0] / gaps[1] == pytest.approx(16.0, rel=0.2)
 
     def test_heights_pass_through_the_samples(self):
-        found = self.sampled_cosine(60.0)
-        for t, y in zip(found.times, found.pivot_heights, strict=True):
-            assert motion(found, t, 5.0)[0] == pytest.approx(y, abs=1e-15)
+        drive = self.sampled_cosine(60.0)
+        for t, y in zip(drive.times, drive.pivot_heights, strict=True):
+            assert motion(drive, t, 5.0)[0] == pytest.approx(y, abs=1e-15)
 
     def test_acceleration_is_smooth_across_samples(self):
-        found = self.sampled_cosine(60.0)
-        joints = pieces(found, 5.0)
+        drive = self.sampled_cosine(60.0)
+        joints = pieces(drive, 5.0)
         for (_, end, p), (_, _, q) in itertools.pairwise(joints):
-            assert found.acceleration(end, p) == pytest.approx(found.acceleration(end, q), abs=1e-9)
+            assert drive.acceleration(end, p) == pytest.approx(drive.acceleration(end, q), abs=1e-9)
 
     def test_smoothing_takes_the_noise_away(self):
         rng = np.random.default_rng(1)
@@ -411,8 +415,8 @@ class TestMeasuredPivot:
         smooth = ll.MeasuredPivot(times=times, pivot_heights=noisy, height_sigma=1e-4)
         inner = np.linspace(1.0, 4.0, 301)
 
-        def error(found):
-            gaps = [motion(found, t, 4.9)[2] + 15.0**2 * 0.02 * math.cos(15.0 * t) for t in inner]
+        def error(result):
+            gaps = [motion(result, t, 4.9)[2] + 15.0**2 * 0.02 * math.cos(15.0 * t) for t in inner]
             return float(np.sqrt(np.mean(np.square(gaps))))
 
         assert error(smooth) < 0.05 * error(rough)
@@ -428,9 +432,9 @@ class TestMeasuredPivot:
             ll.MeasuredPivot(times=times, pivot_heights=heights)
 
     def test_run_outside_the_samples_is_refused(self):
-        found = self.sampled_cosine(60.0)
+        drive = self.sampled_cosine(60.0)
         with pytest.raises(ValueError, match="cover 0 to 5 s, but the run goes from 0 to 6 s"):
-            found.stretches(6.0)
+            drive.stretches(6.0)
         late = ll.MeasuredPivot(times=np.arange(0.5, 6.0, 0.5), pivot_heights=[0.0] * 11)
         with pytest.raises(ValueError, match=r"cover 0\.5 to 5\.5 s, but the run goes"):
             late.stretches(5.0)

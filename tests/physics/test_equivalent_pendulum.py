@@ -13,8 +13,8 @@ from latolato.core.errors import InputError
 sizes = st.floats(0.01, 5.0)
 
 
-def change_of_frequency(**given):
-    length, _ = ll.equivalent_pendulum(1.0, 1.0, **given)
+def change_of_frequency(**arguments):
+    length, _ = ll.equivalent_pendulum(1.0, 1.0, **arguments)
     return math.sqrt(1.0 / length) - 1.0
 
 
@@ -35,7 +35,7 @@ def test_point_mass_on_a_massless_rod_is_itself():
 @given(length=sizes, mass=sizes, rod_mass=sizes, share=st.just(0.0) | st.floats(0.01, 0.9))
 def test_inertia_and_static_moment_are_those_of_the_bodies(length, mass, rod_mass, share):
     radius = share * length
-    found, heavy = ll.equivalent_pendulum(length, mass, rod_mass, radius)
+    result, heavy = ll.equivalent_pendulum(length, mass, rod_mass, radius)
     # Moment of inertia and static moment of the rod by quadrature along it.
     rod_inertia = quad(lambda s: s * s, 0.0, length)[0] * rod_mass / length
     rod_moment = quad(lambda s: s, 0.0, length)[0] * rod_mass / length
@@ -45,12 +45,12 @@ def test_inertia_and_static_moment_are_those_of_the_bodies(length, mass, rod_mas
         density = mass / (4.0 / 3.0 * math.pi * radius**3)
         own = quad(lambda s: 8.0 * math.pi / 3.0 * density * s**4, 0.0, radius)[0]
     inertia = mass * length**2 + own + rod_inertia
-    assert heavy * found**2 == pytest.approx(inertia, rel=1e-9)
-    assert heavy * found == pytest.approx(mass * length + rod_moment, rel=1e-9)
+    assert heavy * result**2 == pytest.approx(inertia, rel=1e-9)
+    assert heavy * result == pytest.approx(mass * length + rod_moment, rel=1e-9)
 
 
 @pytest.mark.parametrize(
-    "given",
+    "arguments",
     [
         {"length": -1.0, "mass": 1.0},
         {"length": 1.0, "mass": 0.0},
@@ -60,9 +60,9 @@ def test_inertia_and_static_moment_are_those_of_the_bodies(length, mass, rod_mas
         {"length": 1.0, "mass": 1.0, "rod_mass": math.inf},
     ],
 )
-def test_bad_input_is_refused(given):
+def test_bad_input_is_refused(arguments):
     with pytest.raises(ValueError, match="must"):
-        ll.equivalent_pendulum(**given)
+        ll.equivalent_pendulum(**arguments)
 
 
 @pytest.mark.parametrize("wrong", ["0.1", None])

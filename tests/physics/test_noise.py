@@ -26,12 +26,12 @@ def test_every_field_carries_its_quantity_and_range(law):
 
 def test_thermal_noise_balances_the_damping():
     # sigma^2 = 2 gamma k_B T / (m l^2) with gamma = C/(m l)
-    found = ll.VelocityKicks.thermal(TOY, temperature=300, noise_seed=4)
-    wanted = 2.0 * (0.01 / (0.2 * 0.5)) * BOLTZMANN * 300.0 / (0.2 * 0.5**2)
-    assert found.noise_strength == pytest.approx(
-        math.sqrt(wanted), rel=1e-15
+    result = ll.VelocityKicks.thermal(TOY, temperature=300, noise_seed=4)
+    expected = 2.0 * (0.01 / (0.2 * 0.5)) * BOLTZMANN * 300.0 / (0.2 * 0.5**2)
+    assert result.noise_strength == pytest.approx(
+        math.sqrt(expected), rel=1e-15
     )  # rounding of one root
-    assert found.noise_seed == 4
+    assert result.noise_seed == 4
 
 
 @pytest.mark.parametrize(
@@ -96,8 +96,8 @@ def test_wrong_parameters_are_refused(options, message):
 def test_the_noise_is_found_among_the_attributes_of_a_run(tmp_path):
     noise = ll.VelocityKicks(noise_strength=0.1, noise_seed=2**63 - 1)
     run = ll.simulate(TOY, initial_angle=0.5, duration=0.2, noise=noise)
-    for found in (run, ll.load(ll.save(run, tmp_path / "run.nc"))):
-        assert found.attrs["noise_strength"] == 0.1
-        assert found.attrs["noise_seed"] == 2**63 - 1
-        assert found.attrs["noise_interval"] == noise.spacing(TOY)  # the default, as used
+    for result in (run, ll.load(ll.save(run, tmp_path / "run.nc"))):
+        assert result.attrs["noise_strength"] == 0.1
+        assert result.attrs["noise_seed"] == 2**63 - 1
+        assert result.attrs["noise_interval"] == noise.spacing(TOY)  # the default, as used
     assert "noise_seed" not in ll.simulate(TOY, initial_angle=0.5, duration=0.2).attrs

@@ -352,7 +352,7 @@ def cases():
         return Run([ball], drive, [angle], [speed], order=order, step=step, **options).until(times)
 
     def common(ball, drive, angle, speed, times, **more):
-        found = {
+        result = {
             "gravity": GRAVITY,
             "length": ball["length"],
             "mass": ball["mass"],
@@ -362,8 +362,8 @@ def cases():
             "initial_angular_velocity": speed,
             "duration": times[-1],
         }
-        found.update(more)
-        return found
+        result.update(more)
+        return result
 
     def case(name, text, model, ball, drive, made, angle, speed, times, radius=None, e="1", **more):
         extra, options = {}, {}
@@ -513,14 +513,14 @@ def cases():
 
 def numbers(run):
     """All stored numbers of a run."""
-    found = []
+    result = []
     for t, x, v, energies, work, damped, lost in run.states:
-        found += [t, *x, *v, *energies, work, damped, lost]
+        result += [t, *x, *v, *energies, work, damped, lost]
     for _, t, x, before, after in run.contacts:
-        found += [t, *x, *before, *after]
+        result += [t, *x, *before, *after]
     if run.compression_first is not None:
-        found += [run.compression_first, run.compression_total]
-    return found
+        result += [run.compression_first, run.compression_total]
+    return result
 
 
 def text(value):

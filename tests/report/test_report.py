@@ -139,6 +139,11 @@ def test_every_claim_is_on_the_page_with_its_verdict_in_words(made, read):
         assert claim.where.split(",")[0] in text
 
 
+def test_no_figure_warns_of_anything(made):
+    # The page lists warnings of runs; any other one is an error in all tests.
+    assert "Warnings of the runs" not in made[0].index.read_text(encoding="utf-8")
+
+
 def test_nothing_of_the_machine_is_on_the_page(made):
     text = made[0].index.read_text(encoding="utf-8")
     for secret in (str(made[0].index.parent), "/home/", "/root/", "/tmp/"):
@@ -209,7 +214,7 @@ def test_a_file_in_the_way_is_refused(tmp_path):
     assert target.read_text() == "mine"
 
 
-def test_warnings_of_runs_are_told_on_the_page(one_figure, tmp_path):
+def test_warnings_of_runs_are_on_the_page(one_figure, tmp_path):
     import warnings
 
     figure = one_figure["fig01"]
@@ -243,7 +248,7 @@ def test_a_report_is_quick_or_full(tmp_path):
         report.reproduce(tmp_path / "out", quick=True, full=True)
 
 
-def test_errors_name_the_folder_that_was_given(one_figure, tmp_path, monkeypatch):
+def test_errors_name_the_folder_of_the_caller(one_figure, tmp_path, monkeypatch):
     folder = tmp_path / "rep"
 
     def full(path, *_, **__):
@@ -266,7 +271,7 @@ def test_a_folder_that_cannot_be_made_is_named():
 
 
 @pytest.mark.parametrize("here", [".", "../there"])
-def test_the_current_folder_can_be_given(one_figure, tmp_path, monkeypatch, here):
+def test_the_current_folder_may_be_named(one_figure, tmp_path, monkeypatch, here):
     folder = tmp_path / "there"
     folder.mkdir()
     monkeypatch.chdir(folder)
@@ -275,13 +280,13 @@ def test_the_current_folder_can_be_given(one_figure, tmp_path, monkeypatch, here
     assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 
-def test_an_assumption_within_another_is_told_once():
+def test_an_assumption_within_another_is_stated_once():
     text = page._assumed(["A0 is 15 mm.", "A0 is 15 mm. It rests.", "", "A0 is 15 mm."])
     assert text.count("Assumed:") == 1
     assert "It rests." in text
 
 
-def test_captions_do_not_tell_their_assumptions_twice(read):
+def test_captions_state_their_assumptions_once(read):
     """No two sentences of one caption share a run of six words."""
     text = re.sub(r"\s+", " ", " ".join(read.text))
     for number in ("6", "8"):
@@ -323,11 +328,11 @@ def test_the_settled_amplitude_has_the_same_digits_everywhere(made):
 
 def test_the_terminal_shows_every_claim_and_the_path(made, capsys):
     print_result(made[0], as_json=False)
-    shown = capsys.readouterr().out
-    assert str(made[0].index) in shown.replace("\n", "")
-    words = " ".join(shown.split())
+    output = capsys.readouterr().out
+    assert str(made[0].index) in output.replace("\n", "")
+    words = " ".join(output.split())
     assert words.count("Assumed:") == sum(bool(claim.assumption) for claim in made[0].claims)
     assert "what the paper says" in words
     for verdict in Verdict:
         count = sum(claim.verdict is verdict for claim in made[0].claims)
-        assert shown.count(report.SHAPES[verdict]) == count
+        assert output.count(report.SHAPES[verdict]) == count

@@ -70,9 +70,9 @@ def test_scenarios_and_figures_of_the_paper_use_the_same_parameters(name, system
     shipped = load_scenario(name)
     for part, expected in ((shipped.system, system), (shipped.drive, drive)):
         if expected is not None:
-            found = dataclasses.asdict(part)
+            result = dataclasses.asdict(part)
             # 0.08 * 0.245 m and 0.0196 m differ by a rounding
-            assert found == pytest.approx(dataclasses.asdict(expected), rel=1e-15)
+            assert result == pytest.approx(dataclasses.asdict(expected), rel=1e-15)
 
 
 def test_the_printed_start_of_figure_4_never_moves_and_the_push_reaches_the_top():
@@ -94,8 +94,8 @@ def test_the_frequency_step_of_figure_12_catches_on_at_every_phase(name, phase):
 
 def test_a_frequency_ratio_counts_natural_frequencies():
     table = {"kind": "harmonic", "drive_amplitude": 0.02, "frequency_ratio": 1.942}
-    found = scenario(drive=table)
-    assert found.drive.drive_frequency == 1.942 * found.system.natural_frequency
+    result = scenario(drive=table)
+    assert result.drive.drive_frequency == 1.942 * result.system.natural_frequency
 
 
 def test_frequency_ratios_of_stages_and_of_a_chirp_count_natural_frequencies():
@@ -120,25 +120,25 @@ def test_frequency_ratios_of_stages_and_of_a_chirp_count_natural_frequencies():
 
 def test_two_balls_are_two_tables():
     ball = {"length": "1 m", "mass": "500 g", "radius": "10 cm"}
-    found = Scenario.from_dict(
+    result = Scenario.from_dict(
         {
             "system": {"kind": "ballpair", "right": ball, "left": ball},
             "run": {"initial_angle": ["20 deg", "-25 deg"], "duration": 1},
         }
     )
-    assert found.system.right == ll.Ball(length=1.0, mass=0.5, radius=0.1)
-    assert found.run["initial_angle"] == pytest.approx((math.pi / 9, -math.radians(25)))
+    assert result.system.right == ll.Ball(length=1.0, mass=0.5, radius=0.1)
+    assert result.run["initial_angle"] == pytest.approx((math.pi / 9, -math.radians(25)))
 
 
 def test_noise_and_clamp_are_built_from_their_tables():
-    found = scenario(
+    result = scenario(
         TOY,
         noise={"noise_strength": 0.1, "noise_seed": 3},
         run={**RUN, "contact": "clamp", "clamp_step": "2 ms"},
     )
-    assert found.run["noise"] == ll.VelocityKicks(noise_strength=0.1, noise_seed=3)
-    assert found.run["contact"] == ll.ClampContact(clamp_step=2e-3)
-    assert Scenario.from_dict(found.to_dict()) == found
+    assert result.run["noise"] == ll.VelocityKicks(noise_strength=0.1, noise_seed=3)
+    assert result.run["contact"] == ll.ClampContact(clamp_step=2e-3)
+    assert Scenario.from_dict(result.to_dict()) == result
 
 
 def test_samples_are_evenly_spaced_over_the_duration():
@@ -176,10 +176,10 @@ def test_a_changed_kind_keeps_the_parameters_that_it_knows():
         "system": {"kind": "pendulum"},
         "drive": {"kind": "crank_slider", "connecting_rod_length": 0.2},
     }
-    found = Scenario.from_dict(overridden(tables, changes))
-    assert found.system == ll.Pendulum(length=1.0, mass=0.8)
-    assert found.drive.drive_amplitude == 0.02
-    assert found.drive.connecting_rod_length == 0.2
+    result = Scenario.from_dict(overridden(tables, changes))
+    assert result.system == ll.Pendulum(length=1.0, mass=0.8)
+    assert result.drive.drive_amplitude == 0.02
+    assert result.drive.connecting_rod_length == 0.2
 
 
 def test_changing_one_ball_keeps_the_other_values_of_both():

@@ -46,11 +46,11 @@ def stop_server(server: Server) -> None:
     server.process.stdout.close()
 
 
-def frames_of(client: Any, path: str, given: Any) -> list[Any]:
+def frames_of(client: Any, path: str, request: Any) -> list[Any]:
     """Return all frames of a job's socket, from the test client, to its end."""
     with client.websocket_connect(path) as socket:
-        socket.send_text(given if isinstance(given, str) else json.dumps(given))
-        found = [socket.receive()]
-        while found[-1]["type"] != "websocket.close":
-            found.append(socket.receive())
-    return found
+        socket.send_text(request if isinstance(request, str) else json.dumps(request))
+        frames = [socket.receive()]
+        while frames[-1]["type"] != "websocket.close":
+            frames.append(socket.receive())
+    return frames

@@ -86,7 +86,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
         return noted
 
     def integrated(system: Any, drive: Any, start: Any, times: Any, end: Any, **named: Any) -> Any:
-        found = carry(system, drive, start, times, end, **named)
+        result = carry(system, drive, start, times, end, **named)
         is_clamped = named["law"].motion == "clamp"
         case.options = {
             "module": "one" if system.angles == 1 else "two",
@@ -97,8 +97,8 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
                 "piece": "clamp" if is_clamped else "engine",
             },
         }
-        case.expected = vars(found)
-        return found
+        case.expected = vars(result)
+        return result
 
     def observed(observation: Any, *laws: Any) -> None:
         look(observation, *laws)
@@ -119,11 +119,11 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
     return case
 
 
-def from_parameters(case: Case, system: Any, drive: Any, **given: Any) -> Case:
+def from_parameters(case: Case, system: Any, drive: Any, **arguments: Any) -> Case:
     """Return a case of `record_run` that Node.js begins from the run's parameters by itself."""
     (record,) = cases_of(
         system, ExactContact(), follows_ledger=1,
-        follows_tension=system.restoring is not restoring_linear, **given,
+        follows_tension=system.restoring is not restoring_linear, **arguments,
     )  # fmt: skip
     numbers = {
         field.name: value
@@ -207,9 +207,9 @@ def run_points_in_node(in_lanes: bool) -> RunPoints:
 
     def run(plan: Plan, batch: Batch, stepper: Stepper, order: Any, progress: Progress) -> None:
         case = points_case(plan, batch, stepper, order, progress, in_lanes=in_lanes)
-        (found,) = in_node([case])
+        (result,) = in_node([case])
         for name, array in progress._asdict().items():
-            array[:] = found[name]
+            array[:] = result[name]
 
     return run
 
@@ -238,9 +238,9 @@ def map_case(plan: Plan, expected: dict[str, Any], variant: str = "") -> Case:
         "parameters": {path: float(c[0]) for path, c in parameters.items() if c.dtype == np.int64},
         "drive": {"kind": kind},
         "observables": [
-            {"name": name, **({"parameters": given} if given and not o.marks else {})}
+            {"name": name, **({"parameters": arguments} if arguments and not o.marks else {})}
             for o in plan.observables
-            for name, given in [(observables.name_of(o), describe(o))]
+            for name, arguments in [(observables.name_of(o), describe(o))]
         ],
         "duration": plan.duration,
         "contact_limit": plan.contact_limit,
@@ -293,10 +293,10 @@ def in_node(cases: Iterable[Case]) -> list[dict[str, Any]]:
             [NODE, program, MODULES, folder], capture_output=True, text=True, timeout=600
         )
         assert done.returncode == 0, done.stdout + done.stderr
-        found = json.loads((folder / "found.json").read_text())
+        result = json.loads((folder / "found.json").read_text())
         read = (folder / "found.bin").read_bytes()
     results = []
-    for case, about, arrays in zip(cases, found["about"], found["arrays"], strict=True):
+    for case, about, arrays in zip(cases, result["about"], result["arrays"], strict=True):
         parts = {each["name"]: read[each["at"] : each["at"] + each["size"]] for each in arrays}
         results.append({**about, **{name: _like(name, part, case) for name, part in parts.items()}})
     return results

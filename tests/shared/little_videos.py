@@ -1,4 +1,4 @@
-"""Little videos for tests, with time stamps as asked for."""
+"""Little videos for tests, with time stamps of choice."""
 
 import struct
 from fractions import Fraction

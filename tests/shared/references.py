@@ -92,11 +92,11 @@ def read(case):
     return system, drive, start, p["duration"]
 
 
-def check(found, reference, bound, what):
+def check(result, reference, bound, what):
     reference = np.array(number(reference), dtype=float)
     scale = np.maximum(np.abs(reference), 1e-3)
-    error = np.abs(np.asarray(found, dtype=float) - reference) / scale
-    assert np.max(error, initial=0.0) <= bound, (what, found, reference, error)
+    error = np.abs(np.asarray(result, dtype=float) - reference) / scale
+    assert np.max(error, initial=0.0) <= bound, (what, result, reference, error)
 
 
 def bound_of(case):

@@ -101,10 +101,10 @@ class TestDataset:
         assert both.lab_energy.dims == both.rod_power.dims == ("time",)
 
     def test_small_angle_model_has_no_tension(self):
-        found = ll.simulate(MATHIEU, DRIVE, initial_angle=0.1, duration=1.0, frame="both")
+        result = ll.simulate(MATHIEU, DRIVE, initial_angle=0.1, duration=1.0, frame="both")
         for name in ("tension", "lab_energy", "rod_power"):
-            assert name not in found
-        assert "compression_time" not in found.attrs
+            assert name not in result
+        assert "compression_time" not in result.attrs
 
     def test_total_is_kinetic_plus_potential(self, run):
         np.testing.assert_array_equal(run.total_energy, run.kinetic_energy + run.potential_energy)
@@ -121,7 +121,7 @@ class TestDataset:
         assert set(run.contact_kind.values) <= set(CONTACT_KINDS)
 
     def test_attributes_carry_all_parameters(self, run):
-        wanted = {
+        expected = {
             "system": "latolato",
             "drive": "harmonic",
             "length": 1.0,
@@ -143,7 +143,7 @@ class TestDataset:
             "status": "complete",
             "latolato_version": ll.__version__,
         }
-        for name, value in wanted.items():
+        for name, value in expected.items():
             assert run.attrs[name] == value, name
         assert run.attrs["contact_angle_low"] == math.asin(0.1)
         assert run.attrs["rest_speed"] <= 1e-5
@@ -159,80 +159,80 @@ class TestDataset:
     @pytest.mark.parametrize("ending", ["driven", "still", "pair", "measured", "clamp", "no rows"])
     def test_netcdf_keeps_values_and_attributes(self, ending, tmp_path, run, request):
         if ending == "driven":
-            found = run
+            result = run
         elif ending == "still":
-            found = ll.simulate(TOY, initial_angle=0.7, duration=3.0)
+            result = ll.simulate(TOY, initial_angle=0.7, duration=3.0)
         elif ending == "pair":
-            found = request.getfixturevalue("pair_run")
+            result = request.getfixturevalue("pair_run")
         elif ending == "measured":
             # Longer than the 64 KiB that HDF5 allows in an object header.
             t = np.arange(0.0, 60.0, 1.0 / 240.0)
             pivot = ll.MeasuredPivot(times=t, pivot_heights=0.02 * np.cos(5.0 * t))
-            found = ll.simulate(PENDULUM, pivot, initial_angle=0.2, duration=2.0)
+            result = ll.simulate(PENDULUM, pivot, initial_angle=0.2, duration=2.0)
         elif ending == "clamp":
-            found = ll.simulate(
+            result = ll.simulate(
                 TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.ClampContact()
             )
         else:
-            found = ll.simulate(TOY, initial_angle=0.7, duration=0.1)
-            assert found.sizes["contact"] == 0
+            result = ll.simulate(TOY, initial_angle=0.7, duration=0.1)
+            assert result.sizes["contact"] == 0
         file = tmp_path / "run.nc"
-        found.to_netcdf(file, engine="h5netcdf")
+        result.to_netcdf(file, engine="h5netcdf")
         with xr.open_dataset(file, engine="h5netcdf") as read:
             read.load()
-        xr.testing.assert_equal(found, read)
-        assert set(read.attrs) == set(found.attrs)
-        for name, value in found.attrs.items():
+        xr.testing.assert_equal(result, read)
+        assert set(read.attrs) == set(result.attrs)
+        for name, value in result.attrs.items():
             if isinstance(value, str):
                 assert read.attrs[name] == value
             else:
                 np.testing.assert_array_equal(read.attrs[name], value, err_msg=name)
 
     def test_initial_offset_is_an_angle_above_the_wall(self):
-        given = {"duration": 2.0, "tolerance": 1e-10}
-        a = ll.simulate(TOY, DRIVE, initial_offset=0.3, **given)
-        b = ll.simulate(TOY, DRIVE, initial_angle=math.asin(0.1) + 0.3, **given)
+        arguments = {"duration": 2.0, "tolerance": 1e-10}
+        a = ll.simulate(TOY, DRIVE, initial_offset=0.3, **arguments)
+        b = ll.simulate(TOY, DRIVE, initial_angle=math.asin(0.1) + 0.3, **arguments)
         xr.testing.assert_equal(a, b)
 
     def test_start_within_1e_12_of_a_wall_is_on_it(self):
         low = math.asin(0.1)
         for offset in (0.0, 9e-13, -9e-13):
-            found = ll.simulate(TOY, initial_angle=low + offset, duration=1.0)
-            assert np.all(found.angle.values == low)
+            result = ll.simulate(TOY, initial_angle=low + offset, duration=1.0)
+            assert np.all(result.angle.values == low)
         assert float(ll.simulate(TOY, initial_offset=1e-11, duration=1.0).angle[0]) > low
 
 
 class TestSampling:
     def test_default_gives_100_samples_in_the_shorter_period(self):
         for drive in (None, DRIVE, ll.Harmonic(drive_amplitude=0.01, drive_frequency=40.0)):
-            found = ll.simulate(PENDULUM, drive, initial_angle=0.2, duration=7.0)
+            result = ll.simulate(PENDULUM, drive, initial_angle=0.2, duration=7.0)
             fastest = max(PENDULUM.natural_frequency, getattr(drive, "drive_frequency", 0.0))
             period = 2.0 * math.pi / fastest
-            spacing = np.diff(found.time.values)
+            spacing = np.diff(result.time.values)
             assert spacing.max() <= period / 100.0 * (1.0 + 1e-12)
-            assert found.time.values[0] == 0.0
-            assert found.time.values[-1] == 7.0
+            assert result.time.values[0] == 0.0
+            assert result.time.values[-1] == 7.0
             np.testing.assert_allclose(spacing, spacing.mean(), rtol=1e-9)
 
     def test_default_sampling_of_every_drive_is_dense(self, drive):
-        found = ll.simulate(PENDULUM, drive, initial_angle=0.2, duration=6.0)
-        t, y = found.time.values, found.pivot_height.values
+        result = ll.simulate(PENDULUM, drive, initial_angle=0.2, duration=6.0)
+        t, y = result.time.values, result.pivot_height.values
         assert np.diff(t).max() <= 2.0 * math.pi / PENDULUM.natural_frequency / 100.0
         if np.ptp(y) > 0.0:
             # 100 samples in a period: neighbours differ by at most 2 pi/100 of the amplitude.
-            rate = np.abs(found.pivot_velocity.values).max()
+            rate = np.abs(result.pivot_velocity.values).max()
             assert rate * np.diff(t).max() < 0.07 * np.ptp(y)
 
     def test_requested_times_are_the_coordinate(self):
         times = [0.0, 0.1, 1.0 / 3.0, 2.5]
-        found = ll.simulate(PENDULUM, DRIVE, initial_angle=0.2, times=times)
-        np.testing.assert_array_equal(found.time, times)
-        assert found.attrs["duration"] == 2.5
+        result = ll.simulate(PENDULUM, DRIVE, initial_angle=0.2, times=times)
+        np.testing.assert_array_equal(result.time, times)
+        assert result.attrs["duration"] == 2.5
 
     def test_run_may_last_longer_than_the_requested_times(self):
-        found = ll.simulate(TOY, initial_angle=0.7, times=[0.2], duration=3.0)
-        assert found.sizes["time"] == 1
-        assert found.contact_time.values.max() > 1.0
+        result = ll.simulate(TOY, initial_angle=0.7, times=[0.2], duration=3.0)
+        assert result.sizes["time"] == 1
+        assert result.contact_time.values.max() > 1.0
 
     def test_progress_ends_at_one(self):
         seen = []
@@ -260,9 +260,9 @@ class TestBadInput:
         ids=lambda x: x if isinstance(x, str) else "huge" if x == 10**400 else f"{x:g}",
     )
     def test_parameters_outside_their_range(self, name, value):
-        given = {"length": 1.0, "mass": 0.8, "radius": 0.1, name: value}
+        arguments = {"length": 1.0, "mass": 0.8, "radius": 0.1, name: value}
         with pytest.raises(ValueError, match=rf"^{name} must") as caught:
-            ll.LatoLato(**given)
+            ll.LatoLato(**arguments)
         assert "\n" not in str(caught.value)
         if name != "length" or value < 1e300:
             assert f"{value:g}" in str(caught.value)
@@ -286,12 +286,12 @@ class TestBadInput:
     @pytest.mark.parametrize("value", ["1.0", None, True, [1.0], 1j, b"1"])
     @pytest.mark.parametrize("name", ["length", "mass", "damping", "radius", "gravity"])
     def test_parameters_of_a_wrong_type(self, name, value):
-        given = {"length": 1.0, "mass": 0.8, "radius": 0.1, name: value}
+        arguments = {"length": 1.0, "mass": 0.8, "radius": 0.1, name: value}
         with pytest.raises(InputError, match=rf"^{name} must be a number"):
-            ll.LatoLato(**given)
+            ll.LatoLato(**arguments)
 
     @pytest.mark.parametrize(
-        "kind,given,rule",
+        "kind,arguments,rule",
         [
             (ll.Harmonic, {"drive_amplitude": -0.1}, r"drive_amplitude must lie in \[0, inf\)"),
             (ll.Harmonic, {"drive_frequency": -1.0}, r"drive_frequency must lie in \[0, inf\)"),
@@ -333,7 +333,7 @@ class TestBadInput:
             (ll.MeasuredPivot, {"height_sigma": -1.0}, "height_sigma must lie"),
         ],
     )
-    def test_drives_refuse(self, kind, given, rule):
+    def test_drives_refuse(self, kind, arguments, rule):
         fine = {
             ll.Harmonic: {"drive_amplitude": 0.1, "drive_frequency": 6.0},
             ll.CrankSlider: {
@@ -362,10 +362,10 @@ class TestBadInput:
         }[kind]
         kind(**fine)
         with pytest.raises(ValueError, match=rule):
-            kind(**{**fine, **given})
+            kind(**{**fine, **arguments})
 
     @pytest.mark.parametrize(
-        "kind,given",
+        "kind,arguments",
         [
             (ll.FrequencySchedule, {"drive_amplitude": 0.1, "times": 0, "drive_frequencies": [1]}),
             (
@@ -376,12 +376,12 @@ class TestBadInput:
             (ll.MeasuredPivot, {"times": range(7), "pivot_heights": [None] * 7}),
         ],
     )
-    def test_drives_refuse_wrong_types(self, kind, given):
+    def test_drives_refuse_wrong_types(self, kind, arguments):
         with pytest.raises(InputError, match="must be a"):
-            kind(**given)
+            kind(**arguments)
 
     @pytest.mark.parametrize(
-        "given,rule",
+        "arguments,rule",
         [
             ({"initial_angle": math.nan}, "initial_angle must be finite"),
             ({"initial_angle": math.inf}, "initial_angle must be finite"),
@@ -435,10 +435,10 @@ class TestBadInput:
             ({"noise": 3}, "noise must be VelocityKicks or None, got 3"),
         ],
     )
-    def test_simulate_refuses(self, given, rule):
+    def test_simulate_refuses(self, arguments, rule):
         fine = {"initial_angle": 0.5, "duration": 2.0}
         with pytest.raises(InputError, match=rule) as caught:
-            ll.simulate(TOY, DRIVE, **{**fine, **given})
+            ll.simulate(TOY, DRIVE, **{**fine, **arguments})
         assert "\n" not in str(caught.value)
 
     @pytest.mark.parametrize("contact", ["exakt", 3])
@@ -523,12 +523,12 @@ class TestLimits:
     def test_contact_limit_stops_the_run_and_says_so(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
         with pytest.warns(RuntimeWarning, match="contact_limit = 10; later samples are NaN"):
-            found = ll.simulate(toy, initial_angle=0.5, duration=60.0, contact_limit=10)
-        assert "contact_limit = 10" in found.attrs["status"]
-        assert found.sizes["contact"] == 10  # each of these impacts is one row
-        last = float(found.contact_time[-1])
-        assert np.all(np.isfinite(found.angle.values[found.time.values < last]))
-        assert np.isnan(found.angle.values[-1])
+            result = ll.simulate(toy, initial_angle=0.5, duration=60.0, contact_limit=10)
+        assert "contact_limit = 10" in result.attrs["status"]
+        assert result.sizes["contact"] == 10  # each of these impacts is one row
+        last = float(result.contact_time[-1])
+        assert np.all(np.isfinite(result.angle.values[result.time.values < last]))
+        assert np.isnan(result.angle.values[-1])
 
     def test_contact_limit_above_the_contacts_changes_nothing(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
@@ -542,21 +542,23 @@ class TestLimits:
         # An unstable Mathieu equation leaves the range of doubles: growth 1.4/s for 2000 s.
         drive = ll.Harmonic(drive_amplitude=0.5, drive_frequency=6.26)
         with pytest.warns(RuntimeWarning, match="left the range of numbers"):
-            found = ll.simulate(
+            result = ll.simulate(
                 ll.Mathieu(length=1.0, mass=1.0),
                 drive,
                 initial_angle=0.1,
                 times=np.linspace(0.0, 2000.0, 100),
             )
-        assert "failed" in found.attrs["status"]
+        assert "failed" in result.attrs["status"]
 
     def test_samples_before_an_overflow_are_kept(self):
         drive = ll.Harmonic(drive_amplitude=3.0, drive_frequency=40.0)
-        given = {"initial_angle": 0.1, "times": [0.1, 0.5]}
+        arguments = {"initial_angle": 0.1, "times": [0.1, 0.5]}
         with pytest.warns(RuntimeWarning, match="failed at t = 12 s"):
-            found = ll.simulate(ll.Mathieu(length=1.0, mass=0.8), drive, duration=12.0, **given)
-        whole = ll.simulate(ll.Mathieu(length=1.0, mass=0.8), drive, **given)
-        assert np.array_equal(found.angle.values, whole.angle.values)
+            result = ll.simulate(
+                ll.Mathieu(length=1.0, mass=0.8), drive, duration=12.0, **arguments
+            )
+        whole = ll.simulate(ll.Mathieu(length=1.0, mass=0.8), drive, **arguments)
+        assert np.array_equal(result.angle.values, whole.angle.values)
 
 
 class TestExtremeInput:
@@ -565,92 +567,94 @@ class TestExtremeInput:
     def test_pivot_acceleration_of_1000_g(self, restitution, share):
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=share, restitution=restitution)
         drive = ll.Harmonic(drive_amplitude=0.5, drive_frequency=math.sqrt(1000.0 * 9.8 / 0.5))
-        found = ll.simulate(toy, drive, initial_offset=0.1, duration=20.0)
-        assert found.attrs["status"] == "complete"
-        scale = float(found.total_energy.max())
-        assert found.attrs["energy_residual"] <= 1e-9 * scale
-        assert float(found.angle.min()) >= toy.contact_angle_low - 1e-12
-        assert float(found.angle.max()) <= toy.contact_angle_high + 1e-12
+        result = ll.simulate(toy, drive, initial_offset=0.1, duration=20.0)
+        assert result.attrs["status"] == "complete"
+        scale = float(result.total_energy.max())
+        assert result.attrs["energy_residual"] <= 1e-9 * scale
+        assert float(result.angle.min()) >= toy.contact_angle_low - 1e-12
+        assert float(result.angle.max()) <= toy.contact_angle_high + 1e-12
 
     def test_radius_of_099_lengths(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.99, restitution=1.0)
-        found = ll.simulate(toy, DRIVE, initial_angle=1.55, duration=60.0)
-        assert found.attrs["status"] == "complete"
-        assert set(found.contact_kind.values) <= {"bottom", "top"}
-        assert found.sizes["contact"] > 50
+        result = ll.simulate(toy, DRIVE, initial_angle=1.55, duration=60.0)
+        assert result.attrs["status"] == "complete"
+        assert set(result.contact_kind.values) <= {"bottom", "top"}
+        assert result.sizes["contact"] > 50
 
     @pytest.mark.parametrize("scale", [1e-6, 1e6])
     def test_tiny_and_huge_bodies_move_alike(self, scale):
         # Lengths by s and times by sqrt(s): the same angles.
-        given = {"initial_angle": 0.7, "tolerance": 1e-11}
+        arguments = {"initial_angle": 0.7, "tolerance": 1e-11}
         small = ll.simulate(
             ll.LatoLato(length=scale, mass=1e-9, radius=0.1 * scale, restitution=0.9),
             ll.Harmonic(drive_amplitude=0.1 * scale, drive_frequency=6.0 / math.sqrt(scale)),
             times=np.linspace(0.0, 5.0, 51) * math.sqrt(scale),
-            **given,
+            **arguments,
         )
         same = ll.simulate(
             ll.LatoLato(length=1.0, mass=1.0, radius=0.1, restitution=0.9),
             ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0),
             times=np.linspace(0.0, 5.0, 51),
-            **given,
+            **arguments,
         )
         np.testing.assert_allclose(small.angle, same.angle, rtol=0, atol=1e-9)
 
     def test_plastic_impacts_under_a_hard_drive(self):
         toy = ll.LatoLato(length=0.245, mass=0.1, radius=0.02, restitution=0.0, damping=0.005)
         drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=40.0)
-        found = ll.simulate(toy, drive, initial_angle=0.7, duration=60.0)
-        assert found.attrs["status"] == "complete"
-        bottom = found.contact_kind.values == "bottom"
-        assert np.all(found.angular_velocity_after.values[bottom] == 0.0)
+        result = ll.simulate(toy, drive, initial_angle=0.7, duration=60.0)
+        assert result.attrs["status"] == "complete"
+        bottom = result.contact_kind.values == "bottom"
+        assert np.all(result.angular_velocity_after.values[bottom] == 0.0)
 
     @pytest.mark.slow
     def test_run_of_1e5_seconds(self):
         times = np.linspace(0.0, 1e5, 1001)
-        found = ll.simulate(TOY, DRIVE, initial_angle=0.7, times=times, tolerance=1e-8)
-        assert found.attrs["status"] == "complete"
-        assert np.all(np.isfinite(found.angle.values))
+        result = ll.simulate(TOY, DRIVE, initial_angle=0.7, times=times, tolerance=1e-8)
+        assert result.attrs["status"] == "complete"
+        assert np.all(np.isfinite(result.angle.values))
 
     @pytest.mark.slow
     def test_1e7_requested_times_stay_below_6_gigabytes(self):
         times = np.linspace(0.0, 300.0, 10_000_000)
-        found = ll.simulate(TOY, DRIVE, initial_angle=0.7, times=times, tolerance=1e-8)
-        assert found.sizes["time"] == 10_000_000
-        assert np.all(np.isfinite(found.angle.values))
+        result = ll.simulate(TOY, DRIVE, initial_angle=0.7, times=times, tolerance=1e-8)
+        assert result.sizes["time"] == 10_000_000
+        assert np.all(np.isfinite(result.angle.values))
         unit = 1 if sys.platform == "darwin" else 1024
         assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit < 6e9
 
 
 class TestClamp:
     def test_clamp_is_labelled(self):
-        found = ll.simulate(
+        result = ll.simulate(
             TOY, DRIVE, initial_angle=0.7, duration=2.0, contact=ll.ClampContact(clamp_step=2e-3)
         )
-        assert found.attrs["contact"] == "clamp"
-        assert found.attrs["clamp_step"] == 2e-3
-        assert found.attrs["stepper"] == "classical Runge-Kutta"
+        assert result.attrs["contact"] == "clamp"
+        assert result.attrs["clamp_step"] == 2e-3
+        assert result.attrs["stepper"] == "classical Runge-Kutta"
 
     def test_clamp_moves_what_exact_contact_leaves_at_rest(self):
         # Paper Fig. 4 as printed: its integrator's noise, not physics. The pivot decelerates by
         # less than g, but reflections on overlap keep and change the energy.
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1)
         drive = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
-        given = {"initial_offset": 0.0, "duration": 30.0}
-        exact = ll.simulate(toy, drive, **given)
+        arguments = {"initial_offset": 0.0, "duration": 30.0}
+        exact = ll.simulate(toy, drive, **arguments)
         assert np.all(exact.angle.values == toy.contact_angle_low)
         coarse, fine = (
-            ll.simulate(toy, drive, **given, contact=ll.ClampContact(clamp_step=step)).angle.values
+            ll.simulate(
+                toy, drive, **arguments, contact=ll.ClampContact(clamp_step=step)
+            ).angle.values
             for step in (1e-2, 1e-3)
         )
         assert np.ptp(coarse) > 1e-4
         assert not np.allclose(coarse, fine, atol=1e-6)
 
     def test_without_contact_the_walls_are_not_there(self):
-        given = {"initial_angle": 0.7, "duration": 5.0}
+        arguments = {"initial_angle": 0.7, "duration": 5.0}
         toy = ll.LatoLato(length=1.0, mass=0.8, damping=0.05, radius=0.1)
-        passing = ll.simulate(toy, DRIVE, **given, contact=None)
-        free = ll.simulate(PENDULUM, DRIVE, **given)
+        passing = ll.simulate(toy, DRIVE, **arguments, contact=None)
+        free = ll.simulate(PENDULUM, DRIVE, **arguments)
         np.testing.assert_array_equal(passing.angle, free.angle)
         assert passing.sizes["contact"] == 0
 

@@ -1,25 +1,15 @@
 """Everything once, as a user would: each case leaves a line in a table of answers."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from app_pages import browser, server, watch
+from app_pages import anchor, browser, page, server, watch
 
-__all__ = ["browser", "server", "watch"]
+__all__ = ["anchor", "browser", "page", "server", "watch"]
 
 _WIDTH = 110
-
-
-@pytest.fixture
-def page(browser: Any, server: Any, watch: Any) -> Iterator[Any]:
-    """A page as wide as a small laptop."""
-    context = browser.new_context(viewport={"width": 1366, "height": 768}, base_url=server.address)
-    found = context.new_page()
-    watch.attach(found)
-    yield found
-    context.close()
 
 
 @pytest.fixture

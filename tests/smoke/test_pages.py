@@ -14,12 +14,19 @@ from latolato.physics.drives import drives
 PATIENCE = 300_000
 SWEEPS = [name for name, scenario in ll.scenarios().items() if scenario.varied]
 RUNS = [name for name in ll.scenarios() if name not in SWEEPS]
-# A pair, a single pendulum, and two balls that differ.
-ASKED = ("toy", "fig02", "ballpair_asymmetric")
+# Mirrored balls and balls that differ; `tests/app/test_analyses.py` asks it all of a pendulum.
+TOYS = ("toy", "ballpair_asymmetric")
 # What each example is there to show.
 FITS = {"decay": "decay", "driven": "drive", "toy": "restitution"}
 # Measured heights come with a table, not with a form.
 TYPED_DRIVES = [name for name in drives if name != "measured_pivot"]
+
+
+@pytest.fixture
+def page(page):
+    """A page as wide as a small laptop."""
+    page.set_viewport_size({"width": 1366, "height": 768})
+    return page
 
 
 def faults(page):
@@ -27,7 +34,7 @@ def faults(page):
     return [e.inner_text() for e in page.locator(".error, .notice").all() if e.is_visible()]
 
 
-def shown(page, end):
+def wait_for(page, end):
     """Wait for a page's end, or for what it says instead, which is a fault."""
     page.wait_for_selector(f"{end}, .error:visible, .notice:visible", timeout=PATIENCE)
     page.wait_for_load_state("networkidle")
@@ -46,7 +53,7 @@ ENDS = """() => {
 @pytest.mark.parametrize("scenario", RUNS)
 def test_play(page, answer, scenario):
     page.goto(f"/?view=play&scenario={scenario}")
-    shown(page, "[data-runs]")
+    wait_for(page, "[data-runs]")
     # Pictures come one after the other, the table of contacts last.
     page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
     ends = page.evaluate(ENDS)
@@ -68,7 +75,7 @@ def test_drive(page, answer, drive):
             usual = option["usual"] or option["low"] or 0.0
             link += f"&{name}={', '.join(map(str, usual)) if option['several'] else usual}"
     page.goto(link)
-    shown(page, "[data-runs]")
+    wait_for(page, "[data-runs]")
     answer(f"{page.locator('main canvas:visible').count()} pictures")
     assert_panels_have_room(page)
 
@@ -76,7 +83,7 @@ def test_drive(page, answer, drive):
 @pytest.mark.parametrize("scenario", SWEEPS)
 def test_map(page, answer, scenario):
     page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20&map.transient=10")
-    shown(page, "[data-done]")
+    wait_for(page, "[data-done]")
     answer(page.locator(".bar-title").inner_text())
     assert_panels_have_room(page)
 
@@ -92,7 +99,7 @@ def test_experiment(page, answer, example):
     assert_panels_have_room(page)
 
 
-@pytest.mark.parametrize("scenario", ASKED)
+@pytest.mark.parametrize("scenario", TOYS)
 @pytest.mark.parametrize("question", list(analyses))
 def test_question(page, answer, question, scenario):
     page.goto(f"/?view=analyse&scenario={scenario}&analyse.what={question}&analyse.ask=1")
@@ -112,6 +119,6 @@ VIEWS = {"live": "[data-ready]", "paper": "[data-judged]", "experiment": ".dropz
 @pytest.mark.parametrize("view", VIEWS)
 def test_view(page, answer, view):
     page.goto(f"/?view={view}")
-    shown(page, VIEWS[view])
+    wait_for(page, VIEWS[view])
     answer(page.locator("h1").first.inner_text())
     assert_panels_have_room(page)

@@ -28,9 +28,9 @@ def swept(direction):
     return ll.sweep(PENDULUM, DRIVE, **SWEEP, direction=direction)
 
 
-def assert_same_numbers(found, wanted):
-    for name in wanted.data_vars:
-        assert found[name].values.tobytes() == wanted[name].values.tobytes(), name
+def assert_same_numbers(result, expected):
+    for name in expected.data_vars:
+        assert result[name].values.tobytes() == expected[name].values.tobytes(), name
 
 
 class TestHysteresis:
@@ -60,9 +60,9 @@ class TestHysteresis:
             initial_angular_velocity=float(point.final_angular_velocity), duration=300.0,
         )  # fmt: skip
         late = run.angle.values[run.time.values > 250.0]
-        wanted = float(point.largest_angle_after_transient)
+        expected = float(point.largest_angle_after_transient)
         # 40 s leave exp(-2.5) of the beats of an attractor that is a few hundredths wide
-        assert np.abs(late).max() == pytest.approx(wanted, abs=0.03)
+        assert np.abs(late).max() == pytest.approx(expected, abs=0.03)
 
 
 class TestChain:
@@ -103,7 +103,7 @@ class TestChain:
     def test_each_point_starts_where_its_neighbour_ended(self, case, direction):
         _, system, axis, values, start = case
         duration = 4.0
-        found = ll.sweep(
+        result = ll.sweep(
             system, DRIVE, axes={axis: values}, duration=duration, continuation=axis,
             direction=direction, observables=["final_angle", "final_angular_velocity"],
             tolerance=1e-10, executor="reference", **start,
@@ -125,7 +125,7 @@ class TestChain:
             )  # fmt: skip
             phase += frequency * duration
             angle, velocity = run.angle.values[..., -1], run.angular_velocity.values[..., -1]
-            point = found.sel({axis: value})
+            point = result.sel({axis: value})
             # a hundred tolerances: regular motion that a few impacts and beats amplify
             np.testing.assert_allclose(point.final_angle, angle, rtol=0.0, atol=1e-8)
             np.testing.assert_allclose(point.final_angular_velocity, velocity, rtol=0.0, atol=1e-8)
@@ -145,10 +145,10 @@ def test_both_ways_are_a_dimension_and_equal_each_way_alone():
 def test_lines_of_a_map_do_not_touch_each_other(chunk_size):
     axes = {"mass": [0.4, 0.8, 1.2], "frequency_ratio": RATIOS, "damping": [0.1, 0.2]}
     for turned in (axes, dict(reversed(axes.items()))):
-        found = ll.sweep(
+        result = ll.sweep(
             PENDULUM, DRIVE, **(SWEEP | {"axes": turned, "chunk_size": chunk_size}), direction="up"
         )
-        assert_same_numbers(found.sel(mass=0.8, damping=0.1, drop=True), swept("up"))
+        assert_same_numbers(result.sel(mass=0.8, damping=0.1, drop=True), swept("up"))
 
 
 def test_it_begins_like_any_sweep():
@@ -161,41 +161,41 @@ def test_it_begins_like_any_sweep():
 def test_a_point_without_an_answer_hands_on_its_start():
     axes = {"radius": [0.05, 1.5, 2.0]}
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.05)
-    asked = {"initial_angle": 0.9, "duration": 3.0, "executor": "reference"}
-    asked |= {"observables": ["final_angle"], "continuation": "radius"}
+    settings = {"initial_angle": 0.9, "duration": 3.0, "executor": "reference"}
+    settings |= {"observables": ["final_angle"], "continuation": "radius"}
     with pytest.warns(RuntimeWarning, match="2 invalid"):
-        found = ll.sweep(toy, DRIVE, axes=axes, **asked, direction="down")
-    assert list(found.status) == [CONVERGED, INVALID, INVALID]
+        result = ll.sweep(toy, DRIVE, axes=axes, **settings, direction="down")
+    assert list(result.status) == [CONVERGED, INVALID, INVALID]
     # nothing has moved before the first good point
-    alone = ll.sweep(toy, DRIVE, axes={"radius": [0.05]}, **asked)
-    assert float(found.final_angle[0]) == float(alone.final_angle[0])
+    alone = ll.sweep(toy, DRIVE, axes={"radius": [0.05]}, **settings)
+    assert float(result.final_angle[0]) == float(alone.final_angle[0])
 
 
 def test_a_fast_end_makes_the_steps_of_the_next_point_shorter():
     # Free fall from the top: the next point starts at 6 rad/s under weak gravity, where the swing
     # alone would allow steps three times as long.
     pendulum = ll.Pendulum(length=1.0, mass=0.8)
-    found = ll.sweep(
+    result = ll.sweep(
         pendulum, axes={"gravity": [9.8, 0.5]}, initial_angle=3.0, duration=1.16,
         continuation="gravity", direction="down", executor="reference", tolerance=1e-6,
         observables=["final_angle", "final_angular_velocity"],
     )  # fmt: skip
     start = {
-        "initial_angle": float(found.final_angle[0]),
-        "initial_angular_velocity": float(found.final_angular_velocity[0]),
+        "initial_angle": float(result.final_angle[0]),
+        "initial_angular_velocity": float(result.final_angular_velocity[0]),
     }
     assert abs(start["initial_angular_velocity"]) > 5.0
     alone = ll.sweep(
         pendulum, axes={"gravity": [0.5]}, duration=1.16, executor="reference",
         observables=["final_angle", "final_angular_velocity"], **start,
     )  # fmt: skip
-    assert float(found.final_angle[1]) == float(alone.final_angle[0])
+    assert float(result.final_angle[1]) == float(alone.final_angle[0])
 
 
 def test_up_is_towards_larger_values_in_whatever_order_they_stand():
     backwards = {"frequency_ratio": RATIOS[::-1]}
-    found = ll.sweep(PENDULUM, DRIVE, **{**SWEEP, "axes": backwards}, direction="up")
-    assert_same_numbers(found.sortby("frequency_ratio"), swept("up"))
+    result = ll.sweep(PENDULUM, DRIVE, **{**SWEEP, "axes": backwards}, direction="up")
+    assert_same_numbers(result.sortby("frequency_ratio"), swept("up"))
 
 
 def test_every_parameter_of_a_followed_zip_moves_steadily():
@@ -207,11 +207,11 @@ def test_every_parameter_of_a_followed_zip_moves_steadily():
 def test_an_invalid_point_hands_on_the_start_above_its_wall():
     toy = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
     drive = ll.Harmonic(drive_amplitude=0.01, drive_frequency=15.1)
-    asked = {"transient_periods": 1.0, "duration": 4.0, "observables": ["final_angle"]}
+    settings = {"transient_periods": 1.0, "duration": 4.0, "observables": ["final_angle"]}
     axes = {"drive_frequency": [1e-3, 2.0]}  # the first one's transient takes hours
-    asked |= {"axes": axes, "initial_offset": 0.5}
+    settings |= {"axes": axes, "initial_offset": 0.5}
     with pytest.warns(RuntimeWarning, match="transient must be shorter"):
-        found = ll.sweep(toy, drive, continuation="drive_frequency", **asked)
+        result = ll.sweep(toy, drive, continuation="drive_frequency", **settings)
     with pytest.warns(RuntimeWarning, match="transient must be shorter"):
-        alone = ll.sweep(toy, drive, **asked)
-    assert float(found.final_angle[1]) == float(alone.final_angle[1])
+        alone = ll.sweep(toy, drive, **settings)
+    assert float(result.final_angle[1]) == float(alone.final_angle[1])

@@ -54,22 +54,22 @@ def expected(plan):
 
 
 def test_results_are_those_of_threads_bit_by_bit(client, plan, expected):
-    found = run_plan(plan, executor="dask", client=client)
+    result = run_plan(plan, executor="dask", client=client)
 
-    assert found.identical(expected)
+    assert result.identical(expected)
 
 
 def test_address_serves_as_client(client, plan, expected):
-    found = run_plan(plan, executor="dask", client=client.scheduler.address)
+    result = run_plan(plan, executor="dask", client=client.scheduler.address)
 
-    assert found.identical(expected)
+    assert result.identical(expected)
     assert client.status == "running"
 
 
 def test_cluster_of_its_own_is_started_and_closed(plan, expected):
-    found = run_plan(plan, executor="dask", workers=1)
+    result = run_plan(plan, executor="dask", workers=1)
 
-    assert found.identical(expected)
+    assert result.identical(expected)
 
 
 def test_killed_worker_is_survived(client, plan, expected):
@@ -124,13 +124,15 @@ def test_cluster_without_workers_is_an_error(plan, monkeypatch):
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:1", "nonsense"])
-def test_wrong_address_is_told_in_one_line(plan, monkeypatch, address):
+def test_a_wrong_address_is_named_in_one_line(plan, monkeypatch, address):
     monkeypatch.setattr(EXECUTOR, "_PATIENCE", 0.5)
 
-    with pytest.raises(ConnectionError, match=f"no Dask scheduler answers at '{address}'") as told:
+    with pytest.raises(
+        ConnectionError, match=f"no Dask scheduler answers at '{address}'"
+    ) as caught:
         list(execute(plan, [0], client=address))
 
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(caught.value)
 
 
 def test_bad_options_are_refused(plan, client):

@@ -89,7 +89,7 @@ CASES = {
 def both(name):
     """The same sweep in lanes and by single trajectories."""
     system, drive, axes, options = CASES[name]
-    asked = {
+    settings = {
         "axes": axes,
         "duration": 4.0,
         "transient": 1.0,
@@ -97,11 +97,11 @@ def both(name):
         "observables": WITHOUT_PERIODS if drive is None else IN_LANES,
         **options,
     }
-    lanes = ll.sweep(system, drive, **asked)
+    lanes = ll.sweep(system, drive, **settings)
     has_lanes = kernels.has_lanes
     try:
         kernels.has_lanes = lambda plan: False
-        alone = ll.sweep(system, drive, **asked)
+        alone = ll.sweep(system, drive, **settings)
     finally:
         kernels.has_lanes = has_lanes
     return lanes, alone

@@ -17,7 +17,7 @@ PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.16)
 DRIVE = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
 KICKS = ll.VelocityKicks(noise_strength=0.3, noise_seed=11, noise_stream=5)
 FINAL = ["final_angle", "final_angular_velocity"]
-ASKED = {"initial_offset": 0.3, "duration": 2.0, "observables": FINAL}
+SETTINGS = {"initial_offset": 0.3, "duration": 2.0, "observables": FINAL}
 
 
 def kicks(**changed):
@@ -49,13 +49,13 @@ class TestStreams:
             for s in (0, 1, 2**63 - 1)
             for k in (0, 1, 2**53 - 1)
         ]
-        found = np.corrcoef(columns)[np.triu_indices(len(columns), 1)]
+        result = np.corrcoef(columns)[np.triu_indices(len(columns), 1)]
         # 36 correlations of n = 250 numbers: standard deviation n^(-1/2) = 0.063, four of them
-        assert np.abs(found).max() < 4.0 / math.sqrt(len(columns[0]))
+        assert np.abs(result).max() < 4.0 / math.sqrt(len(columns[0]))
 
 
 def swept(axes, **changed):
-    return ll.sweep(TOY, DRIVE, axes=axes, **({"noise": KICKS} | ASKED | changed))
+    return ll.sweep(TOY, DRIVE, axes=axes, **({"noise": KICKS} | SETTINGS | changed))
 
 
 AXES = {"drive_amplitude": [0.02, 0.05, 0.2], "initial_offset": [0.1, 0.3]}
@@ -86,7 +86,7 @@ class TestSweep:
                 TOY,
                 ll.Harmonic(drive_amplitude=AXES["drive_amplitude"][i], drive_frequency=6.0),
                 initial_offset=AXES["initial_offset"][j],
-                times=[ASKED["duration"]],
+                times=[SETTINGS["duration"]],
                 tolerance=1e-6,
                 noise=ll.VelocityKicks(
                     noise_strength=0.3, noise_seed=11, noise_stream=first + number
@@ -97,19 +97,21 @@ class TestSweep:
             assert run.angular_velocity.item() == grid.final_angular_velocity.values[i, j]
 
     def test_points_of_equal_parameters_differ_by_their_noise(self):
-        found = swept({"gravity": [9.8, 9.8 + 1e-14]}).final_angle.values
-        assert abs(found[0] - found[1]) > 1e-3
+        result = swept({"gravity": [9.8, 9.8 + 1e-14]}).final_angle.values
+        assert abs(result[0] - result[1]) > 1e-3
 
     def test_stream_as_an_axis_gives_an_ensemble_that_other_points_share(self):
         axes = {"gravity": [9.8, 9.8 + 1e-14], "noise_stream": range(5, 8)}
-        found = swept(axes)
-        assert found.final_angle.dims == ("gravity", "noise_stream")
-        assert "noise_streams" not in found.attrs
+        result = swept(axes)
+        assert result.final_angle.dims == ("gravity", "noise_stream")
+        assert "noise_streams" not in result.attrs
         # equal kicks: the points along gravity differ by rounding, those along the stream do not
-        np.testing.assert_allclose(found.final_angle[0], found.final_angle[1], rtol=0.0, atol=1e-9)
-        assert np.ptp(found.final_angle.values, axis=1).min() > 1e-3
+        np.testing.assert_allclose(
+            result.final_angle[0], result.final_angle[1], rtol=0.0, atol=1e-9
+        )
+        assert np.ptp(result.final_angle.values, axis=1).min() > 1e-3
         own = swept({"gravity": [9.8]}).final_angle.item()
-        assert found.final_angle.values[0, 0] == own
+        assert result.final_angle.values[0, 0] == own
 
     def test_strength_seed_and_interval_are_axes(self):
         grid = swept({"noise_strength": [0.0, 0.3], "noise_seed": [11, 12]}, noise=None)
@@ -125,8 +127,8 @@ class TestSweep:
         assert abs(rare[0] - still) > 1e-3
 
     def test_the_plan_comes_back_and_its_chunks_fit_the_memory(self):
-        asked = ASKED | {"duration": 2000.0, "noise": KICKS}
-        plan = make_plan(TOY, DRIVE, axes={"noise_stream": range(5000)}, **asked)
+        settings = SETTINGS | {"duration": 2000.0, "noise": KICKS}
+        plan = make_plan(TOY, DRIVE, axes={"noise_stream": range(5000)}, **settings)
         assert type(plan).from_description(plan.describe()) == plan
         # 2000 s hold 49,824 kicks
         assert plan.chunk_size == 80
@@ -156,7 +158,7 @@ def test_thermal_kicks_give_each_square_half_of_the_heat():
     heat = 1e-3  # J, so small an angle (0.01 rad) that the restoring force is linear
     noise = ll.VelocityKicks.thermal(PENDULUM, temperature=heat / BOLTZMANN, noise_seed=2)
     count = 1500
-    found = ll.sweep(
+    result = ll.sweep(
         PENDULUM,
         axes={"noise_stream": range(count)},
         initial_angle=0.0,
@@ -165,8 +167,8 @@ def test_thermal_kicks_give_each_square_half_of_the_heat():
         noise=noise,
     )
     mass, length, gravity = PENDULUM.mass, PENDULUM.length, PENDULUM.gravity
-    kinetic = 0.5 * mass * length**2 * found.final_angular_velocity.values**2
-    potential = mass * gravity * length * (1.0 - np.cos(found.final_angle.values))
+    kinetic = 0.5 * mass * length**2 * result.final_angular_velocity.values**2
+    potential = mass * gravity * length * (1.0 - np.cos(result.final_angle.values))
     for energy in (kinetic, potential):
         # the square of a normal number scatters by 2^(1/2) of its mean; four standard errors
         assert energy.mean() == pytest.approx(0.5 * heat, rel=4.0 * math.sqrt(2.0 / count))

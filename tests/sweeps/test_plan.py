@@ -22,7 +22,7 @@ PAIR = ll.BallPair(
     right=ll.Ball(length=1.0, mass=0.8, radius=0.1), left=ll.Ball(length=1.0, mass=0.8, radius=0.1)
 )
 DRIVE = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
-ASKED = {
+SETTINGS = {
     "axes": {"drive_amplitude": [0.0, 0.1], "drive_frequency": [5.0, 6.0]},
     "initial_angle": 0.4,
     "duration": 3.0,
@@ -32,8 +32,8 @@ ASKED = {
 
 
 def planned(system=TOY, drive=DRIVE, **changed):
-    asked = {k: v for k, v in (ASKED | changed).items() if k != "executor"}
-    return make_plan(system, drive, **asked)
+    arguments = {k: v for k, v in (SETTINGS | changed).items() if k != "executor"}
+    return make_plan(system, drive, **arguments)
 
 
 CHANGES = {
@@ -100,8 +100,8 @@ class TestHash:
             planned(observables=("crossings", "largest_angle")),
             planned(observables=[Crossings(), "largest_angle"]),
             planned(observables=[Crossings(unwrapped=False, crossing_angle=2), "largest_angle"]),
-            planned(axes={k: np.array(v) for k, v in ASKED["axes"].items()}),
-            planned(axes={k: iter(v) for k, v in ASKED["axes"].items()}),
+            planned(axes={k: np.array(v) for k, v in SETTINGS["axes"].items()}),
+            planned(axes={k: iter(v) for k, v in SETTINGS["axes"].items()}),
             planned(initial_angle=np.float64(0.4), duration=3),
             planned(system=ll.LatoLato(radius=0.1, mass=0.8, length=1)),
         ]
@@ -146,7 +146,7 @@ class TestChunks:
 
     @settings(max_examples=300, deadline=None)
     @given(plan=plans())
-    def test_they_hold_no_more_points_than_asked_but_never_cut_a_continuation(self, plan):
+    def test_they_hold_at_most_the_chunk_size_but_never_cut_a_continuation(self, plan):
         line = plan.shape[plan.dims.index(plan.continuation)] if plan.continuation else 1
         assert math.prod(plan.chunk_shape) <= max(plan.chunk_size, line)
         if plan.continuation:
@@ -287,17 +287,17 @@ MISTAKES = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_has_one_clear_message(mistake):
     changed, message = MISTAKES[mistake]
-    asked = ASKED | changed
-    system, drive = asked.pop("system", TOY), asked.pop("drive", DRIVE)
+    arguments = SETTINGS | changed
+    system, drive = arguments.pop("system", TOY), arguments.pop("drive", DRIVE)
     with pytest.raises(InputError, match=message) as caught:
-        ll.sweep(system, drive, **asked)
+        ll.sweep(system, drive, **arguments)
     assert type(caught.value) is InputError
     assert "\n" not in str(caught.value)
 
 
 def test_an_unknown_option_leaves_no_store_behind(tmp_path):
     with pytest.raises(ValueError, match="does not know workers"):
-        ll.sweep(TOY, DRIVE, **ASKED, workers=2, store=tmp_path / "map.zarr")
+        ll.sweep(TOY, DRIVE, **SETTINGS, workers=2, store=tmp_path / "map.zarr")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -316,7 +316,7 @@ def test_a_drive_without_one_period_is_neither_followed_nor_sampled(drive):
         planned(drive=drive, axes=axes, observables=[PoincareSection()])
 
 
-def test_values_are_taken_in_the_order_given():
+def test_values_keep_their_order():
     plan = planned(axes={"drive_frequency": [6.0, 5.0, 7.0]})
     columns = columns_of(plan, np.arange(3))
     np.testing.assert_array_equal(columns["drive_frequency"], [6.0, 5.0, 7.0])

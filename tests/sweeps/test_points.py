@@ -184,8 +184,10 @@ PLANS = {
 
 
 def plan_of(name):
-    system, drive, asked = PLANS[name]
-    return make_plan(system, drive, **({"duration": 4.0, "observables": ["largest_angle"]} | asked))
+    system, drive, settings = PLANS[name]
+    return make_plan(
+        system, drive, **({"duration": 4.0, "observables": ["largest_angle"]} | settings)
+    )
 
 
 def previous_of(plan, count, phase):
@@ -263,56 +265,56 @@ def test_ratios_are_those_of_each_point():
 
 
 class TestPointsThatMakeNoSense:
-    def swept(self, system, drive, reason, **asked):
+    def swept(self, system, drive, reason, **settings):
         """A sweep that must warn, with this reason."""
         with pytest.warns(RuntimeWarning, match=reason) as caught:
-            found = ll.sweep(system, drive, **(SHORT | asked))
+            result = ll.sweep(system, drive, **(SHORT | settings))
         assert len(caught) == 1
-        return found
+        return result
 
-    def assert_as_without(self, found, name, values, system, drive, **asked):
+    def assert_as_without(self, result, name, values, system, drive, **settings):
         """The points at these values are what a sweep of them only gives."""
-        good = ll.sweep(system, drive, **(SHORT | asked | {"axes": {name: values}}))
+        good = ll.sweep(system, drive, **(SHORT | settings | {"axes": {name: values}}))
         for variable in good.data_vars:
-            np.testing.assert_array_equal(found[variable].sel({name: values}), good[variable])
+            np.testing.assert_array_equal(result[variable].sel({name: values}), good[variable])
 
     def test_a_radius_beyond_the_length_is_invalid_there_only(self):
-        asked = {"axes": {"radius": [0.05, 1.0, 0.1, 1.5]}, "initial_offset": 0.4}
+        settings = {"axes": {"radius": [0.05, 1.0, 0.1, 1.5]}, "initial_offset": 0.4}
         reason = (
             r"2 of 4 points have no answer: 2 invalid \(radius must lie in \[0, length\), got 1"
         )
-        found = self.swept(TOY, DRIVE, reason, **asked)
-        assert list(found.status) == [CONVERGED, INVALID, CONVERGED, INVALID]
+        result = self.swept(TOY, DRIVE, reason, **settings)
+        assert list(result.status) == [CONVERGED, INVALID, CONVERGED, INVALID]
         for name in ("largest_angle", "mean_energy"):
-            np.testing.assert_array_equal(np.isnan(found[name]), [False, True, False, True])
-        self.assert_as_without(found, "radius", [0.05, 0.1], TOY, DRIVE, **asked)
-        assert found.attrs["first_invalid"].startswith("radius must lie in [0, length), got 1;")
+            np.testing.assert_array_equal(np.isnan(result[name]), [False, True, False, True])
+        self.assert_as_without(result, "radius", [0.05, 0.1], TOY, DRIVE, **settings)
+        assert result.attrs["first_invalid"].startswith("radius must lie in [0, length), got 1;")
 
     def test_a_start_inside_a_wall_is_invalid_there_only(self):
-        asked = {"axes": {"radius": [0.1, 0.5, 0.7]}, "initial_angle": 0.6}
-        found = self.swept(TOY, DRIVE, "1 invalid .initial_angle must lie between", **asked)
-        assert list(found.status) == [CONVERGED, CONVERGED, INVALID]
-        self.assert_as_without(found, "radius", [0.1, 0.5], TOY, DRIVE, **asked)
+        settings = {"axes": {"radius": [0.1, 0.5, 0.7]}, "initial_angle": 0.6}
+        result = self.swept(TOY, DRIVE, "1 invalid .initial_angle must lie between", **settings)
+        assert list(result.status) == [CONVERGED, CONVERGED, INVALID]
+        self.assert_as_without(result, "radius", [0.1, 0.5], TOY, DRIVE, **settings)
 
     def test_balls_that_never_meet_are_invalid_there_only(self):
         pair = ll.BallPair(
             right=ll.Ball(length=1.0, mass=0.8, radius=0.1),
             left=ll.Ball(length=0.9, mass=0.8, radius=0.1),
         )
-        asked = {"axes": {"left_length": [0.9, 0.2, 0.95]}, "initial_angle": (0.8, -0.8)}
-        found = self.swept(pair, DRIVE, "the balls never meet", **asked)
-        assert list(found.status) == [CONVERGED, INVALID, CONVERGED]
-        assert np.isnan(found.largest_angle.values[1]).all()
-        self.assert_as_without(found, "left_length", [0.9, 0.95], pair, DRIVE, **asked)
+        settings = {"axes": {"left_length": [0.9, 0.2, 0.95]}, "initial_angle": (0.8, -0.8)}
+        result = self.swept(pair, DRIVE, "the balls never meet", **settings)
+        assert list(result.status) == [CONVERGED, INVALID, CONVERGED]
+        assert np.isnan(result.largest_angle.values[1]).all()
+        self.assert_as_without(result, "left_length", [0.9, 0.95], pair, DRIVE, **settings)
 
     def test_a_transient_of_periods_beyond_the_end_is_invalid_there_only(self):
-        asked = {
+        settings = {
             "axes": {"drive_frequency": [6.0, 1.0]},
             "initial_angle": 0.4,
             "transient_periods": 0.5,
         }
-        found = self.swept(PENDULUM, DRIVE, "transient must be shorter", **asked)
-        assert list(found.status) == [CONVERGED, INVALID]
+        result = self.swept(PENDULUM, DRIVE, "transient must be shorter", **settings)
+        assert list(result.status) == [CONVERGED, INVALID]
 
     @pytest.mark.parametrize("executor", ["reference", "threads"])
     @pytest.mark.parametrize(
@@ -334,15 +336,15 @@ class TestPointsThatMakeNoSense:
         usual = {"length": 1.0, "gravity": 9.8, "mass": 0.8, "damping": 0.05}
         usual |= {"drive_frequency": 6.0, "drive_amplitude": 0.05, "initial_angular_velocity": 0.0}
         axes = {name: [usual[name], value]}
-        asked = {"axes": axes, "initial_angle": 0.4, "executor": executor}
+        settings = {"axes": axes, "initial_angle": 0.4, "executor": executor}
         if name in ("mass", "length") and value > 1.0:  # such a pendulum hardly moves
-            found = ll.sweep(PENDULUM, DRIVE, **(SHORT | asked))
-            assert list(found.status) == [CONVERGED, CONVERGED]
+            result = ll.sweep(PENDULUM, DRIVE, **(SHORT | settings))
+            assert list(result.status) == [CONVERGED, CONVERGED]
             return
-        found = self.swept(PENDULUM, DRIVE, "1 of 2 points have no answer: 1 invalid", **asked)
-        assert list(found.status) == [CONVERGED, INVALID]
-        np.testing.assert_array_equal(np.isnan(found.largest_angle), [False, True])
-        self.assert_as_without(found, name, [usual[name]], PENDULUM, DRIVE, **asked)
+        result = self.swept(PENDULUM, DRIVE, "1 of 2 points have no answer: 1 invalid", **settings)
+        assert list(result.status) == [CONVERGED, INVALID]
+        np.testing.assert_array_equal(np.isnan(result.largest_angle), [False, True])
+        self.assert_as_without(result, name, [usual[name]], PENDULUM, DRIVE, **settings)
 
     @pytest.mark.parametrize("name, value", [("length", 1e-31), ("damping", 1e31)])
     def test_an_axis_of_numbers_that_cannot_be_computed_with_is_refused(self, name, value):
@@ -350,27 +352,27 @@ class TestPointsThatMakeNoSense:
             ll.sweep(PENDULUM, DRIVE, **SHORT, axes={name: [1.0, value]}, initial_angle=0.4)
 
     def test_a_ratio_may_lead_beyond_what_can_be_computed_with(self):
-        asked = {"axes": {"amplitude_ratio": [0.1, 1e20]}, "initial_angle": 0.4}
+        settings = {"axes": {"amplitude_ratio": [0.1, 1e20]}, "initial_angle": 0.4}
         long = ll.Pendulum(length=1e20, mass=0.8)
-        found = self.swept(long, DRIVE, r"drive_amplitude must lie in \[0, 1e\+30\]", **asked)
-        assert list(found.status) == [CONVERGED, INVALID]
+        result = self.swept(long, DRIVE, r"drive_amplitude must lie in \[0, 1e\+30\]", **settings)
+        assert list(result.status) == [CONVERGED, INVALID]
 
     def test_motion_beyond_all_numbers_has_failed(self):
         # in resonance the linear motion grows by exp(0.75 t): it leaves the numbers in 950 s
-        asked = {
+        settings = {
             "axes": {"drive_amplitude": [0.0, 0.5]},
             "initial_angle": 0.1,
             "duration": 1000.0,
             "tolerance": 1e-3,
         }
         drive = ll.Harmonic(drive_amplitude=0.3, drive_frequency=6.26)
-        found = self.swept(ll.Mathieu(length=1.0, mass=0.8), drive, "1 failed", **asked)
-        assert [int(s) for s in found.status] == [CONVERGED, INVALID - 1]
-        np.testing.assert_array_equal(np.isnan(found.largest_angle), [False, True])
+        result = self.swept(ll.Mathieu(length=1.0, mass=0.8), drive, "1 failed", **settings)
+        assert [int(s) for s in result.status] == [CONVERGED, INVALID - 1]
+        np.testing.assert_array_equal(np.isnan(result.largest_angle), [False, True])
 
     def test_too_many_contacts_end_without_an_answer(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
-        asked = {
+        settings = {
             "axes": {
                 "initial_offset": [0.0, 0.01, 1.5]
             },  # rests, bounces low and often, high and rarely
@@ -378,39 +380,39 @@ class TestPointsThatMakeNoSense:
             "duration": 1.6,
             "initial_angular_velocity": 0.0,
         }
-        found = self.swept(toy, None, "1 of 3 points have no answer: 1 event_limit", **asked)
-        assert list(found.status) == [AT_REST, EVENT_LIMIT, CONVERGED]
-        np.testing.assert_array_equal(np.isnan(found.largest_angle), [False, True, False])
+        result = self.swept(toy, None, "1 of 3 points have no answer: 1 event_limit", **settings)
+        assert list(result.status) == [AT_REST, EVENT_LIMIT, CONVERGED]
+        np.testing.assert_array_equal(np.isnan(result.largest_angle), [False, True, False])
 
     def test_zero_over_zero_is_invalid(self):
         # no acceleration at frequency zero: the amplitude is not determined
-        asked = {
+        settings = {
             "axes": {"drive_acceleration_ratio": [0.0, 0.5], "drive_frequency": [0.0, 6.0]},
             "initial_angle": 0.4,
         }
-        found = self.swept(PENDULUM, DRIVE, "2 of 4 points have no answer: 2 invalid", **asked)
-        np.testing.assert_array_equal(found.status, [[INVALID, CONVERGED], [INVALID, CONVERGED]])
+        result = self.swept(PENDULUM, DRIVE, "2 of 4 points have no answer: 2 invalid", **settings)
+        np.testing.assert_array_equal(result.status, [[INVALID, CONVERGED], [INVALID, CONVERGED]])
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_the_arguments_of_a_point_simulate_that_point(name):
     plan = plan_of(name)
-    _, _, asked = PLANS[name]
+    _, _, settings = PLANS[name]
     number = plan.size // 2
     try:
-        found = arguments_of(plan, number)
+        result = arguments_of(plan, number)
     except ValueError:
         assert not make_batch(plan, np.array([number]), stepper_of(plan)).valid[0]
         return
-    wanted = make_batch(plan, np.array([number]), stepper_of(plan)).states[0]
-    run = simulate(**found | {"duration": 1e-3})
+    expected = make_batch(plan, np.array([number]), stepper_of(plan)).states[0]
+    run = simulate(**result | {"duration": 1e-3})
     angle = np.atleast_2d(run["angle"].values)[:, 0]
-    assert angle[0] == wanted["angle"][0]
-    assert found["duration"] == asked.get("duration", 4.0)
+    assert angle[0] == expected["angle"][0]
+    assert result["duration"] == settings.get("duration", 4.0)
     place = dict(zip(plan.dims, np.unravel_index(number, plan.shape), strict=True))
     for axis in plan.axes:
         for parameter, values in zip(axis.parameters, axis.values, strict=True):
-            for law in (found["system"], found["drive"]):
+            for law in (result["system"], result["drive"]):
                 if hasattr(law, parameter) and parameter != "natural_frequency":
                     assert getattr(law, parameter) == values[place[axis.name]], parameter
 
@@ -428,12 +430,12 @@ def test_a_point_that_goes_on_from_another_cannot_run_alone():
         arguments_of(plan, 1)
 
 
-def test_a_point_with_too_many_steps_is_told_so_whatever_its_drag():
+def test_a_point_with_too_many_steps_is_named_whatever_its_drag():
     fast = 0.85e10 * 5.0 * 1e-6 ** (1.0 / 6.0) / 5.0  # too fast for the step of drag alone
     axes = {"quadratic_damping": [0.0, 1e-12], "drive_frequency": [fast]}
-    asked = {"duration": 5.0, "initial_angle": 1.0, "observables": ["largest_angle"]}
+    settings = {"duration": 5.0, "initial_angle": 1.0, "observables": ["largest_angle"]}
     drive = ll.Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    plan = make_plan(PENDULUM, drive, axes=axes, tolerance=1e-6, **asked)
+    plan = make_plan(PENDULUM, drive, axes=axes, tolerance=1e-6, **settings)
     batch = make_batch(plan, np.arange(2), stepper_of(plan))
     assert not batch.valid.any()
     assert batch.reason.startswith("this point would take more than 1e+10 steps")

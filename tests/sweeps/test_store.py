@@ -276,7 +276,7 @@ def test_a_damaged_file_is_named_and_made_again(tmp_path, how, name, again):
         assert verify_store(path)["damaged"] == []
         fill(PLAN, path, reasons=reasons)
     else:
-        assert [found["file"] for found in verify_store(path)["damaged"]] == [name]
+        assert [result["file"] for result in verify_store(path)["damaged"]] == [name]
         with repaired(f"{name} damaged or missing; {again} of 4 chunks are computed again"):
             fill(PLAN, path, reasons=reasons)
     assert contents(path) == before
@@ -378,34 +378,36 @@ def test_a_store_without_checksums_is_refused_with_the_way_out(tmp_path):
 def test_a_verification_reads_everything_and_says_what_is_damaged(tmp_path):
     path = tmp_path / "map.zarr"
     fill(PLAN, path, [0, 1, 3])
-    found = verify_store(path)
+    result = verify_store(path)
     on_disk = {name for name in contents(path) if not name.startswith(".latolato/chunks")}
-    assert found["damaged"] == []
-    assert found["files"] == len(on_disk)
-    assert not found["complete"]
+    assert result["damaged"] == []
+    assert result["files"] == len(on_disk)
+    assert not result["complete"]
     for name in ("status/c/1/1", "radius/c/0"):
         damage("one bit", path / name)
-    found = verify_store(path)
-    assert json.loads(json.dumps(found)) == found
-    assert found["damaged"] == [
+    result = verify_store(path)
+    assert json.loads(json.dumps(result)) == result
+    assert result["damaged"] == [
         {"file": "radius/c/0", "variable": "radius", "chunk": "c/0", "number": None},
         {"file": "status/c/1/1", "variable": "status", "chunk": "c/1/1", "number": 3},
     ]
-    assert found["chunks_done"] == 2
+    assert result["chunks_done"] == 2
 
 
 def test_chunks_of_executors_that_round_differently_do_not_mix(tmp_path):
     path = tmp_path / "map.zarr"
     fill(PLAN, path, [0, 2])
     before = contents(path)
-    told = r"2 of 4 chunks .* with executor 'reference', which rounds differently from 'threads' or"
+    words = (
+        r"2 of 4 chunks .* with executor 'reference', which rounds differently from 'threads' or"
+    )
     for executor in ("threads", "dask"):
         with (
-            pytest.raises(InputError, match=f"{told} 'dask'; finish it with that executor, name"),
+            pytest.raises(InputError, match=f"{words} 'dask'; finish it with that executor, name"),
             Store(PLAN, path, ROUNDING[executor]),
         ):
             pass
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=words):
         ll.sweep(TOY, DRIVE, **SWEEP, store=path)
     assert contents(path) == before
     fill(PLAN, path)
@@ -458,7 +460,7 @@ def test_a_chunk_without_any_answer_is_a_file_too(tmp_path):
         assert store.status_counts() == {"invalid": 2}
 
 
-def test_the_store_of_another_sweep_is_refused_and_told_apart(whole):
+def test_the_store_of_another_sweep_is_refused_with_the_difference(whole):
     before = contents(whole)
     changes = {
         "duration": (0.07, r"duration is 0\.05, not 0\.07"),
@@ -477,13 +479,13 @@ def test_the_store_of_another_sweep_is_refused_and_told_apart(whole):
             r'contact\.kind is "exact", not "clamp", contact\.clamp_step',
         ),
     }
-    for name, (value, told) in changes.items():
-        with pytest.raises(ValueError, match=f"holds another sweep: {told}.*; name another path"):
+    for name, (value, words) in changes.items():
+        with pytest.raises(ValueError, match=f"holds another sweep: {words}.*; name another path"):
             ll.sweep(TOY, DRIVE, **(SWEEP | {name: value}), executor="reference", store=whole)
     assert contents(whole) == before
 
 
-def test_long_differences_are_told_briefly():
+def test_long_differences_are_shortened():
     ours, theirs = list(range(100)), [*range(99), 100]
     assert differences({"a": ours}, {"a": theirs}) == ["a is [... 99 ...], not [... 100 ...]"]
     assert differences({"a": ours}, {"a": ours[:50]}) == ["a is [100 values], not [50 values]"]
@@ -504,7 +506,7 @@ def test_other_kernels_may_open_a_complete_store_but_not_finish_another(tmp_path
 @pytest.mark.parametrize("what", ["file", "folder", "zarr", "no parent"])
 def test_what_is_no_store_of_a_sweep_is_not_touched(tmp_path, what):
     path = tmp_path / "map.zarr"
-    error, told = FileExistsError, "not a store of a sweep: name another path"
+    error, words = FileExistsError, "not a store of a sweep: name another path"
     if what == "file":
         path.write_text("precious")
     elif what == "folder":
@@ -514,9 +516,9 @@ def test_what_is_no_store_of_a_sweep_is_not_touched(tmp_path, what):
         xr.Dataset({"a": ("x", [1.0, 2.0])}).to_zarr(path, consolidated=False)
     else:
         path = tmp_path / "no" / "map.zarr"
-        error, told = FileNotFoundError, "does not exist; create it first"
+        error, words = FileNotFoundError, "does not exist; create it first"
     before = contents(tmp_path)
-    with pytest.raises(error, match=told):
+    with pytest.raises(error, match=words):
         fill(PLAN, path)
     assert contents(tmp_path) == before
     with pytest.raises(
@@ -565,9 +567,7 @@ def test_a_second_writer_is_refused_until_the_first_one_is_killed(tmp_path):
 
 
 @pytest.mark.parametrize("room", [0, 4, 9, 12, 14, 30, 34])
-def test_a_full_disk_is_told_in_a_line_and_leaves_a_store_to_go_on_with(
-    tmp_path, monkeypatch, room
-):
+def test_a_full_disk_gives_one_line_and_leaves_a_store_to_go_on_with(tmp_path, monkeypatch, room):
     path, files = tmp_path / "map.zarr", 0
     replace = os.replace
 
@@ -579,8 +579,8 @@ def test_a_full_disk_is_told_in_a_line_and_leaves_a_store_to_go_on_with(
         replace(*names)
 
     monkeypatch.setattr(os, "replace", full)
-    told = "No space left on device .finished chunks are kept; once this is mended"
-    with pytest.raises(OSError, match=told) as caught:
+    words = "No space left on device .finished chunks are kept; once this is mended"
+    with pytest.raises(OSError, match=words) as caught:
         fill(PLAN, path, reasons=[(0, "for the last file")])
     assert caught.value.errno == errno.ENOSPC
     assert caught.value.filename == str(path)
@@ -635,7 +635,7 @@ def test_the_status_tells_how_far_a_sweep_is(tmp_path):
     fill(PLAN, path, [3, 1], [(3, "too large")])
     state = store_status(path)
     assert json.loads(json.dumps(state)) == state
-    wanted = {
+    expected = {
         "plan_hash": PLAN.hash,
         "system": "latolato",
         "axes": {"drive_amplitude": 2, "radius": 4},
@@ -649,10 +649,10 @@ def test_the_status_tells_how_far_a_sweep_is(tmp_path):
         "complete": False,
         "writer_active": False,
     }
-    assert {name: state[name] for name in wanted} == wanted
+    assert {name: state[name] for name in expected} == expected
 
 
-def test_an_unfinished_store_is_told_on_loading(tmp_path):
+def test_an_unfinished_store_gives_a_warning_on_loading(tmp_path):
     fill(PLAN, tmp_path / "map.zarr", [0])
     with pytest.warns(RuntimeWarning, match=r"is unfinished: 2 of 8 points are done, status is -1"):
         dataset = ll.load(tmp_path / "map.zarr")
@@ -662,9 +662,9 @@ def test_an_unfinished_store_is_told_on_loading(tmp_path):
 
 def test_a_sweep_goes_to_netcdf_and_back(whole, tmp_path):
     path = ll.save(ll.load(whole), tmp_path / "map.nc")
-    found, wanted = ll.load(path), ll.load(whole).load()
-    xr.testing.assert_identical(found.drop_encoding(), wanted)
-    assert found.status.dtype == np.int8
+    result, expected = ll.load(path), ll.load(whole).load()
+    xr.testing.assert_identical(result.drop_encoding(), expected)
+    assert result.status.dtype == np.int8
     assert plan_from_store(path) == plan_from_store(whole) == PLAN
 
 
@@ -718,20 +718,20 @@ def described(**changed):
 
 
 def test_every_drive_survives_its_description(drive):
-    plan, found = described(drive=drive)
-    assert (found, found.hash) == (plan, plan.hash)
+    plan, result = described(drive=drive)
+    assert (result, result.hash) == (plan, plan.hash)
 
 
 def test_every_system_survives_its_description(make_system):
-    plan, found = described(system=make_system(damping=0.1, coulomb_damping=0.2))
-    assert (found, found.hash) == (plan, plan.hash)
+    plan, result = described(system=make_system(damping=0.1, coulomb_damping=0.2))
+    assert (result, result.hash) == (plan, plan.hash)
 
 
 @pytest.mark.parametrize("law", list(contact_laws))
 def test_every_contact_law_and_noise_survive_their_description(law):
     noise = ll.VelocityKicks(noise_strength=0.1, noise_seed=2**60 + 1)
-    plan, found = described(contact=contact_laws[law](), noise=noise, direction="both")
-    assert (found, found.hash) == (plan, plan.hash)
+    plan, result = described(contact=contact_laws[law](), noise=noise, direction="both")
+    assert (result, result.hash) == (plan, plan.hash)
 
 
 def test_a_description_of_something_else_is_refused():
@@ -745,28 +745,30 @@ def test_a_description_of_something_else_is_refused():
 
 
 def test_threads_give_one_answer_whatever_the_chunks(tmp_path):
-    given = {"axes": {"drive_amplitude": [0.0, 0.1, 0.2], "frequency_ratio": [1.0, 1.5, 2.0, 2.5]}}
-    found = [
+    arguments = {
+        "axes": {"drive_amplitude": [0.0, 0.1, 0.2], "frequency_ratio": [1.0, 1.5, 2.0, 2.5]}
+    }
+    result = [
         ll.sweep(
             TOY,
-            **SWEEP | given | {"chunk_size": size, "duration": 3.0},
+            **SWEEP | arguments | {"chunk_size": size, "duration": 3.0},
             executor="threads",
             workers=2,
             store=tmp_path / f"{size}.zarr",
         ).load()
         for size in (1, 5, 12)
     ]
-    for other in found[1:]:
-        for name in found[0].variables:
-            np.testing.assert_array_equal(other[name], found[0][name])
+    for other in result[1:]:
+        for name in result[0].variables:
+            np.testing.assert_array_equal(other[name], result[0][name])
 
 
 def test_a_store_without_a_variable_that_its_observable_gives_now_is_refused(tmp_path, monkeypatch):
     toy, path = ll.LatoLato(length=1.0, mass=0.8, radius=0.1), tmp_path / "old.zarr"
-    given = {"axes": {"initial_angle": [0.4]}, "duration": 0.1, "store": path}
-    ll.sweep(toy, observables=["impact_speed"], **given)
+    arguments = {"axes": {"initial_angle": [0.4]}, "duration": 0.1, "store": path}
+    ll.sweep(toy, observables=["impact_speed"], **arguments)
     kind = observables["impact_speed"]
     more = {**kind.variables, "median_impact_speed": kind.variables["mean_impact_speed"]}
     monkeypatch.setattr(kind, "variables", more)
     with pytest.raises(ll.InputError, match="has no median_impact_speed: the"):
-        ll.sweep(toy, observables=["impact_speed"], **given)
+        ll.sweep(toy, observables=["impact_speed"], **arguments)

@@ -14,7 +14,7 @@ from watched import IN_LANES
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
 DRIVE = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
 # Long and strong enough that some points are chaotic: the least difference would show.
-ASKED = {
+SETTINGS = {
     "duration": 30.0,
     "transient_periods": 2.0,
     "observables": IN_LANES,
@@ -29,14 +29,14 @@ AXES = {
 @functools.cache
 def whole():
     """The map, all points in one chunk."""
-    return ll.sweep(TOY, DRIVE, axes=AXES, chunk_size=1000, **ASKED)
+    return ll.sweep(TOY, DRIVE, axes=AXES, chunk_size=1000, **SETTINGS)
 
 
-def assert_same_numbers(found, wanted):
+def assert_same_numbers(result, expected):
     """Every variable has the same bytes."""
-    assert set(found.data_vars) == set(wanted.data_vars)
-    for name in wanted.data_vars:
-        one, other = found[name], wanted[name]
+    assert set(result.data_vars) == set(expected.data_vars)
+    for name in expected.data_vars:
+        one, other = result[name], expected[name]
         assert one.dims == other.dims, name
         assert one.values.tobytes() == other.values.tobytes(), name
 
@@ -44,24 +44,24 @@ def assert_same_numbers(found, wanted):
 @pytest.mark.parametrize("chunk_size", [1, 7, 64, None])
 @pytest.mark.parametrize("workers", [1, 2])
 def test_chunks_and_workers_change_nothing(chunk_size, workers):
-    found = ll.sweep(TOY, DRIVE, axes=AXES, chunk_size=chunk_size, workers=workers, **ASKED)
-    assert_same_numbers(found, whole())
+    result = ll.sweep(TOY, DRIVE, axes=AXES, chunk_size=chunk_size, workers=workers, **SETTINGS)
+    assert_same_numbers(result, whole())
 
 
 def test_the_order_of_axes_and_values_changes_nothing():
     turned = dict(reversed(AXES.items()))
     turned["frequency_ratio"] = turned["frequency_ratio"][::-1]
-    found = ll.sweep(TOY, DRIVE, axes=turned, **ASKED)
-    assert found.largest_angle.dims == ("frequency_ratio", "drive_amplitude")
-    again = found.isel(frequency_ratio=slice(None, None, -1))
-    wanted = whole()
-    assert_same_numbers(again.transpose(*wanted.status.dims, "sample"), wanted)
+    result = ll.sweep(TOY, DRIVE, axes=turned, **SETTINGS)
+    assert result.largest_angle.dims == ("frequency_ratio", "drive_amplitude")
+    again = result.isel(frequency_ratio=slice(None, None, -1))
+    expected = whole()
+    assert_same_numbers(again.transpose(*expected.status.dims, "sample"), expected)
 
 
 @pytest.mark.parametrize("place", [(0, 0), (4, 6), (8, 16), (8, 11)])
 def test_a_point_alone_is_the_point_of_the_map(place):
     axes = {name: [values[i]] for (name, values), i in zip(AXES.items(), place, strict=True)}
-    alone = ll.sweep(TOY, DRIVE, axes=axes, **ASKED)
+    alone = ll.sweep(TOY, DRIVE, axes=axes, **SETTINGS)
     at = {name: [i] for name, i in zip(AXES, place, strict=True)}
     assert_same_numbers(alone, whole().isel(at))
 
@@ -69,30 +69,32 @@ def test_a_point_alone_is_the_point_of_the_map(place):
 def test_a_point_is_the_same_as_a_value_and_on_an_axis():
     drive = ll.Harmonic(drive_amplitude=AXES["drive_amplitude"][5], drive_frequency=6.0)
     axes = {"frequency_ratio": AXES["frequency_ratio"]}
-    assert_same_numbers(ll.sweep(TOY, drive, axes=axes, **ASKED), whole().isel(drive_amplitude=5))
+    assert_same_numbers(
+        ll.sweep(TOY, drive, axes=axes, **SETTINGS), whole().isel(drive_amplitude=5)
+    )
 
 
 def test_parameters_that_vary_together_are_the_diagonal():
     together = {name: values[:9] for name, values in AXES.items()}
-    found = ll.sweep(TOY, DRIVE, axes={"case": together}, **ASKED)
-    assert found.largest_angle.dims == ("case",)
+    result = ll.sweep(TOY, DRIVE, axes={"case": together}, **SETTINGS)
+    assert result.largest_angle.dims == ("case",)
     for name in AXES:
-        assert found[name].dims == ("case",)
-        np.testing.assert_array_equal(found[name], together[name])
+        assert result[name].dims == ("case",)
+        np.testing.assert_array_equal(result[name], together[name])
     for i in range(9):
-        assert_same_numbers(found.isel(case=i), whole().isel(drive_amplitude=i, frequency_ratio=i))
+        assert_same_numbers(result.isel(case=i), whole().isel(drive_amplitude=i, frequency_ratio=i))
 
 
 def test_the_map_has_chaos_to_show_a_difference():
-    found = ll.sweep(TOY, DRIVE, axes=AXES, **ASKED, tolerance=1.0001e-6)
-    assert float(abs(found.final_angle - whole().final_angle).max()) > 0.1
+    result = ll.sweep(TOY, DRIVE, axes=AXES, **SETTINGS, tolerance=1.0001e-6)
+    assert float(abs(result.final_angle - whole().final_angle).max()) > 0.1
 
 
 def test_plain_python_agrees():
     axes = {"drive_amplitude": [0.02, 0.2], "frequency_ratio": [1.9, 2.5]}
-    asked = ASKED | {"duration": 4.0, "tolerance": 1e-9}
+    settings = SETTINGS | {"duration": 4.0, "tolerance": 1e-9}
     plain, compiled = (
-        ll.sweep(TOY, DRIVE, axes=axes, executor=e, **asked) for e in ("reference", "threads")
+        ll.sweep(TOY, DRIVE, axes=axes, executor=e, **settings) for e in ("reference", "threads")
     )
     for name in plain.data_vars:
         # Rounding, grown by a handful of impacts; the energy's quadrature near walls differs, see
@@ -102,11 +104,11 @@ def test_plain_python_agrees():
 
 
 class TestDataset:
-    ASKED = ASKED | {"duration": 2.0, "executor": "reference", "transient_periods": 0.5}
+    SETTINGS = SETTINGS | {"duration": 2.0, "executor": "reference", "transient_periods": 0.5}
 
     def found(self, system=TOY, **changed):
-        asked = {"axes": {"case": {"mass": [0.8, 0.9], "length": [1.0, 0.9]}}} | self.ASKED
-        return ll.sweep(system, DRIVE, **(asked | changed))
+        settings = {"axes": {"case": {"mass": [0.8, 0.9], "length": [1.0, 0.9]}}} | self.SETTINGS
+        return ll.sweep(system, DRIVE, **(settings | changed))
 
     def pair(self):
         ball = ll.Ball(length=1.0, mass=0.8, radius=0.1)
@@ -116,8 +118,8 @@ class TestDataset:
         )  # fmt: skip
 
     def test_everything_has_unit_name_and_symbol(self):
-        for found in (self.found(), self.pair()):
-            for name, variable in found.variables.items():
+        for result in (self.found(), self.pair()):
+            for name, variable in result.variables.items():
                 if name == "ball":
                     continue
                 assert {"units", "long_name", "symbol"} <= set(variable.attrs), name
@@ -140,47 +142,47 @@ class TestDataset:
         assert two.drive_work.attrs["long_name"].endswith(", both balls")
 
     def test_two_balls_have_a_dimension(self):
-        found = self.pair()
-        assert found.largest_angle.dims == ("left_mass", "ball")
-        assert found.section_angle.dims == ("left_mass", "ball", "sample")
-        assert found.drive_work.dims == found.status.dims == ("left_mass",)
-        assert list(found.ball.values) == ["right", "left"]
+        result = self.pair()
+        assert result.largest_angle.dims == ("left_mass", "ball")
+        assert result.section_angle.dims == ("left_mass", "ball", "sample")
+        assert result.drive_work.dims == result.status.dims == ("left_mass",)
+        assert list(result.ball.values) == ["right", "left"]
 
-    def test_coordinates_are_the_values_given(self):
-        found = self.found()
-        np.testing.assert_array_equal(found.mass, [0.8, 0.9])
-        np.testing.assert_array_equal(found.length, [1.0, 0.9])
-        assert found.length.attrs["units"] == "m"
+    def test_coordinates_are_the_values_of_the_axes(self):
+        result = self.found()
+        np.testing.assert_array_equal(result.mass, [0.8, 0.9])
+        np.testing.assert_array_equal(result.length, [1.0, 0.9])
+        assert result.length.attrs["units"] == "m"
 
     def test_status_is_explained(self):
         attrs = self.found().status.attrs
         assert len(attrs["flag_values"]) == len(attrs["flag_meanings"].split()) == 6
 
     def test_attributes_hold_every_parameter_that_does_not_vary(self):
-        found = self.found(transient=0.1, rest_speed=1e-6)
-        wanted = {
+        result = self.found(transient=0.1, rest_speed=1e-6)
+        expected = {
             "system": "latolato", "drive": "harmonic", "radius": 0.1, "restitution": 0.9,
             "gravity": 9.8, "damping": 0.02, "drive_amplitude": 0.1, "drive_frequency": 6.0,
             "drive_phase": 0.0, "initial_offset": 0.3, "initial_angular_velocity": 0.0,
             "duration": 2.0, "transient": 0.1, "transient_periods": 0.5, "tolerance": 1e-6,
             "rest_speed": 1e-6, "contact": "exact", "crossing_angle": 2.0, "periods": 4,
         }  # fmt: skip
-        assert {name: found.attrs.get(name) for name in wanted} == wanted
-        assert not {"mass", "length"} & set(found.attrs)
-        assert found.attrs["latolato_version"]
-        asked = {k: v for k, v in self.ASKED.items() if k != "executor"}
+        assert {name: result.attrs.get(name) for name in expected} == expected
+        assert not {"mass", "length"} & set(result.attrs)
+        assert result.attrs["latolato_version"]
+        settings = {k: v for k, v in self.SETTINGS.items() if k != "executor"}
         plan = make_plan(
-            TOY, DRIVE, axes={"case": {"mass": [0.8, 0.9], "length": [1.0, 0.9]}}, **asked,
+            TOY, DRIVE, axes={"case": {"mass": [0.8, 0.9], "length": [1.0, 0.9]}}, **settings,
             transient=0.1, rest_speed=1e-6,
         )  # fmt: skip
-        assert found.attrs["plan_hash"] == plan.hash
+        assert result.attrs["plan_hash"] == plan.hash
 
     @pytest.mark.parametrize("which", ["one ball", "two balls"])
     def test_it_comes_back_from_netcdf(self, which, tmp_path):
-        found = self.found() if which == "one ball" else self.pair()
-        ll.save(found, tmp_path / "map.nc")
+        result = self.found() if which == "one ball" else self.pair()
+        ll.save(result, tmp_path / "map.nc")
         again = ll.load(tmp_path / "map.nc")
-        xr.testing.assert_identical(found, again)
+        xr.testing.assert_identical(result, again)
 
     def test_progress_counts_points_up_to_the_whole(self):
         seen = []
