@@ -27,12 +27,13 @@ export class Placing {
     if (!(FREQUENCIES.includes(x) && AMPLITUDES.includes(y))
       && !(FREQUENCIES.includes(y) && AMPLITUDES.includes(x)))
       throw new InputError(`overlays and points need a map of amplitude (${AMPLITUDES.join(", ")}) `
-        + `and frequency (${FREQUENCIES.join(", ")}), got ${y} and ${x}`);
+        + `and frequency (${FREQUENCIES.join(", ")})`, { value: [y, x] });
     const side = "right_length" in about.parameters ? "right_" : "";
     const number = (/** @type {string} */ name) => {
       const value = about.parameters[name];
       if (typeof value !== "number")
-        throw new InputError(`this map does not say its ${name}, which overlays need`);
+        throw new InputError("this map does not say its {parameter}, which overlays need",
+        { parameter: name });
       return value;
     };
     this.x = x;

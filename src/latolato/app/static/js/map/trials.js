@@ -1,7 +1,7 @@
 /** Trials of an experiment from the text of a trial table: `latolato.experiment.trial_table`. */
 
 import { toSi } from "../model/options.js";
-import { general, InputError } from "../model/rules.js";
+import { InputError } from "../model/rules.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./theory.js").Placing} Placing */
@@ -60,13 +60,13 @@ export function parseTrials(registry, text) {
   const amplitude = read.get("drive_amplitude");
   if (!amplitude || !(read.has("drive_frequency") || read.has("frequency_ratio")))
     throw new InputError("a trial table needs the columns drive_amplitude, drive_frequency or "
-      + "frequency_ratio, and class or largest_angle and largest_angle_after_transient; "
-      + `got ${[...read.keys()].join(", ") || "none"}`);
+      + "frequency_ratio, and class or largest_angle and largest_angle_after_transient",
+    { value: [...read.keys()].join(", ") || "none" });
   for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio"]) {
     const at = read.get(name)?.findIndex((value) => !(value > 0)) ?? -1;
     if (at >= 0)
-      throw new InputError(`must be positive, got ${general(read.get(name)?.[at])} in row ${at + 1}`,
-        { parameter: name });
+      throw new InputError(`must be positive in row ${at + 1}`,
+        { parameter: name, value: read.get(name)?.[at] });
   }
   const unknown = amplitude.map(() => NaN);
   const natural = (read.get("length") ?? unknown).map((length) => Math.sqrt(gravity / length));
