@@ -1,17 +1,24 @@
-/** Runs beside the page: each message is a request, each answer a block or what is wrong. */
+/** Runs beside the page: each message is a request, each answer a block, how long the run takes if that
+ * is long, or what is wrong. */
 
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
 import { BeyondPageError, InputError } from "./rules.js";
 import { specify } from "./case.js";
-import { run } from "./simulate.js";
+import { run, secondsOf } from "./simulate.js";
 
-// Steps of a run in a page: a few seconds.
-const MOST_STEPS = 5e6;
+// A longer run is computed if whoever wants it agrees.
+const LONG = 60; // s
 
-self.addEventListener("message", async ({ data: { number, request, mostSamples } }) => {
+self.addEventListener("message", async ({ data: { number, request, mostSamples, isAgreed } }) => {
   try {
-    const block = blockOf(run(await specify(await loadRegistry(), request), { mostSamples, mostSteps: MOST_STEPS }));
+    const each = await specify(await loadRegistry(), request);
+    const seconds = isAgreed ? 0 : secondsOf(each);
+    if (seconds > LONG) {
+      self.postMessage({ number, seconds });
+      return;
+    }
+    const block = blockOf(run(each, mostSamples));
     const buffers = new Set(Object.values(block.arrays).map((array) => array.buffer));
     self.postMessage({ number, block }, { transfer: [...buffers] });
   } catch (error) {
