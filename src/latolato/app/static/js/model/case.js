@@ -180,7 +180,8 @@ function instantsOf(registry, { times = null, samples = null, duration = null })
  */
 export function evenly(end, count) {
   const step = end / (count - 1);
-  const times = Float64Array.from({ length: count }, (_, i) => i * step);
+  const times = new Float64Array(count);
+  for (let i = 0; i < count; i += 1) times[i] = i * step;
   times[count - 1] = end;
   return times;
 }

@@ -183,9 +183,9 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     if ((isLab && each.frame !== "both") || (system.linear && (isLab || name === "tension"))) return;
     columns[name] = rows(out, ofBalls.map((i) => i * layout.ball_rows.length + row));
   });
-  columns.total_energy = ofBalls.map((i) =>
-    columns.kinetic_energy[i].map((value, k) => value + columns.potential_energy[i][k]));
+  columns.total_energy = ofBalls.map((i) => sum(columns.kinetic_energy[i], columns.potential_energy[i]));
   for (const name of LEDGER) {
+    if (name === "noise_work" && !each.noise) continue;
     const [values] = rows(result.samples, [layout.sample_rows[name]]);
     if (name !== "noise_work" || values.some((/** @type {number} */ value) => Math.abs(value) > 0)) columns[name] = [values];
   }
@@ -214,6 +214,17 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     compressionTime: firsts.map((value) => known * value),
     compressionFraction: totals.map((value) => (known * value) / result.reached),
   };
+}
+
+/**
+ * Return two columns added.
+ * @param {Float64Array} one
+ * @param {Float64Array} other
+ */
+function sum(one, other) {
+  const total = new Float64Array(one.length);
+  for (let i = 0; i < one.length; i += 1) total[i] = one[i] + other[i];
+  return total;
 }
 
 /**

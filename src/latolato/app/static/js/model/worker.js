@@ -1,6 +1,7 @@
 /** Runs beside the page: each message is a request, each answer a block, how long the run takes if that
  * is long, or what is wrong. */
 
+import { loadLayout, loadModule } from "../kernels/load.js";
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
 import { BeyondPageError, InputError } from "./rules.js";
@@ -9,6 +10,9 @@ import { run, secondsOf } from "./simulate.js";
 
 // A longer run is computed if whoever wants it agrees.
 const LONG = 60; // s
+
+// What most runs need comes at once; a run that needs it tells of a fault.
+for (const load of [loadRegistry, loadLayout, () => loadModule("one")]) load().catch(() => {});
 
 self.addEventListener("message", async ({ data: { number, request, mostSamples, isAgreed } }) => {
   try {

@@ -25,6 +25,9 @@ export class PlayView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
+    // The worker loads while the rest is made.
+    this.runner = new Runner(page.registry);
+    this.runner.start();
     const form = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.presets = presetField(page);
@@ -40,8 +43,6 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
-    this.runner = new Runner(page.registry);
-    this.runner.start();
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }
