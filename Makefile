@@ -1,6 +1,6 @@
-# latolato: everything here needs Python 3.11 or newer and make; the tests need Chromium too, which
-# `make test` installs as root on Debian and otherwise asks for. All else is installed into .venv;
-# only pip, npm and apt use the network.
+# latolato: everything here needs Python 3.11 or newer and make; the tests need Chromium and Firefox
+# too, which `make test` installs as root on Debian and otherwise asks for. All else is installed
+# into .venv; only pip, npm and apt use the network.
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
@@ -62,12 +62,12 @@ kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python .ci/kernels.py
 
 .PHONY: test
-test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run all tests and the examples in docstrings
+test: $(STAMPS)/test $(STAMPS)/browsers kernels ## install with test extras, run all tests and the examples in docstrings
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src \
 		--ignore tests/smoke $(PYTEST_ARGS)
 
 .PHONY: smoke
-smoke: $(STAMPS)/test $(STAMPS)/chromium kernels ## every preset, example, question and documented command once
+smoke: $(STAMPS)/test $(STAMPS)/browsers kernels ## every preset, example, question and documented command once
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/smoke $(PYTEST_ARGS)
 
 .PHONY: doctest
@@ -143,17 +143,20 @@ $(STAMPS)/typescript: $(STAMPS)/dev
 		--prefix $(VENV)/js typescript@5.9
 	@touch $@
 
-# The tests of the application drive a real browser: the system's Chromium.
-$(STAMPS)/chromium: | $(STAMPS)/venv
-	@set -e; has_chromium() { for b in chromium chromium-browser google-chrome; do \
-		command -v $$b >/dev/null && return 0; done; return 1; }; \
-	if ! has_chromium && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-		echo "installing chromium: the tests of the application drive it"; \
+# The tests of the application drive real browsers: the system's Chromium, and once its Firefox.
+$(STAMPS)/browsers: | $(STAMPS)/venv
+	@set -e; has() { for b; do command -v $$b >/dev/null && return 0; done; return 1; }; \
+	missing() { has chromium chromium-browser google-chrome || echo chromium; \
+		has firefox-esr firefox || echo firefox-esr; }; \
+	packages=$$(missing); \
+	if [ -n "$$packages" ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing" $$packages: the tests of the application drive browsers; \
 		{ apt-get update -q && DEBIAN_FRONTEND=noninteractive \
-			apt-get install -y -q --no-install-recommends chromium; } >/dev/null || true; \
+			apt-get install -y -q --no-install-recommends $$packages; } >/dev/null || true; \
 	fi; \
-	has_chromium || { echo "the tests of the application need Chromium. Type"; \
-		echo "    sudo apt-get install chromium"; echo "and try again"; exit 1; }
+	packages=$$(missing); \
+	[ -z "$$packages" ] || { echo "the tests of the application need browsers. Type"; \
+		echo "    sudo apt-get install" $$packages; echo "and try again"; exit 1; }
 	@touch $@
 
 # Debian and Ubuntu keep ensurepip in a package of its own. Without it: use a pip that is already

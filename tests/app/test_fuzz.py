@@ -1,17 +1,31 @@
-"""Whatever is sent, the server answers with one of its own answers and goes on.
+"""Whatever is sent, server and pages answer with one of their own answers and go on.
 
-Requests are made by schemathesis from a description of the server's interface, which lives here:
-pages are the only clients, so the server publishes none.
+Requests of the server are made by schemathesis from a description of its interface, which lives
+here: pages are the only clients, so the server publishes none. What pages read (addresses, messages
+of the page around them, parameters) goes to one process of Node.js.
 """
 
 from __future__ import annotations
 
+import json
+import math
+import subprocess
+from contextlib import suppress
+from pathlib import Path
+from urllib.parse import urlencode
+
 import hypothesis
 import pytest
 import schemathesis
+from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
+import latolato as ll
+from in_node import NODE
+from latolato.app.forms import registry
 from latolato.app.server import Settings, make_app
+from latolato.app.site import write_site
+from latolato.core.errors import InputError
 
 ASKED = {
     "type": "object",
@@ -104,3 +118,124 @@ def test_no_address_makes_the_server_stumble(path, client):
     assert answer.status_code in (200, 404, 405)
     if answer.status_code == 200:
         assert answer.headers["content-security-policy"]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    """A function that sends one input to the pages' modules and returns what they made of it."""
+    site = tmp_path_factory.mktemp("site")
+    write_site(site)
+    command = [NODE, Path(__file__).with_name("fuzz_in_node.mjs"), site]
+    with subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+
+        def answer(kind, given):
+            process.stdin.write(json.dumps(encoded([kind, given])) + "\n")
+            process.stdin.flush()
+            found = json.loads(process.stdout.readline())
+            assert "fault" not in found, found["fault"]
+            assert not found["polluted"]
+            return found
+
+        yield answer
+        process.stdin.close()
+
+
+def encoded(value):
+    """A value whose numbers JSON can hold."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return {"number": "NaN" if math.isnan(value) else "-Infinity" if value < 0 else "Infinity"}
+    if isinstance(value, list):
+        return [encoded(each) for each in value]
+    if isinstance(value, dict):
+        return {name: encoded(each) for name, each in value.items()}
+    return value
+
+
+POLLUTION = ("__proto__", "constructor", "toString", "hasOwnProperty", "prototype")
+HTML = ("<img src=x onerror=alert(1)>", "</script><script>alert(1)</script>", "javascript:alert(1)")
+ABOUT = registry()
+LAWS = [*ABOUT["systems"], *ABOUT["drives"], *ABOUT["contact_laws"], *ABOUT["scenarios"]]
+NAMES = st.sampled_from([*ABOUT["options"], *POLLUTION, *HTML, "", "map.x", "__proto__.x"])
+SPOILED = (
+    "NaN", "Infinity", "1e999", "-0", "0x10", "1e-400", "1_000", "3 constructor", "3 m/__proto__",
+    "1 m^1e9", "m", "1,,2", "2 kg, 3", "9" * 5000,
+)  # fmt: skip
+UNITS = ("", " m", " cm", " s", " Hz", " rad", " %")
+TEXTS = st.one_of(
+    st.sampled_from([*LAWS, *POLLUTION, *HTML, *SPOILED]),
+    st.builds("{:g}{}".format, st.floats(), st.sampled_from(UNITS)),
+    st.text(max_size=20),
+)
+ANYTHING = st.recursive(
+    st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), TEXTS),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(NAMES, inner, max_size=3),
+    max_leaves=6,
+)
+OPTIONS = st.dictionaries(NAMES, ANYTHING, max_size=6)
+SCENARIOS = st.sampled_from([*ABOUT["scenarios"], *POLLUTION, *HTML])
+many = hypothesis.settings(max_examples=200, deadline=None)
+
+
+@hypothesis.given(
+    pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario", "embed"]), TEXTS))
+)
+@many
+def test_no_address_makes_a_page_stumble(pairs, page):
+    answer = page("address", "?" + urlencode(pairs, errors="replace"))
+    assert answer["same"]
+    assert "\n" not in answer["ended"]
+
+
+@hypothesis.given(scenario=st.none() | SCENARIOS, options=OPTIONS)
+@many
+def test_no_parameters_make_a_page_stumble(scenario, options, page):
+    assert "\n" not in page("request", {"scenario": scenario, "options": options})["ended"]
+
+
+@hypothesis.given(
+    message=ANYTHING
+    | st.fixed_dictionaries(
+        {"type": st.just("latolato"), "options": OPTIONS},
+        optional={"scenario": ANYTHING, "x": ANYTHING},
+    )
+)
+@many
+def test_messages_to_an_embedded_page_set_known_options_or_nothing(message, page):
+    assert page("message", message)["known"]
+
+
+def test_messages_of_the_documented_form_are_understood(page):
+    wish = {"type": "latolato", "scenario": "toy", "options": {"duration": 3, "length": "20 cm"}}
+    assert page("message", wish)["accepted"]
+    for wrong in (
+        {**wish, "type": "other"}, {**wish, "more": 1}, {**wish, "scenario": "constructor"},
+        {**wish, "options": {"__proto__": "1"}}, {**wish, "options": {"length": ["1"]}},
+        {**wish, "options": {"length": "1" * 2000}}, {**wish, "options": []}, None, "latolato",
+    ):  # fmt: skip
+        assert not page("message", wrong)["accepted"], wrong
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    """A stored run, as Live and Play store it, and where to put spoiled ones."""
+    path = tmp_path_factory.mktemp("stored") / "run.csv"
+    ll.save(ll.load_scenario("zeno").simulate(duration=0.05), path)
+    return path.read_bytes(), path
+
+
+@hypothesis.given(data=st.data())
+@hypothesis.settings(max_examples=100, deadline=None)
+def test_no_spoiled_recording_makes_the_reader_stumble(data, recording):
+    whole, path = recording
+    start = data.draw(st.integers(0, len(whole)))
+    end = data.draw(st.integers(start, min(start + 50, len(whole))))
+    with_words = st.sampled_from(
+        [b"nan", b"1e999", b"__proto__", b"\x00", b"\xff", b"\n", b",", b""]
+    )
+    path.write_bytes(whole[:start] + data.draw(with_words | st.binary(max_size=20)) + whole[end:])
+    with suppress(InputError):
+        ll.load(path)

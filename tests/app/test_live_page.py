@@ -30,6 +30,22 @@ def wait_for_toy(page, condition, **options):
                            f"return {condition}; }}", **options)  # fmt: skip
 
 
+def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
+    open_live(page)
+    page.get_by_role("application").press("ArrowUp")
+    before = of_toy(page, "controls.drive_amplitude")
+    page.evaluate(
+        """() => {
+          const { toy } = window.latolato.views.live;
+          window.failed = toy;
+          toy.advance = () => { throw new WebAssembly.RuntimeError("unreachable"); };
+        }"""
+    )
+    page.get_by_text("The toy starts again: unreachable.").wait_for()
+    wait_for_toy(page, "toy.kernels !== window.failed.kernels && toy.time > 0.05")
+    assert of_toy(page, "controls.drive_amplitude") == pytest.approx(before, rel=1e-7)
+
+
 def test_a_key_changes_the_motion_with_the_next_picture(page):
     open_live(page)
     before = of_toy(page, "controls.drive_amplitude")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from urllib.parse import urlencode
 
 import numpy as np
@@ -15,7 +16,7 @@ from browser_checks import serious_faults
 from latolato.app.given import RunRequest
 
 # How long a page may take to show its first run [ms].
-PATIENCE = 240_000
+PATIENCE = 60_000
 
 
 def open_play(page, query=""):
@@ -290,9 +291,50 @@ def test_the_editor_of_schedules_opens_from_the_first_page(page):
 def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
     open_play(page)
     field = page.get_by_label("duration", exact=False).first
-    field.fill("100000")
+    field.fill("1e9")
     field.press("Enter")
     page.get_by_text("shorten the duration").wait_for()
+
+
+def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
+    open_play(page, "&scenario=toy")
+    field = page.get_by_label("duration", exact=False).first
+    field.fill("5e6")
+    field.press("Enter")
+    agree = page.get_by_role("button", name="Compute it")
+    agree.wait_for()
+    assert re.match(r"This run takes about \d+ minutes", page.locator(".notes").inner_text())
+    agree.click()
+    page.get_by_text("Computing").wait_for()
+    stop = page.get_by_role("button", name="Stop")
+    page.wait_for_function("() => document.activeElement.textContent === 'Stop'")
+    stop.press("Enter")
+    page.get_by_text("The run was stopped").wait_for()
+    assert page.evaluate("() => window.latolato.views.play.runner.worker") is None
+    field.fill("5")
+    field.press("Enter")
+    page.wait_for_function("() => window.latolato.views.play.player.motion.end === 5")
+    assert page.locator(".notes").inner_text() == ""
+
+
+def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page, watch):
+    fails = iter([True])
+    page.route(
+        "**/model/worker.js",
+        lambda route: route.abort() if next(fails, False) else route.continue_(),
+    )
+    open_play(page)
+    # It is on show for some seconds only.
+    assert "was started again" in page.locator("#status").text_content()
+    page.unroute_all()
+    page.route("**/model/worker.js", lambda route: route.abort())
+    page.evaluate("() => window.latolato.views.play.runner.end()")
+    page.get_by_label("Begin with").select_option("fig02")
+    page.get_by_text("the computation failed twice").wait_for()
+    page.unroute_all()
+    page.get_by_label("Begin with").select_option("fig04a_push")
+    page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '2'")
+    watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
 
 
 def test_the_keyboard_plays_steps_and_zooms(page):

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 import threading
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+from app_pages import launch
+from browser_checks import serious_faults
+from firefox import firefox_page
 from latolato.app.forms import registry
 from latolato.app.site import write_site
 from latolato.cli.main import app
+from same_runs import check_same, in_python
 
+DOCS = Path(__file__).parents[2] / "docs"
 RUNS = [name for name, each in registry()["scenarios"].items() if not each["sweep"]]
 PATIENCE = 60_000
 MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <script type="module" src="latolato-player.js"></script>
 <latolato-player scenario="zeno" duration="2 s"></latolato-player>
+"""
+AROUND = """<!doctype html><title>around</title><link rel="icon" href="icon.svg">
+<iframe src="./?view=play&scenario=fig02&embed=1" width="800" height="300"></iframe>
 """
 
 
@@ -34,6 +45,17 @@ def web(tmp_path_factory):
     folder = space / "school" / "toy"
     write_site(folder)
     (folder / "mine.html").write_text(MINE)
+    (folder / "around.html").write_text(AROUND)
+    # The examples of a page of the documentation, which is built elsewhere.
+    text = (DOCS / "how-to" / "in-your-page.md").read_text(encoding="utf-8")
+    parts = re.findall(r"```{raw} html\n(.*?)```", text, re.DOTALL)
+    examples = folder / "docs" / "how-to" / "in-your-page.html"
+    examples.parent.mkdir(parents=True)
+    icon = '<link rel="icon" href="../../icon.svg">'
+    examples.write_text(
+        '<!doctype html><html lang="en"><title>examples</title>' + icon + "".join(parts)
+    )
+    shutil.copytree(DOCS / "_static", folder / "docs" / "_static")
     server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=space))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     yield f"http://127.0.0.1:{server.server_port}/school/toy/", folder
@@ -83,6 +105,183 @@ def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
         visit.goto(web[0] + query)
         visit.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
     assert visit.faults == []
+
+
+COLUMNS = """async ([address, scenario, options]) => {
+  const { simulate } = await import(address);
+  const run = await simulate({ scenario, ...options });
+  const plain = (value) => (ArrayBuffer.isView(value) ? Array.from(value)
+    : Array.isArray(value) ? value.map(plain) : value);
+  return Object.fromEntries(Object.entries(run).map(([name, value]) => [name, plain(value)]));
+}"""
+
+
+def test_numbers_of_a_browser_are_those_of_python(visit, web):
+    visit.goto(f"{web[0]}mine.html")
+    for name in RUNS:
+        options = {"duration": 4.0, "samples": 201}
+        answer = visit.evaluate(COLUMNS, [f"{web[0]}latolato.js", name, options])
+        check_same(in_python(name, options), answer, name, options)
+
+
+# How many colours the first picture of a view has.
+COLOURS = """() => {
+  const canvas = document.querySelector("main canvas");
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return new Set(new Uint32Array(data.buffer)).size;
+}"""
+NO_WEBGL = """const get = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+  return kind.startsWith("webgl") ? null : get.call(this, kind, ...rest);
+};"""
+PHONE = {"width": 390, "height": 844}
+DEVICES = {
+    "phone": {"viewport": PHONE, "has_touch": True, "is_mobile": True, "color_scheme": "dark"},
+    "zoomed": {"viewport": {"width": 683, "height": 384}, "device_scale_factor": 2},
+    "calm, without WebGL": {"reduced_motion": "reduce"},
+    "slow": {"viewport": PHONE},
+}
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_play_and_live_work_on(browser, web, device):
+    context = browser.new_context(**DEVICES[device])
+    page = context.new_page()
+    faults = []
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.add_init_script(NO_WEBGL if "WebGL" in device else "")
+    if device == "slow":
+        context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": 4})
+    for view, ready in (("play", "[data-runs]"), ("live", "[data-ready]")):
+        page.goto(f"{web[0]}?view={view}")
+        page.wait_for_selector(ready, timeout=PATIENCE)
+        page.wait_for_function(f"() => ({COLOURS})() > 3")
+        seen = page.locator("main canvas").first.bounding_box()
+        size = page.viewport_size
+        assert seen["x"] + seen["width"] <= size["width"]
+        if device == "zoomed":
+            assert min(seen["y"] + seen["height"], size["height"]) - max(seen["y"], 0) > 100
+        if device == "phone":
+            page.get_by_role("button", name=re.compile("^(Play|Pause)$")).first.tap()
+        else:
+            page.keyboard.press("Space")
+        moves = f"() => window.latolato.views.{view}"
+        if view == "play":
+            page.wait_for_function(f"{moves}.player.clock.time > 0")
+        else:  # it moves by itself, unless motion is to be reduced
+            assert page.evaluate(f"{moves}.paused") is ("calm" not in device)
+        if device in ("phone", "zoomed"):
+            assert serious_faults(page) == []
+    assert faults == []
+    context.close()
+
+
+def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
+    other = launch(browser.browser_type, "--js-flags=--no-enable-sse4-1")
+    page = other.new_page()
+    loaded = set()
+    page.on("request", lambda request: loaded.add(request.url.rpartition("/")[2]))
+    page.goto(f"{web[0]}?view=play&scenario=toy")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    other.close()
+    assert {name for name in loaded if name.endswith(".wasm")} == {"one-scalar.wasm"}
+
+
+def test_firefox_runs_the_site(web):
+    with firefox_page(f"{web[0]}?view=play&scenario=fig04a_push&duration=3 s") as evaluate:
+        evaluate("new Promise((done) => { const look = () => (document.querySelector('[data-runs]')"
+                 " ? done() : setTimeout(look, 50)); look(); })")  # fmt: skip
+        colours = evaluate(f"({COLOURS})()")
+        assert colours > 3
+        end = evaluate("window.latolato.views.play.player.motion.values('angle').at(-1)")
+    run = in_python("fig04a_push", {"duration": 3.0})
+    assert end == pytest.approx(run["angle"][-1], abs=1e-9)
+
+
+IMAGE = "<img src=x onerror=alert(1)>"
+# Broken addresses, and what their pages say.
+BROKEN = {
+    "view=constructor": "There is no view “constructor”",
+    f"view={IMAGE}": f"There is no view “{IMAGE}”",
+    f"view=play&scenario={IMAGE}": f"there is no scenario '{IMAGE}'",
+    "view=play&scenario=__proto__": "there is no scenario '__proto__'",
+    "view=play&system=constructor": "unknown system 'constructor'",
+    "view=play&scenario=toy&drive=toString": "unknown drive 'toString'",
+    "view=play&__proto__=1&scenario=toy": "unknown option '__proto__'",
+    "view=play&scenario=toy&system=pendulum&__proto__=1": "unknown option '__proto__'",
+    "view=play&scenario=toy&length=3 constructor": "must be given in m",
+    "view=play&scenario=toy&duration=1e999 s": "must be finite",
+    f"view=play&scenario={'x' * 5000}": "there is no scenario 'xxx",
+    "view=live&scenario=constructor": "there is no scenario 'constructor'",
+    "view=live&scenario=toy&radius=NaN": "must be given in m",
+}
+
+
+def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
+    for query, words in BROKEN.items():
+        visit.goto(f"{web[0]}?{query}")
+        visit.locator(":is(#status, .error, .notes):visible").filter(
+            has_text=words
+        ).first.wait_for()
+        assert visit.locator("main img").count() == 0
+    assert visit.faults == []
+
+
+def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(visit, web):
+    visit.add_init_script(
+        "window.heard = []; addEventListener('message', ({ data }) => window.heard.push(data));"
+    )
+    visit.goto(f"{web[0]}around.html")
+    visit.wait_for_function("() => window.heard.some(({ height }) => height > 300)")
+    assert {tuple(each) for each in visit.evaluate("() => window.heard")} == {
+        ("type", "height", "address")
+    }
+    send = "(data) => document.querySelector('iframe').contentWindow.postMessage(data, '*')"
+    wish = {"type": "latolato", "options": {"duration": "3 s"}, "scenario": "fig04a_push"}
+    for wrong in (
+        "latolato", {**wish, "type": "x"}, {**wish, "more": 1}, {**wish, "scenario": "constructor"},
+        {**wish, "options": {"constructor": "1"}}, {**wish, "options": {"length": {}}},
+    ):  # fmt: skip
+        visit.evaluate(send, wrong)
+    frame = next(each for each in visit.frames if "embed=1" in each.url)
+    # A window inside the view is not the page around it.
+    frame.evaluate("(data) => window.postMessage(data, '*')", wish)
+    visit.wait_for_timeout(300)
+    assert "scenario=fig02" in frame.url
+    visit.evaluate(send, wish)
+    visit.wait_for_function(
+        "() => window.heard.at(-1).address"
+        " === '?view=play&scenario=fig04a_push&embed=1&duration=3+s'"
+    )
+    frame.wait_for_function("() => window.latolato.views.play.player.motion.end === 3")
+    assert visit.faults == []
+
+
+def test_the_examples_of_the_documentation_run_in_the_site(visit, web):
+    visit.goto(f"{web[0]}docs/how-to/in-your-page.html")
+    visit.locator("latolato-player canvas").first.wait_for()
+    visit.get_by_text("The run is complete").wait_for()
+    assert not visit.get_by_text("do not run here").is_visible()
+    visit.get_by_label("duration").last.fill("3")
+    visit.get_by_label("restitution").fill("2")
+    visit.get_by_role("button", name="Run").click()
+    visit.get_by_text("restitution must lie in [0, 1], got 2").wait_for()
+    assert "  restitution: 2," in visit.locator("#latolato-program").inner_text()
+    visit.get_by_label("drive-amplitude").fill('1 cm"><b>')
+    visit.get_by_role("button", name="Show").click()
+    assert 'drive-amplitude="1 cm&quot;><b>"' in visit.locator("#latolato-markup").inner_text()
+    visit.get_by_text("drive_amplitude must be given in m").wait_for()
+    assert serious_faults(visit) == []
+    assert visit.faults == []
+
+
+def test_examples_of_documentation_built_alone_say_what_they_need(visit, web):
+    visit.route("**/latolato*.js", lambda route: route.fulfill(status=404))
+    visit.goto(f"{web[0]}docs/how-to/in-your-page.html")
+    visit.get_by_text("they need the site around the documentation").wait_for()
+    visit.wait_for_load_state("networkidle")
+    assert visit.locator("form input").count() == 0
+    assert all("404" in fault for fault in visit.faults)
 
 
 def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, web):

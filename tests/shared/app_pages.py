@@ -45,11 +45,16 @@ def _chromium() -> Any:
     """Return the one browser of this process; folders of tests have fixtures of their own."""
     from playwright.sync_api import sync_playwright
 
-    path = next(filter(None, map(shutil.which, _BROWSERS)), None)
-    assert path is not None, "these tests need Chromium: apt-get install chromium"
     playwright = sync_playwright().start()
     atexit.register(playwright.stop)
-    return playwright.chromium.launch(executable_path=path, args=list(_ARGUMENTS))
+    return launch(playwright.chromium)
+
+
+def launch(kind: Any, *arguments: str) -> Any:
+    """Return a Chromium that is started with these arguments beside the usual ones."""
+    path = next(filter(None, map(shutil.which, _BROWSERS)), None)
+    assert path is not None, "these tests need Chromium: apt-get install chromium"
+    return kind.launch(executable_path=path, args=[*_ARGUMENTS, *arguments])
 
 
 @dataclass

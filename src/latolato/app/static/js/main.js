@@ -74,7 +74,7 @@ function startViews(page) {
       else link.removeAttribute("aria-current");
     }
     if (view === current) return;
-    if (!(view in VIEWS)) {
+    if (!Object.hasOwn(VIEWS, view)) {
       tell(t("unknownView", { name: view }));
       page.store.set({ view: "play" }, "view");
       return;
@@ -109,6 +109,8 @@ function startViews(page) {
   };
   // In another page: the view alone, without the way to other views.
   document.documentElement.toggleAttribute("data-embedded", page.store.state.embed === true);
+  if (page.store.state.embed)
+    void import("./embed.js").then(({ talkToParent }) => talkToParent(page.registry, page.store));
   page.store.subscribe(() => void show());
   void show();
 }
@@ -137,7 +139,7 @@ function keepOffline() {
 startTheme();
 const store = new AddressStore(window);
 // The first view's modules come while the server makes the registry.
-VIEWS[store.state.view]?.().catch(() => {});
+if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
 startViews({ registry, store });
 if (!registry.server) keepOffline();

@@ -233,6 +233,12 @@ export const STRINGS = {
   // long work
   loading: "Loading …",
   computing: "Computing …",
+  longRun: "This run takes about {count} minutes.",
+  computeLong: "Compute it",
+  stopRun: "Stop",
+  runStopped: "The run was stopped.",
+  workerAgain: "The computation failed and was started again.",
+  workerGone: "the computation failed twice; reload the page",
   preparing: "Preparing this combination for your processor: 10 to 30 s, once only …",
   cancel: "Cancel",
   job_bar: "How far the work is",

@@ -225,8 +225,10 @@ export class LiveView {
       });
     } catch (error) {
       if (!(error instanceof Error)) throw error;
-      this.restart();
-      this.parts.notice.textContent = t("liveFault", { text: error.message });
+      // The memory that it computed in may be spoiled: begin in a new one.
+      void this.begin().then(() => {
+        this.parts.notice.textContent = t("liveFault", { text: error.message });
+      });
     }
   }
 

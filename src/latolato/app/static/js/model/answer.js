@@ -1,26 +1,29 @@
-/** What becomes of a request for a run: a block or what is wrong, as threads hand them on. */
+/** What becomes of a request for a run: a block, how long it takes if that is long, or what is wrong. */
 
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
 import { BeyondPageError, InputError } from "./rules.js";
 import { specify } from "./case.js";
-import { run } from "./simulate.js";
+import { run, secondsOf } from "./simulate.js";
 
-/** @typedef {{number: number, request: import("./options.js").Request, mostSamples: number}} Question */
-/** @typedef {{number: number, block?: import("../shared/block.js").Block,
+/** @typedef {{number: number, request: import("./options.js").Request, mostSamples: number,
+ *   isAgreed: boolean}} Question */
+/** @typedef {{number: number, block?: import("../shared/block.js").Block, seconds?: number,
  *   fault?: {message: string, about: any, isBeyond: boolean}}} Answer */
 
-// Steps of a run in a page: a few seconds.
-const MOST_STEPS = 5e6;
+// A longer run is computed if whoever wants it agrees.
+const LONG = 60; // s
 
 /**
  * @param {Question} question
  * @returns {Promise<Answer>}
  */
-export async function answer({ number, request, mostSamples }) {
+export async function answer({ number, request, mostSamples, isAgreed }) {
   try {
-    const specified = await specify(await loadRegistry(), request);
-    return { number, block: blockOf(run(specified, { mostSamples, mostSteps: MOST_STEPS })) };
+    const each = await specify(await loadRegistry(), request);
+    const seconds = isAgreed ? 0 : secondsOf(each);
+    if (seconds > LONG) return { number, seconds };
+    return { number, block: blockOf(run(each, mostSamples)) };
   } catch (error) {
     const { message } = /** @type {Error} */ (error);
     const about = error instanceof InputError ? { rule: error.rule, about: error.about } : null;

@@ -21,8 +21,8 @@ export function blockOf(run) {
   const block = { about: aboutOf(run), arrays: {}, shapes: {} };
   const put = (/** @type {string} */ name, /** @type {Float64Array[]} */ rows) => {
     const [{ length }] = rows;
-    const whole = new Float64Array(rows.length * length);
-    rows.forEach((row, i) => whole.set(row, i * length));
+    const whole = rows.length === 1 ? rows[0] : new Float64Array(rows.length * length);
+    if (rows.length > 1) rows.forEach((row, i) => whole.set(row, i * length));
     block.arrays[name] = whole;
     block.shapes[name] = [rows.length, length];
   };

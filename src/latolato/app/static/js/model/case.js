@@ -76,8 +76,11 @@ function noiseOf(registry, noise) {
 function contactOf(registry, system, run) {
   const laws = registry.contact_laws;
   const name = run.contact ?? registry.options.contact.default;
+  if (typeof name !== "string")
+    throw new InputError(`must be one of ${Object.keys(laws).join(", ")}`,
+      { parameter: "contact", value: name });
   if (!Object.hasOwn(laws, name))
-    throw new InputError(`unknown contact law '${name}': ${suggest(String(name), Object.keys(laws))}`);
+    throw new InputError(`unknown contact law '${name}': ${suggest(name, Object.keys(laws))}`);
   if (!laws[name].compiled) throw new BeyondPageError(`the {parameter} law ${name} is`, "contact");
   const owners = (/** @type {string} */ option) =>
     Object.keys(laws).filter((law) => laws[law].options.includes(option));
@@ -177,7 +180,8 @@ function instantsOf(registry, { times = null, samples = null, duration = null })
  */
 export function evenly(end, count) {
   const step = end / (count - 1);
-  const times = Float64Array.from({ length: count }, (_, i) => i * step);
+  const times = new Float64Array(count);
+  for (let i = 0; i < count; i += 1) times[i] = i * step;
   times[count - 1] = end;
   return times;
 }

@@ -1,6 +1,8 @@
 /** Runs that the page asks for, computed in a worker, or in the page where it may have none. */
 
 import { askBlock } from "../shared/api.js";
+import { tell } from "../shared/dom.js";
+import { t } from "../strings.js";
 import { commandLine, pythonLines } from "./lines.js";
 import { InputError } from "./rules.js";
 
@@ -8,11 +10,26 @@ import { InputError } from "./rules.js";
 /** @typedef {import("./answer.js").Question} Question */
 /** @typedef {import("./answer.js").Answer} Answer */
 /** @typedef {import("../shared/block.js").Block} Block */
+/**
+ * A question, and who waits for the answer.
+ * @typedef {{question: Question, isRepeated: boolean, resolve: (block: Block) => void,
+ *   reject: (error: Error) => void}} Pending
+ */
 
 // Samples of a run that is drawn.
 export const MOST_SAMPLES = 30_000;
-// A run that is no longer wanted may take so long before its worker is ended.
+// Runs that are no longer wanted may take so long before their worker is ended.
 const PATIENCE = 200; // ms
+
+/** A run that takes longer than a minute, to which nobody has agreed. */
+export class LongRunError extends Error {
+  /** @param {number} seconds */
+  constructor(seconds) {
+    super(t("longRun", { count: Math.ceil(seconds / 60) }));
+    this.name = "LongRunError";
+    this.seconds = seconds;
+  }
+}
 
 /** Takes the place of a worker in pages that may have none. */
 class Inline {
@@ -40,9 +57,10 @@ export class Runner {
     /** Whether the worker has begun to answer: one that still loads is not ended. */
     this.isReady = false;
     this.number = 0;
-    /** @type {{question: Question, resolve: (block: Block) => void, reject: (error: Error) => void,
-     *   begun: number} | null} */
+    /** @type {Pending | null} */
     this.pending = null;
+    this.unanswered = 0;
+    this.busySince = 0;
   }
 
   /** Begin to load the worker and what it computes with. */
@@ -63,47 +81,52 @@ export class Runner {
       this.isReady = true;
       if (data) this.receive(data);
     });
-    worker.addEventListener("error", (event) => {
-      const { pending } = this;
-      if (!this.isReady) {
-        this.worker = this.startInline();
-        if (pending) void this.worker.postMessage(pending.question);
+    worker.addEventListener("error", ({ message }) => {
+      if (this.isReady) {
+        this.restart(message);
         return;
       }
-      this.end();
-      pending?.reject(new Error(event.message || "the computation ended unexpectedly"));
+      this.worker = this.startInline();
+      if (this.pending) void this.worker.postMessage(this.pending.question);
     });
     return worker;
   }
 
   startInline() {
-    return new Inline((result) => this.receive(result));
+    return new Inline((answer) => this.receive(answer));
   }
 
   /**
    * Return a run as a block.
    * @param {Request} request
-   * @param {{mostSamples?: number}} [how]
+   * @param {{mostSamples?: number, isAgreed?: boolean}} [how] `isAgreed`: however long it takes
    * @returns {Promise<Block>}
    * @throws {InputError} for bad input
+   * @throws {LongRunError} for a run that takes longer than a minute
    */
-  compute(request, { mostSamples = MOST_SAMPLES } = {}) {
+  compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false } = {}) {
     this.stop();
     this.number += 1;
-    const question = { number: this.number, request, mostSamples };
+    const question = { number: this.number, request, mostSamples, isAgreed };
     return new Promise((resolve, reject) => {
-      this.pending = { question, resolve, reject, begun: performance.now() };
-      void this.start().postMessage(question);
+      this.pending = { question, resolve, reject, isRepeated: false };
+      this.post(question);
     });
+  }
+
+  /** @param {Question} question */
+  post(question) {
+    if (!this.unanswered) this.busySince = performance.now();
+    this.unanswered += 1;
+    void this.start().postMessage(question);
   }
 
   /** Forget what is computed now. */
   stop() {
-    const { pending } = this;
-    if (!pending) return;
+    this.pending?.reject(aborted());
     this.pending = null;
-    pending.reject(aborted());
-    if (this.isReady && performance.now() - pending.begun > PATIENCE) this.end();
+    const isSlow = this.unanswered > 0 && performance.now() - this.busySince > PATIENCE;
+    if (this.isReady && isSlow) this.end();
   }
 
   /** End the worker; the next run begins another one. */
@@ -111,21 +134,45 @@ export class Runner {
     this.worker?.terminate();
     this.worker = null;
     this.pending = null;
+    this.unanswered = 0;
+  }
+
+  /**
+   * Put another worker in the place of one that failed, and give it the same question once more.
+   * @param {string} [reason]
+   */
+  restart(reason) {
+    const { pending } = this;
+    this.end();
+    if (!pending) return;
+    if (pending.isRepeated) {
+      pending.reject(new Error(reason || t("workerGone")));
+      return;
+    }
+    tell(t("workerAgain"));
+    this.pending = { ...pending, isRepeated: true };
+    this.post(pending.question);
   }
 
   /** @param {Answer} answer */
-  receive({ number, block, fault }) {
+  receive({ number, block, seconds, fault }) {
+    this.unanswered -= 1;
+    this.busySince = performance.now();
     const { pending } = this;
     if (pending?.question.number !== number) return;
+    if (fault && !fault.about) {
+      this.restart(fault.message);
+      return;
+    }
     this.pending = null;
     if (block) pending.resolve(block);
+    else if (seconds) pending.reject(new LongRunError(seconds));
     else if (fault?.isBeyond && this.registry.server) {
       this.askProgram(pending.question).then((whole) => {
         if (number === this.number) pending.resolve(whole);
         else pending.reject(aborted());
       }, pending.reject);
-    } else pending.reject(fault?.about ? new InputError(fault.about.rule, fault.about.about)
-      : new Error(fault?.message));
+    } else pending.reject(new InputError(fault?.about.rule, fault?.about.about));
   }
 
   /**

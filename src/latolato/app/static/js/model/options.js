@@ -1,7 +1,7 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
 import { foreign } from "./laws.js";
-import { checkedNumber, InputError, suggest } from "./rules.js";
+import { checkedNumber, InputError, literal, suggest } from "./rules.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("./registry.js").Option} Option */
@@ -58,8 +58,8 @@ function unitOf({ units, prefixes }, text) {
     if (part.index !== end) return null;
     end += whole.length;
     if (name === "1") continue;
-    const prefix = name in units ? "" : Object.keys(prefixes).find((each) =>
-      name.startsWith(each) && name.slice(each.length) in units);
+    const prefix = Object.hasOwn(units, name) ? "" : Object.keys(prefixes).find((each) =>
+      name.startsWith(each) && Object.hasOwn(units, name.slice(each.length)));
     if (prefix === undefined) return null;
     const [own, bases] = units[name.slice(prefix.length)];
     const times = (sign === "/" ? -1 : 1) * Number(power);
@@ -134,7 +134,10 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
   const given = {};
   for (const [name, value] of Object.entries(options)) {
     if (!known.includes(name)) throw new InputError(`unknown option '${name}': ${suggest(name, known)}`);
-    if (value !== null && value !== undefined) given[name] = valueOf(registry, name, value);
+    if (value === null || value === undefined) continue;
+    if (typeof value === "object" && !Array.isArray(value) && !ArrayBuffer.isView(value))
+      throw new InputError("must be a text or a number", { parameter: name, value });
+    given[name] = valueOf(registry, name, value);
   }
   const presets = Object.keys(registry.scenarios);
   if (scenario && !presets.includes(scenario))
@@ -175,6 +178,8 @@ function withoutForeign(registry, kept, given) {
     const kind = given[part];
     if (kind === undefined) continue;
     const laws = registry[`${part}s`];
+    if (typeof kind !== "string")
+      throw new InputError(`the kind of ${part} must be a text, got ${literal(kind)}`);
     if (!Object.hasOwn(laws, kind))
       throw new InputError(`unknown ${part} '${kind}': ${suggest(kind, Object.keys(laws))}`);
     if (kind === kept[part]) continue;

@@ -63,7 +63,8 @@ export function literal(value) {
   if (typeof value === "string")
     return value.includes("'") && !value.includes('"') ? `"${value}"` : `'${value.replaceAll("'", "\\'")}'`;
   if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
-  return String(value);
+  if (typeof value !== "object") return String(value);
+  return `{${Object.entries(value).map((pair) => pair.map(literal).join(": ")).join(", ")}}`;
 }
 
 /**

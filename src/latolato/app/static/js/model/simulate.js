@@ -21,6 +21,10 @@ import { general, InputError } from "./rules.js";
 const SAMPLES_PER_PERIOD = 100;
 const MOST_DEFAULT_SAMPLES = 20_000_000;
 const MOST_STEPS = 1e9;
+// So many steps take some seconds at most.
+const QUICK_STEPS = 2e6;
+// Of a longer run so many steps are timed.
+const TIMED_STEPS = 50_000;
 export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work"];
 // Of the samples: an angle and its velocity for each ball.
 const PER_BALL = 2;
@@ -48,27 +52,49 @@ export function recordOf(each, step) {
 /**
  * Return what comes of a case.
  * @param {Case} each
- * @param {{mostSamples?: number, mostSteps?: number}} [how] samples of a run whose instants were
- *   not asked for, and steps, at most
+ * @param {number} [mostSamples] of a run whose instants were not asked for
  * @returns {Run}
  */
-export function run(each, { mostSamples = Infinity, mostSteps = MOST_STEPS } = {}) {
+export function run(each, mostSamples = Infinity) {
   const { kernels } = each;
   const first = kernels.take("f8", 0);
   try {
-    return carried(each, mostSamples, mostSteps);
+    return carried(each, mostSamples);
   } finally {
     kernels.release(first);
   }
 }
 
 /**
+ * Return how long a case takes here [s], by the speed of its first steps; 0 if that is some seconds
+ * at most. A motion that slows down later, as one of many more contacts, takes longer.
+ * @param {Case} each
+ */
+export function secondsOf(each) {
+  const { kernels, drive, duration } = each;
+  const first = kernels.take("f8", 0);
+  const stretches = shake(kernels, drive.kind, drive.parameters);
+  const { run: record } = begin(kernels, recordOf(each, 0), stretches);
+  const steps = duration / kernels.get(record, "settings.step");
+  kernels.release(first);
+  // Beyond the most steps, the run itself refuses.
+  if (!(steps > QUICK_STEPS && steps <= MOST_STEPS)) return 0;
+  const end = (duration * TIMED_STEPS) / steps;
+  // The first time, the browser may still improve the code.
+  const times = [0, 1].map(() => {
+    const begun = performance.now();
+    run({ ...each, duration: end, times: evenly(end, 2) });
+    return performance.now() - begun;
+  });
+  return (Math.min(...times) / 1000) * (steps / TIMED_STEPS);
+}
+
+/**
  * @param {Case} each
  * @param {number} mostSamples
- * @param {number} mostSteps
  * @returns {Run}
  */
-function carried(each, mostSamples, mostSteps) {
+function carried(each, mostSamples) {
   const { kernels, system, drive, duration, tolerance } = each;
   const { layout } = kernels;
   const stretches = shake(kernels, drive.kind, drive.parameters);
@@ -87,9 +113,9 @@ function carried(each, mostSamples, mostSteps) {
     const { run: record, problem } = begin(kernels, recordOf(each, step), stretches);
     if (!["fine", "too many steps"].includes(problem)) throw new InputError(problem);
     step = kernels.get(record, "settings.step");
-    if (duration / step > mostSteps)
+    if (duration / step > MOST_STEPS)
       throw new InputError(`the run would take ${general(duration / step, 3)} steps of `
-        + `${general(step, 3)} s, the limit is ${general(mostSteps, 1)}: shorten the duration, loosen the `
+        + `${general(step, 3)} s, the limit is ${general(MOST_STEPS, 1)}: shorten the duration, loosen the `
         + "tolerance or slow the motion");
     const result = integrate(kernels, { run: record, ...given }, how);
     const closes = kernels.get(record, "state.ledger_error") <= kernels.exports.allowed(record.at, tolerance);
@@ -157,9 +183,9 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     if ((isLab && each.frame !== "both") || (system.linear && (isLab || name === "tension"))) return;
     columns[name] = rows(out, ofBalls.map((i) => i * layout.ball_rows.length + row));
   });
-  columns.total_energy = ofBalls.map((i) =>
-    columns.kinetic_energy[i].map((value, k) => value + columns.potential_energy[i][k]));
+  columns.total_energy = ofBalls.map((i) => sum(columns.kinetic_energy[i], columns.potential_energy[i]));
   for (const name of LEDGER) {
+    if (name === "noise_work" && !each.noise) continue;
     const [values] = rows(result.samples, [layout.sample_rows[name]]);
     if (name !== "noise_work" || values.some((/** @type {number} */ value) => Math.abs(value) > 0)) columns[name] = [values];
   }
@@ -188,6 +214,17 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     compressionTime: firsts.map((value) => known * value),
     compressionFraction: totals.map((value) => (known * value) / result.reached),
   };
+}
+
+/**
+ * Return two columns added.
+ * @param {Float64Array} one
+ * @param {Float64Array} other
+ */
+function sum(one, other) {
+  const total = new Float64Array(one.length);
+  for (let i = 0; i < one.length; i += 1) total[i] = one[i] + other[i];
+  return total;
 }
 
 /**

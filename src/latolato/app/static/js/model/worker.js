@@ -1,5 +1,6 @@
-/** Runs beside the page: each message is a request, each answer a block or what is wrong. */
+/** Runs beside the page: each message is a question, see `answer.js`. */
 
+import { loadLayout, loadModule } from "../kernels/load.js";
 import { answer } from "./answer.js";
 import { loadRegistry } from "./registry.js";
 
@@ -8,5 +9,7 @@ self.addEventListener("message", async ({ data }) => {
   const buffers = new Set(Object.values(result.block?.arrays ?? {}).map((array) => array.buffer));
   self.postMessage(result, { transfer: [...buffers] });
 });
+// What most runs need comes at once; a run that needs it tells of a fault.
+for (const load of [loadLayout, () => loadModule("one")]) load().catch(() => {});
 // Until then a page does not know whether it may have workers.
 void loadRegistry().then(() => self.postMessage(null));

@@ -6,7 +6,7 @@ import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
 import { withLaws } from "../shared/laws.js";
-import { Runner } from "../model/client.js";
+import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
@@ -25,22 +25,24 @@ export class PlayView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
+    // The worker loads while the rest is made.
+    this.runner = new Runner(page.registry);
+    this.runner.start();
     const form = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.presets = presetField(page);
     const stage = el("div", { class: "player" });
     this.notes = el("p", { class: "notes", role: "status" });
+    this.choice = el("div", { class: "actions" });
     this.code = el("div", {});
     this.downloads = new Downloads(page);
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.presets.field, this.makeActions(),
         this.downloads.root, form),
-      el("div", { class: "main" }, this.notes, stage, el("details", { class: "card" },
+      el("div", { class: "main" }, this.notes, this.choice, stage, el("details", { class: "card" },
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
-    this.runner = new Runner(page.registry);
-    this.runner.start();
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }
@@ -81,7 +83,7 @@ export class PlayView {
     const { store, recordings } = this.page;
     const name = store.state.extra[RECORDING];
     if (name === undefined) return null;
-    const found = recordings?.[name] ?? null;
+    const found = recordings && Object.hasOwn(recordings, name) ? recordings[name] : null;
     if (!found) {
       tell(t("recordingGone"));
       store.keep(RECORDING, null);
@@ -89,8 +91,32 @@ export class PlayView {
     return found;
   }
 
-  /** Simulate what the address asks for, and show it. */
-  async simulate() {
+  /**
+   * Say something above the run, and offer what can be done about it.
+   * @param {string} text
+   * @param {string} [label] of a button
+   * @param {() => void} [act]
+   */
+  note(text, label, act) {
+    this.notes.textContent = text;
+    this.choice.replaceChildren(...(label
+      ? [el("button", { type: "button", on: { click: act } }, label)] : []));
+  }
+
+  /** Say that a run is computed, and offer to stop it. */
+  wait() {
+    this.note(t("computing"), t("stopRun"), () => {
+      this.runner.stop();
+      this.runner.end();
+      this.note(t("runStopped"));
+    });
+  }
+
+  /**
+   * Simulate what the address asks for, and show it.
+   * @param {boolean} [isAgreed] however long that takes
+   */
+  async simulate(isAgreed = false) {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
     if (!scenario && !options.system) scenario = FIRST;
@@ -100,8 +126,13 @@ export class PlayView {
     }
     this.presets.show(scenario);
     // The form is made while the worker computes.
-    const waiting = setTimeout(() => { this.notes.textContent = t("computing"); }, PATIENCE);
-    const pending = this.recording() ?? this.runner.compute({ scenario, options });
+    this.choice.replaceChildren();
+    const waiting = setTimeout(() => {
+      this.wait();
+      // The button that agreed is gone.
+      if (isAgreed) this.choice.querySelector("button")?.focus();
+    }, isAgreed ? 0 : PATIENCE);
+    const pending = this.recording() ?? this.runner.compute({ scenario, options }, { isAgreed });
     this.form.build();
     try {
       const block = await pending;
@@ -109,15 +140,18 @@ export class PlayView {
       this.form.show(block.about.options);
       this.player.show(motion);
       const { warnings, note } = block.about;
-      this.notes.textContent = [...warnings, ...(note ? [note] : [])].map((text) =>
-        t("warning", { text })).join(" ");
+      this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text })).join(" "));
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
     } catch (error) {
       if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
-      this.notes.textContent = "";
+      if (error instanceof LongRunError) {
+        this.note(error.message, t("computeLong"), () => void this.simulate(true));
+        return;
+      }
+      this.note("");
       this.form.error(...inPagesWords(registry, error));
     } finally {
       clearTimeout(waiting);

@@ -46,8 +46,8 @@ export class Form {
     const { systems, drives } = this.registry;
     const { system, drive } = options;
     return {
-      system: system in systems ? system : this.resolved.system ?? "latolato",
-      drive: drive in drives ? drive : this.resolved.drive ?? "fixed_pivot",
+      system: Object.hasOwn(systems, system) ? system : this.resolved.system ?? "latolato",
+      drive: Object.hasOwn(drives, drive) ? drive : this.resolved.drive ?? "fixed_pivot",
     };
   }
 

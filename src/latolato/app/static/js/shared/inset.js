@@ -1,8 +1,9 @@
 /** A player in a page of others, as in notebooks: its root, its style, and the theme around it. */
 
 import { contentOf } from "../kernels/content.js";
-import { Runner } from "../model/client.js";
+import { LongRunError, Runner } from "../model/client.js";
 import { loadRegistry } from "../model/registry.js";
+import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Motion } from "./motion.js";
 import { Player } from "./player.js";
@@ -34,9 +35,11 @@ export class Inset {
     this.host = host;
     this.inside = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     this.message = el("p", { class: "error", role: "alert", hidden: true });
+    // Computes a long run, once a message has said how long.
+    this.agree = el("button", { type: "button", hidden: true }, t("computeLong"));
     // A click anywhere gives the player the keyboard.
     const stage = el("div", { class: "player", tabindex: "-1" });
-    this.inside.replaceChildren(el("div", { class: "inset" }, this.message, stage));
+    this.inside.replaceChildren(el("div", { class: "inset" }, this.message, this.agree, stage));
     this.player = new Player(stage);
     /** @type {Runner | null} */
     this.runner = null;
@@ -64,22 +67,42 @@ export class Inset {
   refuse(text) {
     this.message.textContent = text;
     this.message.hidden = text === null;
+    this.agree.hidden = true;
   }
 
   /**
-   * Show the run that a request asks for and return it, or null where a newer one is wanted.
+   * Show the run that a request asks for and return it, or null where a newer one is wanted. One
+   * that takes longer than a minute waits for a click.
    * @param {import("../model/options.js").Request} request
+   * @param {boolean} [isAgreed] however long it takes
+   * @returns {Promise<Block | null>}
    * @throws {import("../model/rules.js").InputError} for bad input
    */
-  async compute(request) {
+  async compute(request, isAgreed = false) {
     try {
-      const block = await /** @type {Runner} */ (this.runner).compute(request);
+      const block = await /** @type {Runner} */ (this.runner).compute(request, { isAgreed });
       this.show(block);
       return block;
     } catch (error) {
+      if (error instanceof LongRunError) {
+        this.refuse(error.message);
+        await this.agreed();
+        return this.compute(request, true);
+      }
       if (/** @type {Error} */ (error).name === "AbortError") return null;
       throw error;
     }
+  }
+
+  /** Wait for a click on the button; it never comes where a newer run is asked for. */
+  agreed() {
+    this.agree.hidden = false;
+    return new Promise((resolve) => {
+      this.agree.onclick = () => {
+        this.agree.hidden = true;
+        resolve(null);
+      };
+    });
   }
 
   /** Take the player away. */

@@ -32,7 +32,7 @@ export function optionsFor(registry, system, drive) {
  */
 export function withLaws(registry, options, resolved, system, drive) {
   // An address may name what is not there: the server says so.
-  if (!(system in registry.systems && drive in registry.drives))
+  if (!(Object.hasOwn(registry.systems, system) && Object.hasOwn(registry.drives, drive)))
     return /** @type {Record<string, string>} */ ({ ...options });
   const known = optionsFor(registry, system, drive);
   const laws = new Set([
@@ -40,10 +40,8 @@ export function withLaws(registry, options, resolved, system, drive) {
     ...Object.values(registry.drives).flatMap((/** @type {any} */ law) => law.options),
     "frequency_ratio", "frequency_ratios", "frequency_ratio_final"]);
   /** @type {Record<string, string>} */
-  const result = { system, drive };
-  for (const [name, value] of Object.entries(options))
-    if (name !== "system" && name !== "drive" && (known.includes(name) || !laws.has(name)))
-      result[name] = value;
+  const result = { ...Object.fromEntries(Object.entries(options).filter(([name]) =>
+    known.includes(name) || !laws.has(name))), system, drive };
   for (const name of known) {
     const option = registry.options[name];
     if (name in result || name in resolved || option.default !== null) continue;

@@ -25,7 +25,8 @@ export function presetField(page) {
     el("label", { for: id }, t("preset")), select, about);
   const show = (/** @type {string | null} */ name) => {
     select.value = name ?? "";
-    about.textContent = name ? page.registry.scenarios[name]?.description ?? "" : "";
+    about.textContent = name && Object.hasOwn(page.registry.scenarios, name)
+      ? page.registry.scenarios[name].description : "";
   };
   return { field, show };
 }

@@ -24,14 +24,17 @@ const KEPT = ["view", "scenario", "token", "embed"];
 export function parse(search) {
   /** @type {State} */
   const state = { view: "play", scenario: null, options: {}, extra: {} };
+  /** @type {[string, string][]} */
+  const others = [];
   for (const [name, value] of new URLSearchParams(search)) {
     if (name === "view") state.view = value;
     else if (name === "scenario") state.scenario = value;
     else if (name === "embed") state.embed = value === "1";
-    else if (KEPT.includes(name)) continue;
-    else if (name.includes(".")) state.extra[name] = value;
-    else state.options[name] = value;
+    else if (!KEPT.includes(name)) others.push([name, value]);
   }
+  // As properties of their own, whatever their names are.
+  state.options = Object.fromEntries(others.filter(([name]) => !name.includes(".")));
+  state.extra = Object.fromEntries(others.filter(([name]) => name.includes(".")));
   return state;
 }
 

@@ -1,0 +1,51 @@
+// Answers to hostile input, a line of JSON each, with the modules of a site: node fuzz_in_node.mjs SITE
+import { createInterface } from "node:readline";
+import { pathToFileURL } from "node:url";
+
+const folder = `${pathToFileURL(process.argv[2])}/js/`;
+const load = (name) => import(folder + name);
+const { wishOf } = await load("embed.js");
+const { format, parse } = await load("shared/state.js");
+const { specify } = await load("model/case.js");
+const { loadRegistry } = await load("model/registry.js");
+const { InputError } = await load("model/rules.js");
+const { run } = await load("model/simulate.js");
+const registry = await loadRegistry();
+const SHORT = 2; // s
+
+/** Return how a request ends: with a refusal, or with a run if that is short. */
+async function ended(request) {
+  try {
+    const each = await specify(registry, request);
+    if (each.duration > SHORT || each.noise || each.system.naturalFrequency > 100) return "accepted";
+    return run(each, 1000).status.split(" ")[0];
+  } catch (error) {
+    if (error instanceof InputError) return error.message;
+    throw error;
+  }
+}
+
+const kinds = {
+  async address(search) {
+    const state = parse(search);
+    const same = format(parse(format(state))) === format(state);
+    return { same, ended: await ended(state) };
+  },
+  async request(request) {
+    return { ended: await ended(request) };
+  },
+  message(data) {
+    const wish = wishOf(registry, data);
+    const names = Object.keys(wish?.options ?? {});
+    return { known: names.every((name) => Object.hasOwn(registry.options, name)), accepted: wish !== null };
+  },
+};
+
+for await (const line of createInterface({ input: process.stdin })) {
+  // JSON has no NaN and no infinity.
+  const [kind, input] = JSON.parse(line, (_, value) =>
+    (Object.hasOwn(Object(value), "number") ? Number(value.number) : value));
+  const answer = await Promise.resolve(kinds[kind](input)).catch((error) => ({ fault: `${error.stack}` }));
+  const polluted = Object.keys(Object.prototype).length > 0 || {}.x !== undefined;
+  console.log(JSON.stringify({ ...answer, polluted }));
+}
