@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from latolato.core.quantities import Quantity
 from latolato.core.registry import flattened
@@ -168,16 +167,6 @@ class Memory:
         self._counts.update(status_counts(values[STATUS]))
         if reason:
             self._reasons[number] = reason
-
-    def put(self, points: NDArray[np.int64], values: Values, reason: str) -> None:
-        """Put the values of new points, numbered in C order, in their place."""
-        for name, array in self.arrays.items():
-            array.reshape(self.plan.size, *array.shape[len(self.plan.shape) :])[points] = values[
-                name
-            ]
-        self._counts.update(status_counts(values[STATUS]))
-        if reason:
-            self._reasons[int(points[0])] = reason
 
     def status_counts(self) -> dict[str, int]:
         """Return how many points have each status that occurs."""
