@@ -62,8 +62,6 @@ class Job {
     /** @type {Batch[]} */
     this.again = [];
     this.points = 0;
-    /** How long workers have computed, all together [s]. */
-    this.seconds = 0;
     this.begin = performance.now();
     /** @type {Pick<Estimate, "steps" | "in_lanes">} */
     this.estimate = { steps: NaN, in_lanes: false };
@@ -274,9 +272,10 @@ export class Pool {
     }
     const { in_lanes, steps } = job.estimate;
     job.points += batch.cell.length;
-    // Of all batches: the last ones are small and leave lanes empty.
-    job.seconds += data.seconds;
-    this.step[in_lanes ? "lanes" : "single"] = job.seconds / (job.points * (steps / job.count));
+    // Small batches leave lanes empty: they say nothing of large ones.
+    if (batch.cell.length >= job.least)
+      this.step[in_lanes ? "lanes" : "single"] =
+        data.seconds / (batch.cell.length * (steps / job.count));
     if (job.known) put(job.known, batch.cell, data);
     this.feed(member);
     const progress = job.progress();
