@@ -20,9 +20,29 @@ FIRST = {
         "settings": {"transient_periods": "8000"},
     },
     "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
-    "/ws/map": {"scenario": "fig04a"},
+    "/ws/map/file": {
+        "kind": "nc",
+        "observable": "mean_energy",
+        "options": {
+            "system": "pendulum",
+            "length": 1.0,
+            "mass": 0.8,
+            "initial_angle": 0.1,
+            "drive": "harmonic",
+            "drive_amplitude": 0.1,
+            "drive_frequency": 6.0,
+            "duration": 300.0,
+        },
+        "sweep": {
+            "axes": {
+                "drive_amplitude": [0.001 * i for i in range(200)],
+                "drive_frequency": [0.1 * i for i in range(200)],
+            },
+            "observables": [{"kind": "mean_energy"}],
+        },
+    },
 }
-JOBS = ("/ws/paper", "/ws/analyse")
+JOBS = ("/ws/paper", "/ws/analyse", "/ws/map/file")
 
 
 class Unreachable:
@@ -82,7 +102,7 @@ def test_work_ends_when_its_page_cannot_be_told(app, path):
         assert not app.state.jobs.limiter.borrowed_tokens
 
 
-@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map"])
+@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map/file"])
 @pytest.mark.parametrize("given", ["{", "[3]", "{}"])
 def test_a_page_that_goes_before_it_is_refused_is_no_fault(app, path, given):
     for _ in speak(Unreachable(app, 0), path, given):

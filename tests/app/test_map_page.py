@@ -271,7 +271,7 @@ def test_an_axis_is_made_logarithmic_and_a_zero_on_it_is_refused(page):
     page.get_by_role("alert").get_by_text("a logarithmic axis must begin above zero").wait_for()
 
 
-def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, watch, tmp_path):
+def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp_path):
     open_map(page, QUERY.replace("duration=20", "duration=300").replace("size=24", "size=8"))
     page.evaluate("() => window.latolato.views.map.controls.keep({ size: 100, duration: 60.5 })")
     page.wait_for_function(
@@ -281,33 +281,136 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, wat
         }"""
     )
     page.get_by_role("button", name="Stop").click()
-    known = page.evaluate(
-        """() => window.latolato.views.map.grid.stride.reduce((n, s) => n + (s === 1), 0)"""
-    )
+    known = page.evaluate("() => window.latolato.views.map.grid.done")
     assert 500 < known < 10_000
     page.get_by_text("Download", exact=True).click()
-    page.get_by_role("button", name="Zarr").click()
-    page.get_by_role("alert").get_by_text("points are not computed yet").wait_for()
-    watch.faults = [each for each in watch.faults if "422" not in each]
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="CSV").click()
+    assert waiting.value.suggested_filename == "latolato_map_fig05_push.unfinished.csv"
+    waiting.value.save_as(tmp_path / "part.csv")
+    part = ll.load(tmp_path / "part.csv")
+    assert int((part.status < 0).sum()) == 10_000 - known
     page.get_by_role("button", name="Go on").click()
     wait_done(page, 2)
     again = page.get_by_text(re.compile(r"^10000 points, \d+ of them new")).inner_text()
     assert int(again.split()[2]) <= 10_000 - known
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="NetCDF").click()
-    waiting.value.save_as(tmp_path / "map.nc")
-    grid = ll.load(tmp_path / "map.nc")
-    assert "unfinished" not in grid.attrs
-    assert grid.attrs["duration"] == 60.5
     shown = page.evaluate(
         """() => {
           const { grid } = window.latolato.views.map;
           return Array.from(grid.values[grid.variable("largest_angle")]);
         }"""
     )
-    np.testing.assert_array_equal(
-        np.float32(shown), grid.largest_angle.values.ravel().astype(np.float32)
+    shown = np.array(shown).reshape(100, 100)
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="CSV").click()
+    waiting.value.save_as(tmp_path / "map.csv")
+    whole = ll.load(tmp_path / "map.csv")
+    np.testing.assert_array_equal(shown, whole.largest_angle.values)
+    done = part.status.values >= 0
+    np.testing.assert_array_equal(part.largest_angle.values[done], shown[done])
+
+
+def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_path):
+    open_map(page, f"{QUERY}&map.contours=colours&map.levels=1".replace("size=24", "size=8"))
+    page.get_by_text("Download", exact=True).click()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="NetCDF").click()
+    waiting.value.save_as(tmp_path / "map.nc")
+    axes = {"drive_amplitude": np.linspace(0.0, 0.5, 8), "frequency_ratio": np.linspace(0, 5, 8)}
+    wanted = ll.load_scenario("fig05_push").sweep(duration=20.0, axes=axes)
+    np.testing.assert_array_equal(ll.load(tmp_path / "map.nc").mean_energy, wanted.mean_energy)
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="SVG").click()
+    waiting.value.save_as(tmp_path / "map.svg")
+    assert "lift-off" in (tmp_path / "map.svg").read_text()
+    with page.expect_download() as waiting:
+        page.get_by_role("button", name="PNG of the screen").click()
+    waiting.value.save_as(tmp_path / "map.png")
+    import matplotlib.image
+
+    image = matplotlib.image.imread(tmp_path / "map.png")
+    assert image.shape[0] > 300
+    assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 20
+
+
+def test_a_new_question_pales_the_picture_and_its_curves_until_it_has_its_own(page):
+    open_map(page)
+    page.wait_for_function("() => window.latolato.views.map.over.lines.length === 2")
+    place = """() => {
+      const { chart, over } = window.latolato.views.map;
+      const copy = new OffscreenCanvas(chart.canvas.width, chart.canvas.height);
+      const context = copy.getContext("2d", { willReadFrequently: true });
+      context.drawImage(chart.canvas, 0, 0);
+      const [x, y] = chart.place(over.lines[0].xs[9], over.lines[0].ys[9]).map(Math.round);
+      const pixel = (dx) => Array.from(context.getImageData(x + dx, y, 1, 1).data.slice(0, 3));
+      return { line: pixel(0), cell: pixel(-12), isOld: chart.isOld,
+        ys: Array.from(over.lines[1].ys), width: chart.grid.width };
+    }"""
+    before = page.evaluate(place)
+    assert not before["isOld"]
+    # Nothing computes as long as the page waits for its own consent.
+    page.evaluate(
+        "() => window.latolato.views.map.controls.keep({ size: 400, duration: 3000, ylow: 0.2 })"
     )
+    page.get_by_role("button", name="Compute", exact=True).wait_for()
+    page.get_by_text(re.compile(r"^This map takes about \d+ (s|min)\. Compute it\?$")).wait_for()
+    during = page.evaluate(place)
+    assert during["isOld"]
+    assert during["ys"] == before["ys"]
+    assert during["width"] == 24
+    for name in ("line", "cell"):
+        # Towards the white of the card.
+        assert sum(during[name]) > sum(before[name]) or sum(before[name]) > 700, name
+    page.get_by_role("button", name="Compute", exact=True).click()
+    page.wait_for_function("() => window.latolato.views.map.grid.width === 400", timeout=PATIENCE)
+    after = page.evaluate(place)
+    assert not after["isOld"]
+    assert after["ys"] != before["ys"]
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_text("Stopped. What is computed stays.").wait_for()
+    workers = "() => window.latolato.views.map.pool.members.filter((m) => m.batch).length"
+    assert page.evaluate(workers) == 0
+
+
+def test_a_worker_that_dies_is_replaced_and_the_page_says_so(page):
+    open_map(page, QUERY.replace("size=24", "size=8"))
+    page.evaluate("() => window.latolato.views.map.controls.keep({ size: 100, duration: 200 })")
+    page.wait_for_function(
+        """() => {
+          const { pool, grid } = window.latolato.views.map;
+          const busy = pool.members.find(({ batch }) => batch);
+          if (grid.width !== 100 || !busy) return false;
+          pool.replace(busy, "out of memory");
+          return true;
+        }""",
+        timeout=PATIENCE,
+    )
+    page.get_by_text("A part of the computation ended unexpectedly (out of memory)").wait_for()
+    wait_done(page, 2)
+    assert page.evaluate("() => window.latolato.views.map.grid.done") == 10_000
+
+
+@pytest.mark.parametrize("name", [n for n, s in ll.scenarios().items() if s.varied])
+def test_every_sweep_of_the_paper_is_shown_and_its_points_play(page, name):
+    open_map(page, f"&map.scenario={name}&map.size=12")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert page.get_by_role("alert").filter(visible=True).count() == 0
+    box = page.locator("canvas.map").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
+    page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
+    assert page.get_by_role("button", name="Open in Play").is_enabled()
+
+
+def test_energies_have_the_logarithmic_colours_of_the_report_unless_they_are_switched_off(page):
+    open_map(page, QUERY.replace("largest_angle", "mean_energy").replace("size=24", "size=8"))
+    look = "() => window.latolato.views.map.chart.look"
+    assert page.evaluate(look)["log"]
+    page.evaluate("() => window.latolato.views.map.controls.keep({ observable: 'crossings' })")
+    assert page.evaluate(look)["scale"] == "viridis_r"
+    page.get_by_label("logarithmic colours").evaluate("(e) => e.closest('details').open = true")
+    page.get_by_label("logarithmic colours").uncheck()
+    assert not page.evaluate(look)["log"]
+    page.wait_for_function("() => location.search.includes('map.log=0')")
 
 
 def test_classes_have_a_legend_instead_of_a_bar(page):

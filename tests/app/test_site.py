@@ -22,6 +22,7 @@ from latolato.cli.main import app
 from same_runs import check_same, in_python
 
 DOCS = Path(__file__).parents[2] / "docs"
+MAPS = [name for name, each in registry()["scenarios"].items() if each["sweep"]]
 RUNS = [name for name, each in registry()["scenarios"].items() if not each["sweep"]]
 PATIENCE = 60_000
 MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
@@ -92,8 +93,28 @@ def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
     visit.locator("h1").first.wait_for(state="attached")
     visit.wait_for_timeout(500)
     assert visit.faults == []
-    if view in ("map", "experiment", "analyse"):
+    if view in ("experiment", "analyse"):
         visit.get_by_text("latolato app").wait_for()
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_every_sweep_is_computed_without_a_server_that_computes(visit, web, name):
+    visit.goto(f"{web[0]}?view=map&map.scenario={name}&map.size=10")
+    visit.wait_for_selector("[data-done]", timeout=PATIENCE)
+    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert visit.locator(".error:visible").all_inner_texts() == []
+    visit.get_by_text("Download", exact=True).click()
+    with visit.expect_download() as waiting:
+        visit.get_by_role("button", name="CSV").click()
+    assert waiting.value.suggested_filename == f"latolato_map_{name}.csv"
+    visit.get_by_text("The installed program also stores NetCDF").wait_for()
+    assert visit.faults == []
+
+
+def test_a_stored_map_is_left_to_the_program(visit, web):
+    visit.goto(f"{web[0]}?view=map&map.stored=own.zarr")
+    visit.get_by_role("alert").get_by_text("Stored maps are opened by the installed").wait_for()
+    assert visit.faults == []
 
 
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):

@@ -10,13 +10,12 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.app.forms import registry
-from latolato.app.map_lines import sweep_command
-from latolato.app.map_request import MapRequest, make_map
 from latolato.cli.main import app as command_line
 from latolato.core.quantities import Quantity, Range, quantity_field
 from latolato.core.scalar import formula
 from latolato.io.files import load
 from latolato.observables import Observable, observables
+from map_in_node import views_in_node
 
 
 @formula
@@ -74,10 +73,11 @@ def test_the_command_line_gathers_it_and_draws_its_map(tmp_path):
     assert (tmp_path / "a.png").exists()
 
 
-def test_the_app_offers_its_map():
+def test_the_app_says_which_command_computes_its_map():
     assert registry()["observables"]["time_above"]["description"] == "Time above an angle."
-    request = {"scenario": "fig02", "options": {}, "observable": "time_above", "duration": 5.0,
-               "width": 3, "height": 2}  # fmt: skip
-    shown = make_map(MapRequest.from_json(request))
-    assert shown.shown == "time_above"
-    assert "--observable time_above" in sweep_command(shown)
+    request = {"scenario": "fig02", "observable": "time_above"}
+    (page,) = views_in_node([{"planned": True, "request": request}])
+    assert page["error"] == (
+        "a map with the observable time_above is computed by the installed program: run "
+        "`latolato sweep` and open its file with `latolato app --open`"
+    )

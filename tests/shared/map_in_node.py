@@ -17,9 +17,30 @@ def maps_in_node(plans: Sequence[dict[str, Any]], workers: int = 2) -> list[dict
     Of each its ``estimate``, ``pictures`` (after how many seconds, of how many points), ``status``
     and ``values`` of all cells, row by row, and the ``variables`` that these are.
     """
+    return _in_node({"plans": plans, "workers": workers})
+
+
+def views_in_node(
+    requests: Sequence[dict[str, Any]], workers: int = 2, *, scalar: bool = False
+) -> list[dict[str, Any]]:
+    """Return what the view Map shows of requests, or the ``error`` that refuses them.
+
+    Each holds the ``request`` of ``js/map/question.js``, ``run``, a cell to be run alone, and
+    ``planned``, whether nothing is computed; `scalar` leaves out SIMD.
+    """
+    from latolato.app.forms import registry
+
+    usual = {"scenario": None, "options": {}, "x": None, "y": None, "observable": None,
+             "width": 4, "height": 3, "duration": None, "transient": None}  # fmt: skip
+    given = [{**each, "request": usual | each["request"]} for each in requests]
+    about = {"registry": registry(), "workers": workers, "scalar": scalar}
+    return _in_node({"requests": given, **about})
+
+
+def _in_node(given: dict[str, Any]) -> list[dict[str, Any]]:
     done = subprocess.run(
         [NODE, Path(__file__).with_suffix(".mjs")],
-        input=json.dumps({"plans": plans, "workers": workers}),
+        input=json.dumps(given),
         capture_output=True,
         text=True,
         timeout=600,

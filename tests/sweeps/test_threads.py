@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.sweeps.chunk import Cancelled
-from latolato.sweeps.executors.threads import execute, make_cancel, run_cancellable
+from latolato.sweeps.executors.threads import make_cancel, run_cancellable
 from latolato.sweeps.plan import make_plan
 
 
@@ -32,16 +32,6 @@ def test_a_flag_set_elsewhere_stops_kernels_in_the_middle_of_a_chunk():
     with pytest.raises(Cancelled):
         list(run_cancellable(plan, range(plan.chunks), 2, cancel))
     timer.join()
-
-
-def test_nice_threads_compute_the_same():
-    plan = long_plan(5.0)
-    expected = {n: values for n, (values, _) in execute(plan, range(plan.chunks), workers=1)}
-    nice = run_cancellable(plan, range(plan.chunks), 2, make_cancel(), niceness=5)
-    result = {n: values for n, (values, _) in nice}
-    assert result.keys() == expected.keys()
-    for number, values in expected.items():
-        np.testing.assert_array_equal(result[number]["largest_angle"], values["largest_angle"])
 
 
 def test_the_flag_serves_once():

@@ -19,16 +19,21 @@ from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
+from latolato.figures.grids import SCALES
+from latolato.figures.map import CLASSES
 from latolato.observables import observables
 from latolato.observables.angles import MotionClass
 from latolato.physics.contacts import contact_laws
-from latolato.physics.drives import drives
-from latolato.physics.pendulum import systems
+from latolato.physics.drives import FixedPivot, PeriodicDrive, drives
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import Pendulum, systems
 from latolato.scenario.options import law_options
 from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables, shipped
 from latolato.scenario.tables import RATIOS
 from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
+from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
+from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan
 
 # Units offered for an SI unit, the first being the one that a form begins with.
 UNITS: dict[str, tuple[str, ...]] = {
@@ -53,12 +58,27 @@ def registry() -> dict[str, Any]:
 def _registry() -> dict[str, Any]:
     results = {
         "version": version_of(),
-        "systems": {name: _law(law, "system") for name, law in systems.items()},
-        "drives": {name: _law(law, "drive") for name, law in drives.items()},
+        "systems": {
+            name: _law(law, "system")
+            | {"axes": [p.name for p in _varied(law, FixedPivot, "system", "run")]}
+            for name, law in systems.items()
+        },
+        "drives": {
+            name: _law(law, "drive")
+            | {
+                "axes": [p.name for p in _varied(Pendulum, law, "drive")],
+                "periodic": issubclass(law, PeriodicDrive),
+            }
+            for name, law in drives.items()
+        },
         "contact_laws": {name: _law(law, "run") for name, law in contact_laws.items()},
         "options": {name: shown_option(o) for name, o in law_options().items()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
+        "axes": _axes(),
+        "noise_axes": [p.name for p in _varied(Pendulum, FixedPivot, "noise")],
         "observables": {name: _observable(law) for name, law in observables.items()},
+        "default_observables": DEFAULT_OBSERVABLES,
+        "sweep_tolerance": Plan.tolerance,
         "scenarios": {name: _scenario(path) for name, path in shipped().items()},
         "ratios": RATIOS,
         "alternatives": [sorted(group) for group in ALTERNATIVES],
@@ -90,6 +110,43 @@ def _option_names(law: type, owner: str) -> Iterator[str]:
     """Yield the options that set the parameters of a law, in their order."""
     names = {(o.owner, o.path): name for name, o in law_options().items()}
     yield from (names[owner, parameter.path] for parameter in law_parameters(law, owner))
+
+
+def _varied(system: Any, drive: Any, *owners: str) -> Iterator[Parameter]:
+    """Yield what a map of these laws and noise can vary, of these owners."""
+    known = parameters_of(system, drive, VelocityKicks)
+    yield from (parameter for parameter in known.values() if parameter.owner in owners)
+
+
+def _axes() -> dict[str, dict[str, Any]]:
+    """Return how each parameter that maps can vary is shown, and what it may be."""
+    parameters = [
+        *(p for law in systems.values() for p in _varied(law, FixedPivot, "system", "run")),
+        *(p for law in drives.values() for p in _varied(Pendulum, law, "drive")),
+        *_varied(Pendulum, FixedPivot, "noise"),
+    ]
+    return {parameter.name: _axis(parameter) for parameter in parameters}
+
+
+def _axis(parameter: Parameter) -> dict[str, Any]:
+    """Return a parameter of maps: its label, what it sets, the interval to begin with, if any."""
+    name, allowed = parameter.name, parameter.allowed
+    side = next((s for s in ("right", "left") if s in name.split("_")), None)
+    option = law_options().get(name)
+    begins = option is not None and (option.owner == "run" or name in DERIVED)
+    return {
+        "label": parameter.quantity.long_name + (f", {side} ball" if side else ""),
+        "symbol": parameter.quantity.symbol,
+        "unit": parameter.unit,
+        "units": units_of(parameter.quantity),
+        "owner": parameter.owner,
+        "sets": TARGETS.get(name, name),
+        "low": allowed.low if math.isfinite(allowed.low) else None,
+        "high": allowed.high if math.isfinite(allowed.high) else None,
+        "open_low": allowed.open_low,
+        "open_high": allowed.open_high,
+        "suggested": option.suggested if option is not None and begins else None,
+    }
 
 
 def label_of(name: str) -> str:
@@ -149,8 +206,20 @@ def _quantity(quantity: Quantity) -> dict[str, str]:
 
 def _observable(law: Any) -> dict[str, Any]:
     return {
+        "title": law.__name__,
         "description": (law.__doc__ or "").splitlines()[0],
-        "variables": {name: _quantity(q) for name, q in law.variables.items()},
+        "variables": {name: shown_variable(name, q) for name, q in law.variables.items()},
+    }
+
+
+def shown_variable(name: str, quantity: Quantity) -> dict[str, Any]:
+    """Return a variable with its classes, or with the colours that it has in the report, if any."""
+    scale = next((colours for each, _, colours in SCALES if each == name), None)
+    return _quantity(quantity) | {
+        "units": units_of(quantity_of(name, quantity.unit)),
+        "classes": list(CLASSES.get(name, {}).items()),
+        "log": scale is not None,
+        "scale": scale or "viridis",
     }
 
 

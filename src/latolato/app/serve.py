@@ -89,7 +89,7 @@ def serve(
         )
     maps: Mapping[str, Path] = {}
     if stored:
-        from latolato.app.map_stored import named
+        from latolato.app.map.stored import named
 
         maps = named(stored)
     clips = Allowance.of(video_megabytes, video_minutes)

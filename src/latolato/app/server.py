@@ -117,8 +117,6 @@ def make_app(settings: Settings) -> Starlette:
     app.state.jobs = Workers()
     app.state.clips = Store(settings.clips)
     app.state.clip_jobs = settings.clips.workers
-    app.state.maps = None
-    app.state.map_cells = None
     app.state.stored = dict(settings.stored)
     app.state.is_compiling = False
     app.state.body_time = settings.connections.body_time
@@ -141,10 +139,11 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads, maps
+    from latolato.app import downloads
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
     from latolato.app.experiment import routes as clips
+    from latolato.app.map import routes as maps
 
     views = (maps, downloads, paper, analyses, clips)
     return [route for view in views for route in view.routes()]

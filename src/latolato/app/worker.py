@@ -35,6 +35,8 @@ JOBS = {
     "analyse": ("latolato.app.analyse.answer", "compute"),
     "animate": ("latolato.app.downloads", "compute"),
     "clip": ("latolato.app.experiment.jobs", "compute"),
+    "map_file": ("latolato.app.map.files", "compute"),
+    "open_map": ("latolato.app.map.stored", "compute"),
     "figure": ("latolato.app.report", "compute"),
 }
 # Imported before a job is there, so that it begins at once.

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from latolato.core.quantities import Quantity
 from latolato.core.registry import flattened
@@ -195,14 +194,6 @@ class Memory(Results):
         for name, array in self.arrays.items():
             array[block] = values[name]
         self._add(number, status_counts(values[STATUS]), reason)
-
-    def put(self, points: NDArray[np.int64], values: Values, reason: str) -> None:
-        """Put the values of new points, numbered in C order, in their place."""
-        for name, array in self.arrays.items():
-            array.reshape(self.plan.size, *array.shape[len(self.plan.shape) :])[points] = values[
-                name
-            ]
-        self._add(int(points[0]), status_counts(values[STATUS]), reason)
 
     def dataset(self) -> xr.Dataset:
         """Return the labelled dataset."""

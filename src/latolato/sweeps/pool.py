@@ -16,16 +16,15 @@ def run_in_threads(
     numbers: Iterable[int],
     count: int,
     stop: Callable[[], None],
-    begin: Callable[[], None] | None = None,
 ) -> Iterator[Result]:
     """Yield ``run(number)`` of all numbers from `count` threads, in any order.
 
     A chunk more than there are threads waits, so that none of them does; results that wait to
     be taken are bounded the same way. `stop` is called before the threads are waited for at the
-    end, also when the iterator is closed early; `begin` by every thread first.
+    end, also when the iterator is closed early.
     """
     waiting = iter(numbers)
-    with ThreadPoolExecutor(count, initializer=begin) as pool:
+    with ThreadPoolExecutor(count) as pool:
         try:
             running: set[Future[Result]] = {
                 pool.submit(run, number) for number in islice(waiting, count + 1)

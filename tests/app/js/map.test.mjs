@@ -19,16 +19,14 @@ function grid(width, height) {
   const middles = (n) => Float64Array.from({ length: n }, (_, i) => i);
   const edges = (n) => Float64Array.from({ length: n + 1 }, (_, i) => i - 0.5);
   return new Grid({
-    about: { x: AXIS, y: AXIS, variables: [{ name: "a", ball: null }], points: width * height },
+    about: { x: AXIS, y: AXIS, variables: [{ name: "a", ball: null }] },
     arrays: { x: middles(width), y: middles(height), x_edges: edges(width), y_edges: edges(height) },
-    shapes: {},
   });
 }
 
 function cells(numbers, strides, values) {
-  return { about: { points: numbers.length }, shapes: { values: [1, numbers.length] }, arrays: {
-    cell: Int32Array.from(numbers), stride: Uint8Array.from(strides),
-    status: new Uint8Array(numbers.length), values: Float32Array.from(values) } };
+  return { cell: Int32Array.from(numbers), stride: Uint8Array.from(strides),
+    status: new Uint8Array(numbers.length), values: [Float64Array.from(values)] };
 }
 
 test("a value lies in the cell between whose borders it is", () => {

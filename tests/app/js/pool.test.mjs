@@ -127,6 +127,18 @@ test("what is wrong with a map is told once", async () => {
     ["no map has the parameter colour", "no point of this map can run"]);
 });
 
+test("a small batch, which leaves lanes empty, does not change what is known of the speed", async () => {
+  const { pool, workers } = await started();
+  const before = pool.step.lanes;
+  assert.ok(workers[0].cells[0].length < 256);
+  workers[0].answer();
+  assert.equal(pool.step.lanes, before);
+  assert.ok(workers[0].cells[1].length >= 150);
+  workers[1].answer();
+  workers[1].answer();
+  assert.equal(pool.step.lanes === before, workers[1].cells[1].length < 256);
+});
+
 test("an estimate grows with the map", async () => {
   const pool = new Pool(2, () => new Silent());
   const one = await pool.estimate(PLAN);

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
-import threading
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -35,7 +33,7 @@ def execute(
 
 
 def run_cancellable(
-    plan: Plan, numbers: Iterable[int], count: int, cancel: NDArray[np.int64], niceness: int = 0
+    plan: Plan, numbers: Iterable[int], count: int, cancel: NDArray[np.int64]
 ) -> Iterator[tuple[int, tuple[Values, str]]]:
     """Yield the values of chunks from `count` threads until a flag is set.
 
@@ -44,9 +42,6 @@ def run_cancellable(
     cancel : ndarray
         The flag, from `make_cancel`: ``cancel[0] = 1`` from any thread stops the kernels, and the
         iterator raises `Cancelled`. It is set at the end, so it serves once.
-    niceness : int
-        How much the threads give way to others, from 0 to 19, where threads have priorities of
-        their own (Linux).
 
     Raises
     ------
@@ -66,15 +61,10 @@ def run_cancellable(
             raise Cancelled
         return number, run_chunk(plan, number, run_points)
 
-    def begin() -> None:
-        if niceness and sys.platform == "linux":  # elsewhere the number would be a process
-            thread = threading.get_native_id()
-            os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, 0) + niceness)
-
     def stop() -> None:
         cancel[0] = 1
 
-    yield from run_in_threads(run, numbers, count, stop, begin)
+    yield from run_in_threads(run, numbers, count, stop)
 
 
 def make_cancel() -> NDArray[np.int64]:

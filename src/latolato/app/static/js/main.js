@@ -19,7 +19,7 @@ const VIEWS = {
   analyse: async () => (await import("./analyse/view.js")).AnalyseView,
 };
 // Views that need Python beside the page.
-const NEED_PROGRAM = ["map", "experiment", "analyse"];
+const NEED_PROGRAM = ["experiment", "analyse"];
 const THEMES = ["auto", "light", "dark"];
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms

@@ -28,6 +28,7 @@ import { runPoints } from "./points.js";
  * @property {Column} [transient] [s], 0 if it is left out
  * @property {Column} [period] of the drive [s], for observables that look at drive periods
  * @property {number} [contact_limit] contacts after which a point is given up
+ * @property {Uint8Array} [impossible] 1 for points whose parameters contradict each other
  *
  * @typedef {{about: import("./memory.js").Observable, numbers: number[], first: number}} Observer
  */
@@ -66,11 +67,11 @@ export function computeMap(kernels, question) {
 }
 
 /**
- * Return how many steps each point takes at least, NaN where its parameters make no sense, and
- * whether points run in lanes; see `computeMap`.
+ * Return how many steps each point takes at least, NaN where its parameters make no sense, what is
+ * wrong with those, and whether points run in lanes; see `computeMap`.
  * @param {Kernels} kernels
  * @param {Question} question
- * @returns {{steps: Float64Array, in_lanes: boolean}}
+ * @returns {{steps: Float64Array, problems: string[], in_lanes: boolean}}
  */
 export function countSteps(kernels, question) {
   return cleared(kernels, () => {
@@ -78,7 +79,7 @@ export function countSteps(kernels, question) {
     const { numbers, step } = kernels.column(points.settings, "step");
     const steps = Float64Array.from(problems, (problem, k) =>
       (problem ? NaN : question.duration / numbers[k * step]));
-    return { steps, in_lanes };
+    return { steps, problems: Array.from(problems, (problem) => kernels.layout.problems[problem]), in_lanes };
   });
 }
 
@@ -124,9 +125,9 @@ function prepared(kernels, question) {
   const states = kernels.take("state", count);
   const held = kernels.take("i8", count);
   const impossible = BigInt(layout.problems.indexOf("out of range"));
-  writeStops(kernels, question, marks, stops, (k) => {
-    kernels.numbers(held)[k] = impossible;
-  });
+  const refuse = (/** @type {number} */ k) => { kernels.numbers(held)[k] = impossible; };
+  writeStops(kernels, question, marks, stops, refuse);
+  question.impossible?.forEach((flag, k) => flag && refuse(k));
   kernels.call("prepare", "cases", { cases, stretches, firsts, settings, bodies, states,
     problems: held });
   const problems = Uint8Array.from(kernels.numbers(held), Number);

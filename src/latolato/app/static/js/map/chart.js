@@ -19,6 +19,8 @@ const LEFT = MARGIN;
 const BELOW = 40;
 const ABOVE = 8;
 const RIGHT = 14;
+// What lies over a picture of an older question: so much of the card's colour.
+const VEIL = 0.62;
 
 export class MapChart {
   /** @param {HTMLCanvasElement} canvas */
@@ -39,6 +41,8 @@ export class MapChart {
     /** @type {Box | null} */
     this.band = null;
     this.shift = [0, 0];
+    /** Whether this is the picture of an older question. */
+    this.isOld = false;
     this.cells = document.createElement("canvas");
     this.readColours();
     this.release = fitCanvas(canvas, () => {
@@ -171,8 +175,8 @@ export class MapChart {
     const { status } = grid;
     const table = colourTable(scale);
     const classes = grid.variables[variable].classes.map(([, text]) => pixelOf(text));
-    const [notYet, none] = [pixelOf(this.paints?.tint ?? "#eeeeee"),
-      pixelOf(this.paints?.faint ?? "#999999")];
+    const [notYet, none, zero] = [pixelOf(this.paints?.tint ?? "#eeeeee"),
+      pixelOf(this.paints?.faint ?? "#999999"), pixelOf(this.paints?.paper ?? "#ffffff")];
     const [low, high] = log ? limits.map((v) => Math.log(Math.max(v, 1e-300))) : limits;
     const factor = 255 / (high - low || 1);
     const found = new Uint32Array(values.length);
@@ -180,6 +184,7 @@ export class MapChart {
       const value = values[i];
       if (status[i] === 255) found[i] = notYet;
       else if (Number.isNaN(value)) found[i] = none;
+      else if (log && value <= 0) found[i] = zero;
       else if (classes.length) found[i] = classes[Math.round(value)] ?? none;
       else {
         const place = ((log ? Math.log(value) : value) - low) * factor;
@@ -208,6 +213,11 @@ export class MapChart {
     drawValues();
     if (this.trials) drawTrials(this, context, this.trials, ratio);
     if (this.cross) drawCross(this, context, this.cross, ratio);
+    if (this.isOld) {
+      context.globalAlpha = VEIL;
+      context.fillStyle = this.paints?.card ?? "";
+      context.fillRect(left, top, width, height);
+    }
     context.restore();
     if (this.band) {
       const [a, b] = this.place(this.band[0], this.band[3]);

@@ -24,16 +24,19 @@ const TABLES = {
 
 const STEPS = 256;
 
-/** Names of the colour scales. */
-export const SCALES = Object.keys(TABLES);
+const REVERSED = "_r";
+
+/** Names of the colour scales; the last one begins with bright colours. */
+export const SCALES = [...Object.keys(TABLES), `viridis${REVERSED}`];
 
 /**
- * Return 256 colours of a scale, dark ones first, as the 32-bit numbers of a canvas' pixels.
+ * Return 256 colours of a scale, dark ones first unless it is reversed, as the 32-bit numbers of a canvas' pixels.
  * @param {string} name
  * @returns {Uint32Array}
  */
 export function colourTable(name) {
-  const text = TABLES[/** @type {keyof typeof TABLES} */ (name)] ?? TABLES.viridis;
+  const plain = name.replace(REVERSED, "");
+  const text = TABLES[/** @type {keyof typeof TABLES} */ (plain)] ?? TABLES.viridis;
   const known = Array.from({ length: text.length / 2 }, (_, i) =>
     parseInt(text.slice(2 * i, 2 * i + 2), 16));
   const count = known.length / 3;
@@ -46,7 +49,7 @@ export function colourTable(name) {
       Math.round((1 - share) * known[3 * first + k] + share * known[3 * first + 3 + k]));
     found[i] = pixel(r, g, b);
   }
-  return found;
+  return plain === name ? found : found.reverse();
 }
 
 /**

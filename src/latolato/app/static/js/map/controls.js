@@ -53,8 +53,8 @@ export class MapControls {
     this.size = choice(t("mapSize"), (v) => set({ size: v === String(USUAL_SIZE) ? null : v }));
     this.duration = number("mapDuration", "duration");
     this.transient = number("mapTransient", "transient", "mapTransientHint");
-    this.scale = choice(t("mapScale"), (v) => set({ scale: v === SCALES[0] ? null : v }));
-    this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : null, low: null, high: null }));
+    this.scale = choice(t("mapScale"), (v) => set({ scale: v }));
+    this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : 0, low: null, high: null }));
     this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v));
     this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v));
     /** @type {[number, number]} values of the darkest and the brightest colour on show */
@@ -154,7 +154,7 @@ export class MapControls {
 
   /**
    * Show what a computed map may be made of.
-   * @param {any} choices
+   * @param {import("./about.js").Choices} choices
    */
   showChoices(choices) {
     this.choices = choices;
@@ -165,12 +165,11 @@ export class MapControls {
     });
     this.x.show(axes, choices.x.name);
     this.y.show(axes, choices.y.name);
-    const about = (/** @type {string} */ name) =>
-      choices.axes.find((/** @type {any} */ a) => a.name === name);
+    const { axes: known } = this.registry;
     for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
-      const axis = about(choices[which].name);
-      this.ends[`${which}low`].show(choices[which].low, axis.units);
-      this.ends[`${which}high`].show(choices[which].high, axis.units);
+      const { units } = known[choices[which].name];
+      this.ends[`${which}low`].show(choices[which].low, units);
+      this.ends[`${which}high`].show(choices[which].high, units);
       this.logs[which].box.checked = choices[which].log;
     }
     this.observable.show(choices.variables.map((/** @type {any} */ v) => ({ value: v.name,
@@ -187,16 +186,17 @@ export class MapControls {
 
   /**
    * Show what a stored map may be looked at by.
-   * @param {any} about
+   * @param {import("./grid.js").Begin["about"]} about
    */
   showStored(about) {
-    this.observable.show(about.names.map((/** @type {string} */ name) => ({ value: name,
-      text: this.labelOf(name) })), about.observable);
+    const stored = /** @type {import("./grid.js").Stored} */ (about.stored);
+    this.observable.show(stored.names.map((name) => ({ value: name, text: this.labelOf(name) })),
+      about.observable);
     for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
       this.logs[which].box.checked = about[which].log;
       this.logs[which].text.textContent = t("mapLogOf", { name: about[which].label });
     }
-    this.select.replaceChildren(...about.select.map((/** @type {any} */ each) => {
+    this.select.replaceChildren(...stored.select.map((/** @type {any} */ each) => {
       const label = this.labelOf(each.dim, each.label);
       const made = choice(label, (v) => this.keep({ [`at_${each.dim}`]: v, at: null }));
       made.show(each.values.map((/** @type {string} */ v, /** @type {number} */ i) =>
@@ -204,7 +204,7 @@ export class MapControls {
       String(each.index));
       return made.root;
     }));
-    this.about.textContent = about.description.replace(/\$([^$]+)\$/g,
+    this.about.textContent = stored.description.replace(/\$([^$]+)\$/g,
       (/** @type {string} */ _, /** @type {string} */ tex) => plainSymbol(tex));
     this.parts(false);
   }

@@ -1,7 +1,6 @@
 /** The cross on a map: where it is, what is known there, and the run of its point. */
 
 import { t } from "../strings.js";
-import { askedOf } from "./shown.js";
 import { cellText, withName } from "./tell.js";
 
 export class Cursor {
@@ -83,6 +82,8 @@ export class Cursor {
     if (!cross || !grid) return;
     if (chosen) controls.keep({ at: cross.join(",") });
     const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
-    await point.run({ ...askedOf(this.view), at: cross }, words.join(" · "));
+    const optionsOf = /** @type {(cell: number) => Record<string, any>} */ (grid.optionsOf);
+    const cell = chart.cell(...cross);
+    await point.run(() => optionsOf(cell), words.join(" · "));
   }
 }

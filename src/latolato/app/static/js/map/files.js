@@ -1,56 +1,113 @@
 /** The menu from which the map on show is stored: its numbers and its picture. */
 
-import { ask, Offline, Refusal } from "../shared/api.js";
 import { el, tell } from "../shared/dom.js";
-import { saveFile } from "../shared/jobs.js";
+import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { t } from "../strings.js";
+import { pictureOf } from "./picture.js";
+import { fileRequestOf } from "./shown.js";
+import { csvOf } from "./table.js";
 
-const KINDS = ["csv", "nc", "zarr", "png", "svg"];
+/** @typedef {import("./view.js").MapView} MapView */
+
+// What the page writes by itself, and what the installed program writes.
+const OWN = ["csv", "screen"];
+/** @type {Record<string, string>} */
+const NAMES = { screen: "mapFile_screen", png: "mapFile_png" };
+const OF_PROGRAM = ["nc", "zarr", "png", "svg"];
 
 export class MapFiles {
-  /** @param {() => Promise<Record<string, any> | null>} body what is on show, null for nothing */
-  constructor(body) {
-    this.body = body;
-    this.error = el("p", { class: "error", role: "alert", hidden: true });
-    this.buttons = KINDS.map((kind) => el("button", { type: "button",
-      on: { click: () => void this.store(kind) } }, t(`file_${kind}`)));
+  /** @param {MapView} view */
+  constructor(view) {
+    this.view = view;
+    this.job = new JobLine();
+    const { server } = view.page.registry;
+    const entry = (/** @type {string} */ kind, /** @type {() => Promise<void>} */ store) => el("li", {},
+      el("button", { type: "button", on: { click: () => void this.store(store) } }, t(NAMES[kind] ?? `file_${kind}`)),
+      el("span", { class: "soft" }, ` ${t(`mapFileHint_${kind}`)}`));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
         if (event.key === "Escape") this.root.open = false;
       } } },
       el("summary", {}, t("download")),
-      el("ul", {}, ...KINDS.map((kind, i) => el("li", {}, this.buttons[i],
-        el("span", { class: "soft" }, ` ${t(`mapFileHint_${kind}`)}`)))),
-      el("p", { class: "hint" }, t("mapFilesHint")), this.error);
+      el("ul", {}, ...OWN.map((kind) => entry(kind, () => this.write(kind))),
+        ...(server ? OF_PROGRAM : []).map((kind) => entry(kind, () => this.make(kind)))),
+      el("p", { class: "hint" }, t(server ? "mapFilesHint" : "mapFilesProgram")), this.job.root);
   }
 
-  /** @param {string} kind */
-  async store(kind) {
-    const body = await this.body();
-    if (!body) {
-      this.refuse(t("mapFilesNone"));
+  /** @param {() => Promise<void>} work */
+  async store(work) {
+    this.job.error.hidden = true;
+    if (!this.view.grid) {
+      this.job.refuse(t("mapFilesNone"));
       return;
     }
-    this.error.hidden = true;
-    for (const button of this.buttons) button.disabled = true;
     try {
-      const response = await ask(`download/map.${kind}`, body);
-      const missing = Number(response.headers.get("X-Points-Missing"));
-      const name = /filename="([^"]+)"/.exec(response.headers.get("Content-Disposition") ?? "");
-      saveFile(await response.blob(), name?.[1] ?? `latolato_map.${kind}`);
-      tell(t(missing ? "mapStoredPart" : "stored", { name: name?.[1] ?? kind, missing }));
+      await work();
     } catch (error) {
-      if (error instanceof Refusal) this.refuse(error.message);
-      else if (error instanceof Offline) this.refuse(t("offline"));
-      else throw error;
-    } finally {
-      for (const button of this.buttons) button.disabled = false;
+      if (!(error instanceof Error)) throw error;
+      this.job.refuse(error.message);
     }
   }
 
-  /** @param {string} text */
-  refuse(text) {
-    this.error.textContent = text;
-    this.error.hidden = false;
+  /**
+   * Return what a file of the map on show is called.
+   * @param {string} ending
+   */
+  nameOf(ending) {
+    const { request, question } = this.view;
+    const { scenario, stored } = request;
+    const base = stored ? stored.replace(/\.(zarr\.zip|zarr|nc|csv|parquet)$/, "")
+      : `latolato_map_${scenario ?? question?.options.system}`;
+    return `${base}.${ending}`;
+  }
+
+  /**
+   * Write a file in the page; a stored map has its table from the program.
+   * @param {string} kind
+   */
+  async write(kind) {
+    const { view } = this;
+    const { question } = view;
+    const grid = /** @type {import("./grid.js").Grid} */ (view.grid);
+    if (kind === "screen") {
+      this.keep(await pictureOf(view), this.nameOf("png"), 0);
+      return;
+    }
+    if (!question) {
+      await this.make("csv");
+      return;
+    }
+    const missing = grid.width * grid.height - grid.done;
+    this.keep(new Blob([csvOf(question, grid)], { type: "text/csv" }),
+      this.nameOf(missing ? "unfinished.csv" : "csv"), missing);
+  }
+
+  /**
+   * Let the program make a file; it computes a map of the page once more.
+   * @param {string} kind
+   */
+  async make(kind) {
+    const { view } = this;
+    const request = { kind, ...fileRequestOf(view, /** @type {import("./grid.js").Grid} */ (view.grid)) };
+    const block = await this.job.run("ws/map/file", request, view.estimate?.seconds);
+    if (!block) return;
+    const { type, missing } = block.about;
+    const ending = `${missing ? "unfinished." : ""}${kind === "zarr" ? "zarr.zip" : kind}`;
+    this.keep(fileOf(block, "file", type), this.nameOf(ending), missing);
+  }
+
+  /**
+   * @param {Blob} file
+   * @param {string} name
+   * @param {number} missing points that are not computed
+   */
+  keep(file, name, missing) {
+    saveFile(file, name);
+    tell(t(missing ? "mapStoredPart" : "stored", { name, missing }));
+  }
+
+  /** Cancel a file that is being made. */
+  stop() {
+    this.job.stop();
   }
 }

@@ -1,14 +1,35 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
 import { axisLimits, SINGLE } from "../shared/axis.js";
-import { row } from "../shared/block.js";
 
-/** @typedef {import("../shared/block.js").Block} Block */
+/**
+ * What a map begins with: what it is of, and the middles and borders of its cells. Of `about`,
+ * `parameters` are those of the system that do not vary [SI], by their names.
+ * @typedef {{about: {x: Axis & {log: boolean}, y: Axis & {log: boolean}, observable: string, title: string,
+ *   statuses: string[], variables: Variable[], parameters: Record<string, number>,
+ *   has_contact: boolean, python: string, command: string, stored?: Stored},
+ *   arrays: Record<"x" | "y" | "x_edges" | "y_edges", Float64Array>,
+ *   optionsOf?: (cell: number) => Record<string, any>}} Begin
+ *
+ * What is said of a stored map: the variables that it has, further dimensions with the value that is
+ * taken, points that are not computed, and what its points run with [SI]: options, the values of all
+ * parameters that vary along its axes, those that are taken of others, and random streams as sums of
+ * two numbers. Without options its points cannot run alone, for a reason.
+ * @typedef {{names: string[], select: any[], missing: number, description: string,
+ *   options: Record<string, any> | null, reason: string,
+ *   sets: Record<"x" | "y", Record<string, number[]>> & {all: Record<string, number>},
+ *   streams: Record<"x" | "y", number[]> | null}} Stored
+ *
+ * Cells as they come: `values` has a row for each variable.
+ * @typedef {{cell: Int32Array, stride: Uint8Array, status: ArrayLike<number>,
+ *   values: ArrayLike<number>[]}} Cells
+ */
 /** @typedef {{name: string, label: string, symbol: string, unit: string, log?: boolean,
  *   units: {name: string, size: number}[], allowed?: (number | null)[],
  *   suggested?: [number, number]}} Axis */
 /** @typedef {{name: string, ball: string | null, label: string, symbol: string, unit: string,
- *   units: {name: string, size: number}[], classes: [string, string][]}} Variable */
+ *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
+ *   scale?: string}} Variable `log` and `scale` are the usual colours */
 
 const NOT_YET = 255;
 /** Statuses from this number on say that there is no answer (`latolato.numerics.records`). */
@@ -32,37 +53,37 @@ export function cellAt(edges, value) {
 }
 
 export class Grid {
-  /** @param {Block} begin the frame that a map begins with */
+  /** @param {Begin} begin */
   constructor(begin) {
     this.about = begin.about;
+    this.optionsOf = begin.optionsOf;
     /** @type {Axis} */
     this.xAxis = begin.about.x;
     /** @type {Axis} */
     this.yAxis = begin.about.y;
     /** @type {Variable[]} */
     this.variables = begin.about.variables;
-    this.x = /** @type {Float64Array} */ (begin.arrays.x);
-    this.y = /** @type {Float64Array} */ (begin.arrays.y);
-    this.xEdges = /** @type {Float64Array} */ (begin.arrays.x_edges);
-    this.yEdges = /** @type {Float64Array} */ (begin.arrays.y_edges);
+    this.x = begin.arrays.x;
+    this.y = begin.arrays.y;
+    this.xEdges = begin.arrays.x_edges;
+    this.yEdges = begin.arrays.y_edges;
     this.width = this.x.length;
     this.height = this.y.length;
     const count = this.width * this.height;
-    this.values = this.variables.map(() => new Float32Array(count).fill(NaN));
+    this.values = this.variables.map(() => new Float64Array(count).fill(NaN));
     this.status = new Uint8Array(count).fill(NOT_YET);
     // How coarse the point is that a cell has its colour from; 1 is its own.
     this.stride = new Uint8Array(count).fill(NOT_YET);
+    /** How many cells have their own point. */
     this.done = 0;
     this.complete = false;
   }
 
   /**
    * Take in cells: a coarse point also colours the cells about it until they have their own.
-   * @param {Block} block
+   * @param {Cells} cells
    */
-  put(block) {
-    const { cell, stride, status } = block.arrays;
-    const rows = this.values.map((_, k) => row(block, "values", k));
+  put({ cell, stride, status, values: rows }) {
     for (let i = 0; i < cell.length; i += 1) {
       const s = stride[i];
       const middleRow = Math.floor(cell[i] / this.width);
@@ -74,13 +95,13 @@ export class Grid {
         for (let c = Math.max(0, middleColumn - half); c < right; c += 1) {
           const at = r * this.width + c;
           const own = at === cell[i];
+          if (own && this.stride[at] !== 1) this.done += 1;
           if (!own && this.stride[at] <= s) continue;
           this.stride[at] = own ? 1 : s;
           this.status[at] = status[i];
           for (let k = 0; k < rows.length; k += 1) this.values[k][at] = rows[k][i];
         }
     }
-    this.done = block.about.points;
   }
 
   /**
@@ -110,9 +131,9 @@ export class Grid {
     return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };
   }
 
-  /** Return the share of the cells that are known. */
+  /** Return the share of the cells that have their own point. */
   share() {
-    return 1 - (this.about.points - this.done) / (this.width * this.height);
+    return this.done / (this.width * this.height);
   }
 
   /** Return how many cells have no answer. */
@@ -137,6 +158,6 @@ export class Grid {
       if (value > high) high = value;
     }
     if (!(low <= high)) return positive ? [0.1, 1] : [0, 1];
-    return axisLimits(low, high, SINGLE);
+    return axisLimits(low, high, SINGLE); // finer ones cannot be read off
   }
 }

@@ -1,58 +1,168 @@
-/** One map on its way from the server: the socket is the job, closing it ends the work. */
+/** One map on its way: computed by the workers of the page, or stored and opened by the server. */
 
-import { hangUp, socketAddress } from "../shared/api.js";
-import { unpack } from "../shared/block.js";
+import { loadLayout } from "../kernels/load.js";
+import { specify } from "../model/case.js";
+import { general, InputError } from "../model/rules.js";
+import { doJob } from "../shared/jobs.js";
+import { beginOf, choicesOf } from "./about.js";
+import { questionOf } from "./question.js";
+import { optionsAt, optionsOfCell } from "./runs.js";
 
-/** @typedef {import("../shared/block.js").Block} Block */
-/** @typedef {{choices: (choices: any) => void, phase: (name: string) => void,
- *   begin: (block: Block) => void, cells: (block: Block) => void, done: (block: Block) => void,
- *   refused: (text: string, field: string | null) => void, lost: () => void}} Listener */
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("./pool.js").Pool} Pool */
+/** @typedef {import("./pool.js").Progress} Progress */
+/** @typedef {import("./question.js").Question} Question */
 
-export class MapJob {
+/**
+ * What becomes of a map: what it may be made of, what it is of, its cells as they come, and its end
+ * or what is wrong with it. A map that takes long `asks` first, and `start` begins it; `restarted`
+ * is told of a worker that died.
+ * @typedef {{choices: (choices: import("./about.js").Choices) => void,
+ *   begin: (begin: import("./grid.js").Begin) => void, asks: (seconds: number) => void,
+ *   cells: (cells: import("./grid.js").Cells, progress: Progress) => void,
+ *   restarted: (message: string) => void, done: (progress: Progress) => void,
+ *   refused: (error: Error) => void}} Listener
+ */
+
+// A map that takes longer asks first.
+const LONG = 60; // s
+// A point of more steps would let all wait for it.
+const MOST_STEPS = 5e6;
+
+/** A map that the page computes. */
+export class PageJob {
   /**
+   * @param {Registry} registry
+   * @param {Pool} pool
+   * @param {import("./question.js").Request} request
+   * @param {boolean} agreed whether it may take long
+   * @param {Listener} listener
+   */
+  constructor(registry, pool, request, agreed, listener) {
+    this.registry = registry;
+    this.pool = pool;
+    this.request = request;
+    this.agreed = agreed;
+    this.listener = listener;
+    this.ended = false;
+    /** @type {Question | null} */
+    this.question = null;
+    void this.prepare().catch((error) => this.refuse(error));
+  }
+
+  async prepare() {
+    const question = await questionOf(this.registry, await loadLayout(), this.request);
+    if (this.ended) return;
+    this.listener.choices(choicesOf(question));
+    const estimate = await this.pool.estimate(question.plan);
+    if (estimate.problem) await refusePoint(question, estimate.problem);
+    if (estimate.longest > MOST_STEPS)
+      throw new InputError(`a point of this map would take ${general(estimate.longest, 2)} steps, the limit is `
+        + `${general(MOST_STEPS)}: shorten the duration, loosen the tolerance or slow the drive`);
+    if (this.ended) return;
+    this.question = question;
+    this.estimate = estimate;
+    this.listener.begin(beginOf(question));
+    if (estimate.seconds > LONG && !this.agreed) this.listener.asks(estimate.seconds);
+    else this.start();
+  }
+
+  /** Begin to compute. */
+  start() {
+    const { listener } = this;
+    const { plan } = /** @type {Question} */ (this.question);
+    this.agreed = true;
+    void this.pool.start(plan, {
+      onCells: listener.cells, onRestart: listener.restarted,
+      onDone: (progress) => { this.ended = true; listener.done(progress); },
+      onError: (error) => this.refuse(error),
+    }, this.estimate);
+  }
+
+  /** @param {Error} error */
+  refuse(error) {
+    if (this.ended) return;
+    this.ended = true;
+    this.listener.refused(error);
+  }
+
+  /** End the work at once. */
+  cancel() {
+    this.ended = true;
+    this.pool.stop();
+  }
+}
+
+/**
+ * Throw what is wrong with the first point of a map, as Python says it of its run.
+ * @param {Question} question
+ * @param {string} problem
+ */
+async function refusePoint(question, problem) {
+  const { registry, duration } = question;
+  await specify(registry, { options: optionsOfCell(question, 0) });
+  if (problem === "too many steps")
+    throw new InputError("this point would take more than 1e+09 steps: shorten the duration, loosen the "
+      + "tolerance or slow the motion");
+  if (question.periods)
+    throw new InputError(`the transient must be shorter than the duration ${general(duration)} s`);
+  throw new InputError("the numbers of this point leave the range of floats");
+}
+
+/** A stored map, which the server opens. */
+export class StoredJob {
+  /**
+   * @param {Registry} registry
    * @param {Record<string, any>} request
    * @param {Listener} listener
    */
-  constructor(request, listener) {
+  constructor(registry, request, listener) {
+    this.registry = registry;
     this.request = request;
     this.listener = listener;
     this.ended = false;
-    this.socket = new WebSocket(socketAddress("ws/map"));
-    this.socket.binaryType = "arraybuffer";
-    this.socket.addEventListener("open", () => {
-      if (!this.ended) this.socket.send(JSON.stringify(request));
-    });
-    this.socket.addEventListener("message", ({ data }) => this.take(data));
-    this.socket.addEventListener("close", () => {
-      if (this.ended) return;
+    this.agreed = true;
+    this.question = null;
+    this.control = new AbortController();
+    void this.open();
+  }
+
+  async open() {
+    const { listener, registry } = this;
+    try {
+      const { about, arrays } = await doJob("ws/map/stored", this.request, { signal: this.control.signal });
+      const begin = /** @type {import("./grid.js").Begin} */ ({ about, arrays });
+      const { options, sets, streams, reason } = /** @type {import("./grid.js").Stored} */ (begin.about.stored);
+      const width = begin.arrays.x.length;
+      const valuesAt = (/** @type {"x" | "y"} */ which, /** @type {number} */ at) =>
+        Object.fromEntries(Object.entries(sets[which]).map(([name, values]) => [name, values[at]]));
+      begin.optionsOf = (cell) => {
+        if (!options) throw new InputError(reason);
+        const [x, y] = [cell % width, Math.floor(cell / width)];
+        const own = streams ? { noise_stream: streams.x[x] + streams.y[y] } : {};
+        return optionsAt(registry, { ...options, ...own },
+          { ...sets.all, ...valuesAt("x", x), ...valuesAt("y", y) });
+      };
+      listener.begin(begin);
+      const count = arrays.status.length;
+      const progress = { points: 0, seconds: 0, rate: 0 };
+      listener.cells({ cell: Int32Array.from({ length: count }, (_, i) => i),
+        stride: new Uint8Array(count).fill(1), status: Uint8Array.from(arrays.status, (each) => each),
+        values: [arrays.values] }, progress);
       this.ended = true;
-      listener.lost();
-    });
-  }
-
-  /** @param {string | ArrayBuffer} data */
-  take(data) {
-    if (this.ended) return;
-    if (typeof data === "string") {
-      const told = JSON.parse(data);
-      if (told.choices) this.listener.choices(told.choices);
-      else if (told.phase) this.listener.phase(told.phase);
-      else if (told.error) {
-        this.ended = true;
-        this.listener.refused(told.error, told.field ?? null);
-      }
-      return;
+      listener.done(progress);
+    } catch (error) {
+      if (this.ended || (error instanceof DOMException && error.name === "AbortError")) return;
+      this.ended = true;
+      listener.refused(/** @type {Error} */ (error));
     }
-    const block = unpack(data);
-    const { kind } = block.about;
-    if (kind === "done") this.ended = true;
-    if (kind === "begin" || kind === "cells" || kind === "done") this.listener[
-      /** @type {"begin" | "cells" | "done"} */ (kind)](block);
   }
 
-  /** End the work; the server stops its kernels at once. */
+  start() {}
+
+  /** Forget it. */
   cancel() {
     this.ended = true;
-    hangUp(this.socket);
+    this.control.abort();
   }
 }

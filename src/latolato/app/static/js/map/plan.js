@@ -32,6 +32,8 @@
 // The coarsest picture has about so many cells along its longer side.
 const COARSEST = 12;
 const SIDES = ["right", "left"];
+// Differences of decimal times are rounded by so much, relatively.
+const ROUNDING = 1e-12;
 const START = ["initial_angle", "initial_angular_velocity"];
 // Parameters that set the same thing: an axis replaces all of its group.
 const GROUPS = [["initial_angle", "initial_offset"], ["drive_frequency", "frequency_ratio"],
@@ -96,7 +98,7 @@ export function pointsOf(layout, plan, cells) {
   const { transient = 0, transient_periods = 0 } = plan;
   const swing = [columns[angles === 1 ? "length" : "right_length"], columns.gravity];
   return { count, angles, parameters, drive: { kind: drive, parameters: shaken }, observables,
-    duration, contact, contact_limit, period,
+    duration, contact, contact_limit, period, impossible: impossibleOf(layout, plan, columns, count),
     noise: "noise_strength" in noise ? /** @type {any} */ (noise) : undefined,
     transient: each(count, [period, ...swing], (one, length, gravity) => transient
       + transient_periods * (Number.isFinite(one) ? one : 2 * Math.PI * Math.sqrt(length / gravity))) };
@@ -134,6 +136,27 @@ function columnsOf({ angles = 1, parameters, x, y }, cells) {
       (ratio, g, frequency) => (ratio * g) / frequency ** 2);
   }
   return others;
+}
+
+/**
+ * Return which cells have a drive that no number describes, or that contradicts itself.
+ * @param {Layout} layout
+ * @param {Plan} plan
+ * @param {Record<string, any>} columns
+ * @param {number} count
+ */
+function impossibleOf({ largest }, { drive }, columns, count) {
+  const value = (/** @type {string} */ name, /** @type {number} */ k) =>
+    (typeof columns[name] === "object" ? columns[name][k] : columns[name] ?? 0);
+  const stages = drive === "frequency_schedule" ? columns.times : [];
+  const gaps = stages.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - stages[i]);
+  const shortest = Math.min(Infinity, ...gaps) * (1 + ROUNDING);
+  return Uint8Array.from({ length: count }, (_, k) => {
+    const amplitude = value("drive_amplitude", k);
+    const jams = drive === "crank_slider" && !(amplitude < value("connecting_rod_length", k));
+    const isOver = !(amplitude <= largest && value("drive_frequency", k) <= largest);
+    return Number(jams || isOver || (gaps.length > 0 && value("ramp", k) > shortest));
+  });
 }
 
 /**

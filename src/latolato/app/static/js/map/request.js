@@ -1,4 +1,4 @@
-/** What the Map view asks for: the address of the page becomes a plan for the server. */
+/** What the Map view asks for, from the address of the page. */
 
 import { FIRST } from "../shared/state.js";
 
@@ -29,7 +29,7 @@ export function sourceOf(registry, state) {
 }
 
 /**
- * Return the plan of the map that the address asks for.
+ * Return what the address asks for: see `question.js`, or a stored map.
  * @param {any} registry
  * @param {State} state
  * @returns {Record<string, any>}

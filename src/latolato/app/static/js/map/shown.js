@@ -1,43 +1,33 @@
-/** The map on show, in the words in which the server is asked about it. */
+/** The map on show, in the words in which the server is asked for files of it. */
 
 import { lookOf } from "./look.js";
-import { requestOf } from "./request.js";
+import { tablesOf } from "./table.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
 /**
- * Return the request for things about a map: the plan, and names of axes of a stored one.
+ * Return which map is on show: a stored one, or one of the page by its runs and its sweep.
  * @param {MapView} view
- * @returns {Record<string, any>}
  */
-export function askedOf({ grid, page, choices }) {
-  const request = requestOf(page.registry, page.store.state);
-  if (request.stored)
-    return { stored: request.stored, select: request.select,
-      names: [grid?.xAxis.name, grid?.yAxis.name] };
-  return { ...request, x: choices?.x ?? request.x, y: choices?.y ?? request.y };
+export function shownMapOf({ grid, request, question }) {
+  const axes = { xlog: grid?.xAxis.log ?? null, ylog: grid?.yAxis.log ?? null };
+  return question ? { ...tablesOf(question), ...axes }
+    : { stored: request.stored ?? null, select: request.select ?? {}, ...axes };
 }
 
 /**
- * Return which map is on show, as the server knows it.
+ * Return what a file of the map on show is asked by.
  * @param {MapView} view
+ * @param {import("./grid.js").Grid} grid
  */
-export function shownMapOf({ grid, page }) {
-  const { stored, select } = requestOf(page.registry, page.store.state);
-  return { key: grid?.about.key ?? null, stored: stored ?? null, select,
-    xlog: grid?.xAxis.log ?? null, ylog: grid?.yAxis.log ?? null };
-}
-
-/**
- * Return what a file of the map on show is asked by, null before there is one.
- * @param {MapView} view
- */
-export async function fileBodyOf(view) {
-  const { grid, over } = view;
-  if (!grid) return null;
-  const { variable, scale, log, limits } = lookOf(grid, view.page.store.state.extra);
+export function fileRequestOf(view, grid) {
+  const { chart, over, page } = view;
+  const { variable, scale, log, limits } = lookOf(grid, page.store.state.extra);
   const { name, ball } = grid.variables[variable];
+  const contours = over.contourBody();
+  const levels = [...new Set(chart.contours.map(({ level }) => level))];
   return { ...shownMapOf(view), observable: name, ball, scale, log, limits,
-    contours: over.contourBody(), overlays: over.shown().map((line) => line.name),
-    trials: over.trials };
+    contours: contours && levels.length
+      ? { observable: contours.observable, ball: contours.ball, levels } : null,
+    overlays: over.shown().map((line) => line.name), trials: over.trials };
 }

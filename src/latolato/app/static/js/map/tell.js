@@ -50,24 +50,26 @@ export function cellText(grid, cell, k) {
 }
 
 /**
- * Return the entries that explain colours of classes, cells without an answer, curves, trials and
- * contour lines.
+ * Return the entries that explain colours of classes, cells without an answer, zeros, curves,
+ * trials and contour lines.
  * @param {Grid} grid
- * @param {Variable} variable
+ * @param {import("./chart.js").Look} look
  * @param {{name: string}[]} lines
  * @param {boolean} trials
  * @param {Variable | null} contours
  */
-export function legend(grid, variable, lines, trials, contours) {
+export function legend(grid, { variable: k, log }, lines, trials, contours) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
     const key = el("span", { class: "swatch" });
     key.style.background = paint;
     return el("li", {}, key, text);
   };
   const bad = grid.withoutAnswer();
+  const zeros = log ? grid.values[k].filter((value) => value <= 0).length : 0;
   return [
-    ...variable.classes.map(([text, paint]) => entry(text, paint)),
+    ...grid.variables[k].classes.map(([text, paint]) => entry(text, paint)),
     ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
+    ...(zeros ? [entry(t("mapZero", { count: zeros }), "var(--paper)")] : []),
     ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
       t(name === "tongue" ? "mapTongue" : "mapLift"))),
     ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),
@@ -80,13 +82,13 @@ export function legend(grid, variable, lines, trials, contours) {
 /**
  * Return what is said of a finished map: its points, and those that are new or missing.
  * @param {Grid} grid
- * @param {Record<string, any>} done what the server says of it
+ * @param {import("./pool.js").Progress} done
  */
 export function doneText(grid, { points, seconds, rate }) {
   const all = grid.width * grid.height;
-  const { missing } = grid.about;
+  const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
-  if (!(seconds > 0)) return t("mapKnown", { points: all });
+  if (!points) return t("mapKnown", { points: all });
   return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: short(seconds, 2),
     rate: Math.round(rate) });
 }

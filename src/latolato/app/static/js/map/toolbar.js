@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */
 
-const STATES = { busy: "mapStop", stopped: "mapGoOn", done: "mapAgain" };
+const STATES = { busy: "mapStop", stopped: "mapGoOn", asks: "mapCompute", done: "mapAgain" };
 
 export class Toolbar {
   /** @param {Actions} actions */
@@ -14,6 +14,8 @@ export class Toolbar {
       el("button", { type: "button", title: t(name), "aria-label": t(name),
         on: { click: action } }, text);
     this.panning = false;
+    /** @type {keyof typeof STATES} */
+    this.now = "done";
     this.stop = button("mapStop", actions.stop);
     this.back = button("mapBack", actions.back);
     this.pan = button("mapPan", () => {
@@ -49,10 +51,11 @@ export class Toolbar {
   }
 
   /**
-   * Show what the first button does: stop, go on, or ask once more.
-   * @param {"busy" | "stopped" | "done"} state
+   * Show what the first button does: stop, go on, begin what takes long, or compute once more.
+   * @param {keyof typeof STATES} state
    */
   state(state) {
+    this.now = state;
     const name = t(STATES[state]);
     if (this.stop.textContent === name) return;
     this.stop.textContent = this.stop.title = name;

@@ -23,7 +23,7 @@ export class Travel {
   go(box) {
     const { grid, controls } = this.view;
     if (!grid) return;
-    if (grid.about.select) {
+    if (grid.about.stored) {
       tell(t("mapStoredZoom"));
       return;
     }
@@ -35,7 +35,7 @@ export class Travel {
   /** @param {Box} box */
   zoom(box) {
     const { extra } = this.view.page.store.state;
-    if (!this.view.grid?.about.select) this.seen.push(placeOf(extra));
+    if (!this.view.grid?.about.stored) this.seen.push(placeOf(extra));
     this.go(() => box);
   }
 

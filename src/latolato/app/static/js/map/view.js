@@ -1,9 +1,11 @@
 /** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
 
+import { inPagesWords } from "../model/words.js";
 import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
 import { el, tell } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
+import { spanText } from "../shared/jobs.js";
 import { t } from "../strings.js";
 import { Misread } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
@@ -14,30 +16,36 @@ import { Cursor } from "./cursor.js";
 import { MapFiles } from "./files.js";
 import { Grid } from "./grid.js";
 import { followHand } from "./hand.js";
-import { MapJob } from "./job.js";
+import { PageJob, StoredJob } from "./job.js";
 import { lookOf } from "./look.js";
 import { contourVariable, Over } from "./over.js";
 import { PointPanel } from "./point.js";
+import { Pool } from "./pool.js";
 import { openInPlay, requestOf, sameBut, sourceOf } from "./request.js";
-import { fileBodyOf } from "./shown.js";
 import { doneText, legend } from "./tell.js";
 import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("./pool.js").Progress} Progress */
 
 // Changes of a slider become one request.
 const PATIENCE = 120; // ms
-// A server that does not answer is asked again after this time.
-const RETRY = 1000; // ms
 
 export class MapView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
-    /** @type {MapJob | null} */
+    this.pool = new Pool();
+    void this.pool.warm("lanes");
+    /** @type {PageJob | StoredJob | null} */
     this.job = null;
+    /** @type {Record<string, any>} what the map on show answers, and its question if it is computed */
+    this.request = {};
+    /** @type {import("./question.js").Question | null} */
+    this.question = null;
+    /** @type {import("./pool.js").Estimate | undefined} */
+    this.estimate = undefined;
     /** @type {Grid | null} */
     this.grid = null;
     /** @type {Grid | null} what a map that has just begun will show */
@@ -45,6 +53,8 @@ export class MapView {
     /** @type {any} */
     this.choices = null;
     this.wanted = "";
+    /** A map that may take long, as the user said. */
+    this.agreed = "";
     this.timer = 0;
     this.shown = false;
     this.over = new Over(this);
@@ -70,12 +80,13 @@ export class MapView {
     const barBox = el("div", { class: "bar-box" }, this.barTitle, bar, this.classes);
     this.misread = new Misread();
     this.notes = el("p", { class: "error", role: "alert", hidden: true });
+    this.restarts = el("p", { class: "notes", role: "status", hidden: true });
     this.point = new PointPanel(page.registry, (options) => openInPlay(page, options));
-    this.files = new MapFiles(() => fileBodyOf(this));
+    this.files = new MapFiles(this);
     this.code = el("div", {});
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
-      el("div", { class: "main" }, this.tools.root, this.misread.root, this.notes,
+      el("div", { class: "main" }, this.tools.root, this.misread.root, this.notes, this.restarts,
         el("div", { class: "map-and-point" },
           el("div", { class: "panel map-panel" }, this.field, readout, barBox), this.point.root),
         this.files.root,
@@ -100,7 +111,7 @@ export class MapView {
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
       if (changed !== "view") this.update(changed !== "extra" && changed !== "options");
     });
-    void this.findStored();
+    if (this.page.registry.server) void this.findStored();
     const { registry, store } = this.page;
     const { scenario, extra } = store.state;
     // A sweep is no run: other views begin with their own then.
@@ -113,6 +124,7 @@ export class MapView {
     this.shown = false;
     this.unsubscribe();
     this.point.preview.rest();
+    this.files.stop();
     if (this.grid?.complete && !this.next) return;
     this.stop();
     this.wanted = "";
@@ -147,7 +159,7 @@ export class MapView {
   }
 
   /**
-   * Ask for a map; the server begins with what it knows of it.
+   * Compute a map, or open a stored one; the picture of the one before pales until there is another.
    * @param {Record<string, any>} request
    */
   compute(request) {
@@ -155,15 +167,48 @@ export class MapView {
     if (!this.shown) return;
     this.wanted = sameBut(request);
     this.tools.say(t("mapBegins"), 0);
-    this.job = new MapJob(request, {
-      choices: (choices) => this.takeChoices(choices),
-      phase: (name) => this.tools.say(t(name === "compiling" ? "preparing" : "mapWaiting")),
-      begin: (block) => this.begin(new Grid(block)),
-      cells: (block) => this.take(block),
-      done: (block) => this.finish(block),
-      refused: (text, field) => this.refuse(text, field), lost: () => this.retry(),
-    });
+    this.restarts.hidden = true;
+    this.veil(this.grid !== null);
+    /** @type {import("./job.js").Listener} */
+    const listener = {
+      choices: (choices) => this.takeChoices(choices), begin: (begin) => this.begin(new Grid(begin)),
+      asks: (seconds) => this.askFirst(seconds),
+      cells: (cells, progress) => this.take(cells, progress), done: (progress) => this.finish(progress),
+      restarted: (message) => this.sayRestart(message), refused: (error) => this.refuse(error),
+    };
+    const { registry } = this.page;
     this.tools.state("busy");
+    if (request.stored && !registry.server) {
+      this.refuse(new Error(t("mapStoredProgram")));
+      return;
+    }
+    this.job = request.stored ? new StoredJob(registry, request, listener)
+      : new PageJob(registry, this.pool, /** @type {any} */ (request), this.agreed === this.wanted, listener);
+  }
+
+  /**
+   * Let the picture pale, or not.
+   * @param {boolean} isOld
+   */
+  veil(isOld) {
+    this.chart.isOld = isOld;
+    this.root.classList.toggle("old", isOld);
+    this.chart.draw();
+  }
+
+  /**
+   * Say how long a map takes, and wait for consent.
+   * @param {number} seconds
+   */
+  askFirst(seconds) {
+    this.tools.say(t("mapLong", { time: spanText(seconds) }), 0);
+    this.tools.state("asks");
+  }
+
+  /** @param {string} message */
+  sayRestart(message) {
+    this.restarts.hidden = false;
+    this.restarts.textContent = t("mapRestarted", { message });
   }
 
   /** Return whether a map is on its way. */
@@ -171,7 +216,7 @@ export class MapView {
     return this.job !== null && !this.job.ended;
   }
 
-  /** @param {any} choices */
+  /** @param {import("./about.js").Choices} choices */
   takeChoices(choices) {
     this.choices = choices;
     this.controls.showChoices(choices);
@@ -184,10 +229,8 @@ export class MapView {
     this.notes.hidden = true;
     this.form.error(null);
     this.next = grid;
-    if (!grid.about.points) this.change();
     this.code.replaceChildren(...codeBlocks([grid.about.python, grid.about.command]));
-    if (grid.about.select) this.controls.showStored(grid.about);
-    void this.over.draw();
+    if (grid.about.stored) this.controls.showStored(grid.about);
   }
 
   /** Put the map that has begun in the place of the one on show. */
@@ -195,41 +238,48 @@ export class MapView {
     if (!this.next) return;
     this.grid = this.chart.grid = this.next;
     this.next = null;
+    const { job } = this;
+    this.request = job?.request ?? {};
+    this.question = job?.question ?? null;
+    this.estimate = job instanceof PageJob ? job.estimate : undefined;
     this.chart.contours = [];
+    this.chart.isOld = false;
+    this.root.classList.remove("old");
     this.cursor.restore();
+    void this.over.draw();
   }
 
-  /** @param {Block} block */
-  take(block) {
+  /**
+   * @param {import("./grid.js").Cells} cells
+   * @param {Progress} progress
+   */
+  take(cells, { rate }) {
     this.change();
     const grid = /** @type {Grid} */ (this.grid);
-    grid.put(block);
-    const { points, rate } = block.about;
-    const total = grid.about.points;
+    grid.put(cells);
+    const left = grid.width * grid.height - grid.done;
     if (rate > 0)
       this.tools.say(t("mapRate", { percent: Math.floor(100 * grid.share()),
-        rate: Math.round(rate), left: Math.ceil((total - points) / rate) }), grid.share());
+        rate: Math.round(rate), left: Math.ceil(left / rate) }), grid.share());
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
   }
 
-  /** @param {Block} block */
-  finish(block) {
+  /** @param {Progress} progress */
+  finish(progress) {
     this.change();
     const grid = /** @type {Grid} */ (this.grid);
     grid.complete = true;
-    this.tools.say(doneText(grid, block.about), 1);
+    this.tools.say(doneText(grid, progress), 1);
     this.tools.state("done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
     this.root.dataset.done = String(Number(this.root.dataset.done ?? 0) + 1);
   }
 
-  /**
-   * @param {string} text
-   * @param {string | null} field
-   */
-  refuse(text, field) {
+  /** @param {Error} error */
+  refuse(error) {
+    const [text, field] = inPagesWords(this.page.registry, error);
     this.notes.hidden = false;
     this.notes.textContent = text;
     // On a phone the map is not on the screen while one types below it.
@@ -240,12 +290,6 @@ export class MapView {
     this.tools.state("done");
   }
 
-  retry() {
-    this.tools.say(t("offline"), 0);
-    this.wanted = "";
-    this.timer = window.setTimeout(() => this.update(true), RETRY);
-  }
-
   stop() {
     clearTimeout(this.timer);
     if (this.job && !this.job.ended) this.job.cancel();
@@ -254,7 +298,12 @@ export class MapView {
   }
 
   stopOrGo() {
-    if (this.growing()) {
+    if (this.tools.now === "asks") {
+      this.agreed = this.wanted;
+      this.tools.say(t("mapBegins"), 0);
+      this.tools.state("busy");
+      this.job?.start();
+    } else if (this.growing()) {
       this.stop();
       this.tools.say(t("mapStopped"));
       this.tools.state("stopped");
@@ -280,7 +329,7 @@ export class MapView {
     this.bar.canvas.hidden = variable.classes.length > 0;
     this.barTitle.textContent = axisLabel(variable);
     this.bar.show(look, sizeOf(variable));
-    this.classes.replaceChildren(...legend(grid, variable, this.over.shown(),
+    this.classes.replaceChildren(...legend(grid, look, this.over.shown(),
       chart.trials !== null, contourVariable(grid, extra)));
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.tell();

@@ -57,7 +57,7 @@ export async function specify(registry, request) {
  * @param {Registry} registry
  * @param {Record<string, any>} noise
  */
-function noiseOf(registry, noise) {
+export function noiseOf(registry, noise) {
   if (!Object.keys(noise).length) return null;
   const strength = registry.options.noise_strength;
   if (noise.noise_strength === undefined)
@@ -73,7 +73,7 @@ function noiseOf(registry, noise) {
  * @param {System} system
  * @param {Record<string, any>} run
  */
-function contactOf(registry, system, run) {
+export function contactOf(registry, system, run) {
   const laws = registry.contact_laws;
   const name = run.contact ?? registry.options.contact.default;
   if (typeof name !== "string")
@@ -194,7 +194,7 @@ export function evenly(end, count) {
  * @param {number} count
  * @returns {number[]}
  */
-function numbersFor(registry, parameter, value, count) {
+export function numbersFor(registry, parameter, value, count) {
   const option = registry.options[parameter];
   const isList = Array.isArray(value);
   if (count === 1) {

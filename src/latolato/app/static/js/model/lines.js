@@ -41,7 +41,7 @@ export function pythonLines(registry, options) {
  * @param {import("./registry.js").Law} law
  * @param {Record<string, any>} options
  */
-function constructor(registry, law, options) {
+export function constructor(registry, law, options) {
   /** @type {Map<string, string[]>} the parameters of each part of the law, "" for its own */
   const parts = new Map();
   const names = [...law.options.filter((name) => name !== LAST), ...law.options.filter((name) => name === LAST)];
@@ -58,14 +58,14 @@ function constructor(registry, law, options) {
 }
 
 /** @type {(option: Option, value: any) => boolean} */
-const isUsual = (option, value) => value === undefined || value === null || value === option.default;
+export const isUsual = (option, value) => value === undefined || value === null || value === option.default;
 
 /**
  * @param {Option} option
  * @param {any} value
  * @returns {string}
  */
-function literal(option, value) {
+export function literal(option, value) {
   if (Array.isArray(value)) return `[${value.map((each) => literal(option, each)).join(", ")}]`;
   if (typeof value === "boolean") return value ? "True" : "False";
   if (typeof value === "string") return `'${value}'`;
@@ -77,7 +77,7 @@ function literal(option, value) {
  * @param {Option} option
  * @param {number} value
  */
-function number(option, value) {
+export function number(option, value) {
   const text = String(value).replace(/e([+-])(\d)$/, "e$10$2");
   return option.unit && !/[.e]/.test(text) ? `${text}.0` : text;
 }

@@ -11,10 +11,23 @@
  *   suggested: [number, number] | null, owner: "system" | "drive" | "run" | "noise",
  *   path: string[]}} Option
  *
- * A system, a drive or a contact law: its options in the order of its fields, and whether the
- * compiled modules have it.
+ * A system, a drive or a contact law: its options in the order of its fields, whether the compiled
+ * modules have it, what maps can vary of it, and whether a drive repeats itself.
  * @typedef {{title: string, description: string, options: string[], angles: number,
- *   contacts: boolean, compiled: boolean}} Law
+ *   contacts: boolean, compiled: boolean, axes?: string[], periodic?: boolean}} Law
+ *
+ * What maps can vary: `sets` is the parameter that it stands for, `low` and `high` are null where
+ * there is no end.
+ * @typedef {{label: string, symbol: string, unit: string, units: {name: string, size: number}[],
+ *   owner: "system" | "drive" | "run" | "noise", sets: string, low: number | null,
+ *   high: number | null, open_low: boolean, open_high: boolean,
+ *   suggested: [number, number] | null}} Varied
+ *
+ * An observable. A variable whose values are classes names them, each with its colour; others have
+ * the colours of the reproduction report, logarithmic or not.
+ * @typedef {{title: string, description: string, variables: Record<string, {unit: string, symbol: string,
+ *   label: string, units: {name: string, size: number}[], classes: [string, string][], log: boolean,
+ *   scale: string}>}} Observable
  *
  * @typedef {{title: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset
@@ -22,7 +35,8 @@
  * @typedef {{version: string, systems: Record<string, Law>, drives: Record<string, Law>,
  *   contact_laws: Record<string, Law>, options: Record<string, Option>,
  *   quantities: Record<string, {unit: string, symbol: string, label: string}>,
- *   observables: Record<string, any>, scenarios: Record<string, Preset>,
+ *   axes: Record<string, Varied>, noise_axes: string[], observables: Record<string, Observable>,
+ *   default_observables: string[], sweep_tolerance: number, scenarios: Record<string, Preset>,
  *   ratios: Record<string, string>, alternatives: string[][],
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,

@@ -1,0 +1,289 @@
+"""Files of the map on show: its numbers as tables and stores, its picture for print.
+
+A map of the page is computed once more, by `latolato.sweep`.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from latolato.app.blocks import pack_files
+from latolato.app.downloads import PICTURE_DPI, TYPES
+from latolato.app.forms import quantity_of, units_of
+from latolato.app.given import RunRequest, TooLargeError
+from latolato.app.jobs import Job
+from latolato.app.map.stored import MOST_CELLS, drawing_of, opened, path_of
+from latolato.core.errors import InputError
+from latolato.core.quantities import ANY
+from latolato.core.registry import checked_number, suggest
+from latolato.figures.sides import spaced
+from latolato.scenario.scenario import Scenario
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from latolato.figures.map import Drawing, Look
+
+    Progress = Callable[[float], None]
+
+KINDS = {"csv": "text/csv", **TYPES, "zarr": "application/zip"}
+SCALES = ("viridis", "cividis", "magma", "viridis_r")
+# Of a stored sweep with more axes than two.
+MOST_BYTES = 200_000_000
+MOST_TRIALS = 1_000_000  # characters
+MOST_LEVELS = 20
+_BALLS = ("right", "left")
+
+
+def prepare(known: Mapping[str, Path], given: Any) -> Job:
+    """Return the job that makes a file of the map on show.
+
+    A page sends its `kind`; `stored`, the name of a stored map, or the `options` and the `sweep`
+    of its own; `observable` with `ball` and `select`; and how the map looks: `scale`, `log`,
+    `limits`, `xlog`, `ylog`, `contours` (an observable with its `levels`), `overlays`, `trials`.
+
+    Raises
+    ------
+    InputError
+        For bad input.
+    """
+    if not isinstance(given, Mapping):
+        raise InputError("a request must be an object", value=given)
+    kind = given.get("kind")
+    if kind not in KINDS:
+        raise InputError(f"a map is stored as {', '.join(KINDS)}, not as {kind!r}")
+    if not isinstance(given.get("observable"), str):
+        raise InputError(f"observable must be a text, got {given.get('observable')!r}")
+    _check_look(given)
+    request = dict(given)
+    if given.get("stored") is not None:
+        request["path"] = str(path_of(known, given["stored"]))
+    else:
+        scenario_of(given).plan()
+
+    def finish(about: dict[str, Any], folder: Path) -> bytes:
+        return pack_files({**about, "type": KINDS[kind]}, {"file": folder / about["file"]})
+
+    return Job("map_file", request, finish)
+
+
+def scenario_of(given: Mapping[str, Any]) -> Scenario:
+    """Return the sweep of a map that a page computed; no file is read for it.
+
+    Raises
+    ------
+    InputError
+        For bad input.
+    """
+    sweep = given.get("sweep")
+    if not isinstance(sweep, Mapping):
+        raise InputError("must be an object", parameter="sweep", value=sweep)
+    axes, watched = sweep.get("axes"), sweep.get("observables")
+    if not isinstance(axes, Mapping) or len(axes) != 2 or not all(map(_are_numbers, axes.values())):
+        raise InputError("axes of a map must be two lists of numbers")
+    count = int(np.prod([len(values) for values in axes.values()]))
+    if count > MOST_CELLS:
+        raise TooLargeError(f"width x height must not exceed {MOST_CELLS} cells, got {count}")
+    if not isinstance(watched, list) or not all(map(_is_observable, watched)):
+        raise InputError("observables must be a list of objects with a kind and numbers")
+    base = RunRequest.from_json({"options": given.get("options")}).to_scenario()
+    return Scenario.from_dict({**base.to_dict(), "sweep": dict(sweep)})
+
+
+def _are_numbers(value: Any) -> bool:
+    """Return whether a value is a list of numbers."""
+    return isinstance(value, list) and all(isinstance(each, (int, float)) for each in value)
+
+
+def _is_observable(value: Any) -> bool:
+    """Return whether a value names an observable and gives it nothing but numbers."""
+    if not isinstance(value, Mapping) or not isinstance(value.get("kind"), str):
+        return False
+    return all(isinstance(each, (int, float)) for name, each in value.items() if name != "kind")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A map on show: all its numbers, how a page shows it, and the file that it comes from."""
+
+    grid: xr.Dataset
+    request: Mapping[str, Any]
+    path: Path | None = None
+
+    @property
+    def missing(self) -> int:
+        """Points that are not computed."""
+        return int(np.sum(self.grid["status"].values < 0)) if "status" in self.grid else 0
+
+    def drawing(self, variable: str, ball: Any) -> Drawing:
+        """Return a variable as the library draws it, of a ball if each has its own."""
+        from latolato.figures.map import Drawing
+
+        if self.path is not None:
+            return drawing_of(self.grid, variable, self.request)
+        if variable not in self.grid:
+            raise InputError(
+                f"unknown observable '{variable}': {suggest(variable, list(map(str, self.grid)))}"
+            )
+        inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
+        select = {d: value for d, value in inner.items() if d in self.grid[variable].dims}
+        _, right = self.request["sweep"]["axes"]
+        drawing = Drawing(self.grid, variable, log=False, select=select, right=right)
+        y, x = drawing.sides
+        log = self.request.get
+        drawing.sides = [spaced(y, log("ylog")), spaced(x, log("xlog"))]
+        return drawing
+
+
+def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
+    """Make a file of a map: what the job `map_file` does in its process."""
+    kind, path = request["kind"], request.get("path")
+    store = folder / "map.zarr" if kind == "zarr" and path is None else None
+    if path is not None:
+        shown = Shown(opened(Path(path)), request, Path(path))
+    else:
+        grid = scenario_of(request).sweep(
+            store=store, progress=lambda done, total: progress(done / total)
+        )
+        shown = Shown(grid, request)
+    if shown.grid.nbytes > MOST_BYTES:
+        raise TooLargeError(
+            f"this sweep has {shown.grid.nbytes / 1e6:.0f} MB, the limit of a download is "
+            f"{MOST_BYTES / 1e6:.0f} MB: copy its file instead"
+        )
+    target = folder / f"map.{'zip' if kind == 'zarr' else kind}"
+    if kind in ("png", "svg"):
+        _write_picture(shown, target, folder)
+    elif kind == "zarr":
+        _zip(store or _store_of(shown, folder), target)
+    else:
+        from latolato.io.files import save
+
+        save(_told(shown), target)
+    return {"file": target.name, "missing": shown.missing}
+
+
+def _told(shown: Shown) -> Any:
+    """Return the dataset; one that is not finished says so."""
+    if not shown.missing:
+        return shown.grid
+    total = shown.grid["status"].size
+    text = f"{shown.missing} of {total} points are not computed: status is -1 there"
+    return shown.grid.assign_attrs(unfinished=text)
+
+
+def _store_of(shown: Shown, folder: Path) -> Path:
+    """Return the store of a stored map, its own or one that is written from its file."""
+    from latolato.sweeps.plan import Plan
+    from latolato.sweeps.store import Store
+
+    assert shown.path is not None
+    if shown.path.is_dir():
+        return shown.path
+    if shown.missing:
+        raise InputError(
+            f"{shown.missing} points are not computed yet: a store holds whole maps; let it "
+            "finish, or take NetCDF"
+        )
+    if "rounding" not in shown.grid.attrs:
+        raise InputError(
+            "this map was computed by an earlier latolato, which did not record how it rounds",
+            way_out="compute it again, or take NetCDF",
+        )
+    plan = Plan.from_description(json.loads(shown.grid.attrs["plan"]))
+    path = folder / f"{shown.path.stem}.zarr"
+    reason = str(shown.grid.attrs.get("first_invalid", ""))
+    arrays = {str(name): array.values for name, array in shown.grid.data_vars.items()}
+    with Store(plan, path, shown.grid.attrs["rounding"]) as store:
+        for number in store.missing:
+            block = plan.block(number)
+            store.write(number, {name: a[block] for name, a in arrays.items()}, reason)
+    return path
+
+
+def _zip(path: Path, target: Path) -> None:
+    """Write the files of a store into an archive; locks and unfinished files are left out."""
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_STORED) as archive:
+        for each in sorted(path.rglob("*")):
+            if each.is_file() and each.name != "lock":
+                archive.write(each, f"{path.name}/{each.relative_to(path).as_posix()}")
+
+
+def _check_look(given: Mapping[str, Any]) -> None:
+    """Raise InputError unless a picture can look as a page asks."""
+    overlays, trials = given.get("overlays") or [], given.get("trials")
+    if not isinstance(overlays, list) or not all(isinstance(name, str) for name in overlays):
+        raise InputError(f"overlays must be a list of names, got {overlays!r}")
+    if trials is not None and (not isinstance(trials, str) or len(trials) > MOST_TRIALS):
+        raise InputError("trials must be the text of a trial table")
+    scale = given.get("scale") or SCALES[0]
+    if scale not in SCALES:
+        raise InputError(f"unknown scale {scale!r}: {suggest(str(scale), list(SCALES))}")
+    limits, ball = given.get("limits"), given.get("ball")
+    if limits is not None and (not isinstance(limits, list) or len(limits) != 2):
+        raise InputError(f"limits must be two numbers, got {limits!r}")
+    for value in limits or ():
+        checked_number("limits", value, ANY, "SI")
+    if ball is not None and ball not in _BALLS:
+        raise InputError(f"ball must be right or left, got {ball!r}")
+    contours = given.get("contours")
+    if contours is None:
+        return
+    if not isinstance(contours, Mapping) or not isinstance(contours.get("observable"), str):
+        raise InputError(f"contours must be an object with an observable, got {contours!r}")
+    levels = contours.get("levels")
+    if not isinstance(levels, list) or not levels:
+        raise InputError(f"levels must be a list of numbers, got {levels!r}")
+    if len(levels) > MOST_LEVELS:
+        raise TooLargeError(f"at most {MOST_LEVELS} contour lines, got {len(levels)} levels")
+    for value in levels:
+        checked_number("a level", value, ANY, "SI")
+
+
+def _write_picture(shown: Shown, target: Path, folder: Path) -> None:
+    """Write the picture of a map as the page shows it."""
+    from latolato.figures.style import save_figure
+
+    request, points = shown.request, None
+    if request.get("trials") is not None:
+        points = folder / "trials.csv"
+        points.write_text(request["trials"], encoding="utf-8")
+    drawing = shown.drawing(request["observable"], request.get("ball"))
+    drawing.log = bool(request.get("log")) and not drawing.classes
+    figure = drawing.map(request.get("overlays") or [], points, _look(shown))
+    save_figure(figure, target, dpi=PICTURE_DPI)
+
+
+def _look(shown: Shown) -> Look:
+    """Return the colours, their ends and the contour lines that a page shows."""
+    from latolato.figures.level_lines import lines_of
+    from latolato.figures.map import Look
+
+    request = shown.request
+    limits = request.get("limits")
+    colours: dict[str, Any] = {
+        "colours": request.get("scale") or SCALES[0],
+        "limits": None if limits is None else (float(limits[0]), float(limits[1])),
+    }
+    contours = request.get("contours")
+    if contours is None:
+        return Look(**colours)
+    over = shown.drawing(contours["observable"], contours.get("ball"))
+    if over.classes:
+        raise InputError(f"{over.name} has classes, not a scale: it has no contour lines")
+    lines, _ = lines_of(over, sorted({float(level) for level in contours["levels"]}))
+    attributes = over.data.attrs
+    unit = units_of(quantity_of(over.name, str(attributes.get("units", "1"))))[0]
+    return Look(
+        **colours,
+        lines=lines,
+        unit=(unit["name"], unit["size"]),
+        label=str(attributes.get("long_name", over.name)),
+    )

@@ -1,0 +1,71 @@
+/** What a computed map is of, as its picture, its readout and its files say it. */
+
+import { variedBy } from "./choices.js";
+import { sweepCommand, sweepLines } from "./lines.js";
+import { variablesOf } from "./plan.js";
+import { edgesOf } from "./question.js";
+import { optionsOfCell } from "./runs.js";
+
+/** @typedef {import("./question.js").Question} Question */
+/** @typedef {import("./grid.js").Axis} Axis */
+
+const SIDES = ["right", "left"];
+
+/**
+ * Return what a map begins with: what it is of, and the middles and borders of its cells.
+ * @param {Question} question
+ * @returns {import("./grid.js").Begin}
+ */
+export function beginOf(question) {
+  const { registry, layout, options, plan, shown, title } = question;
+  const [x, y] = [question.x, question.y].map((span) => axisOf(question, span));
+  const { contacts, options: own } = registry.systems[options.system];
+  const parameters = Object.fromEntries(own.filter((name) => name !== x.name && name !== y.name)
+    .map((name) => [name, options[name]]));
+  const along = /** @type {Record<"x" | "y", Float64Array>} */ ({ x: plan.x.values, y: plan.y.values });
+  return {
+    about: { x, y, observable: shown, title, statuses: layout.statuses.map((name) => name.replaceAll("_", " ")),
+      variables: variablesOf(layout, plan).map((each) => variableOf(question, each)),
+      parameters, has_contact: contacts && options.contact !== "none",
+      python: sweepLines(question), command: sweepCommand(question) },
+    arrays: { ...along, x_edges: edgesOf(along.x, question.x.log), y_edges: edgesOf(along.y, question.y.log) },
+    optionsOf: (cell) => optionsOfCell(question, cell),
+  };
+}
+
+/**
+ * Return what a map may be made of, and what it is made of, for the form.
+ * @param {Question} question
+ */
+export function choicesOf({ registry, options, choices, x, y, shown, duration, transient }) {
+  return { axes: variedBy(registry, options).map((name) => ({ name, ...registry.axes[name] })),
+    variables: choices, x, y, observable: shown, duration, transient, options };
+}
+
+/** @typedef {ReturnType<typeof choicesOf>} Choices */
+
+/**
+ * Return how an axis is shown.
+ * @param {Question} question
+ * @param {import("./choices.js").Span} span
+ * @returns {Axis & {log: boolean}}
+ */
+function axisOf({ registry }, { name, log }) {
+  const { label, symbol, unit, units, low, high } = registry.axes[name];
+  return { name, log, label, symbol, unit, units, allowed: [low, high] };
+}
+
+/**
+ * Return how a variable is shown.
+ * @param {Question} question
+ * @param {import("./plan.js").Variable} variable
+ * @returns {import("./grid.js").Variable}
+ */
+function variableOf({ registry, layout, options, watched }, { name, ball }) {
+  const owner = watched.find((each) => name in registry.observables[each.name].variables)?.name ?? "";
+  const { label, ...rest } = registry.observables[owner].variables[name];
+  const { angles, contacts } = registry.systems[options.system];
+  const both = angles === 2 && layout.observables[owner].joint;
+  const whose = contacts && rest.unit === "J" ? both ? ", both balls" : ", per ball" : "";
+  return { name, ball: ball === null ? null : SIDES[ball], label: label + whose, ...rest };
+}

@@ -1,0 +1,276 @@
+/** What a map may be made of: parameters with ranges to begin with, and observables. */
+
+import { general, InputError, suggest } from "../model/rules.js";
+
+/** @typedef {import("../kernels/memory.js").Layout} Layout */
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("../model/registry.js").Varied} Varied */
+
+/**
+ * One axis: the parameter that varies along it, its first and last value [SI], and whether values
+ * are spaced evenly in their logarithm.
+ * @typedef {{name: string, low: number, high: number, log: boolean}} Span
+ *
+ * An axis as a page asks for it; what is left out stands for what is usual.
+ * @typedef {Partial<Span> | null} Asked
+ *
+ * What ranges depend on: the parameters that do not vary, and the sweep of a scenario, if any.
+ * @typedef {{options: Record<string, any>, sweep: any}} Origin
+ *
+ * An observable with its parameters.
+ * @typedef {{name: string, parameters: Record<string, number | boolean>}} Watched
+ *
+ * What colours may show; `together` are those that are computed with the others that have it.
+ * @typedef {{name: string, label: string, symbol: string, unit: string, description: string,
+ *   together: boolean}} Choice
+ */
+
+// A logarithmic axis begins at this share of its end where nothing else is known.
+const LOG_SPAN = 0.01;
+// Amplitudes reach to this share of the length where nothing else is known.
+const AMPLITUDES = 0.5;
+const OWNERS = ["system", "drive", "noise", "run"];
+// What goes to the right, and which parameters are the axes where nothing else is known.
+const FREQUENCIES = ["frequency_ratio", "drive_frequency"];
+const FIRST = ["drive_amplitude", "frequency_ratio", "initial_angle", "initial_angular_velocity"];
+// How closely a spacing must keep its ratio or its difference to count as even.
+const EVEN = 1e-6;
+
+/**
+ * Return the names of the parameters that a map can vary.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options
+ * @returns {string[]}
+ */
+export function variedBy({ systems, drives, axes, noise_axes: noise }, options) {
+  const own = [...systems[options.system].axes ?? [], ...drives[options.drive].axes ?? [],
+    ...(options.noise_strength === undefined ? [] : noise)];
+  return own.sort((a, b) => OWNERS.indexOf(axes[a].owner) - OWNERS.indexOf(axes[b].owner));
+}
+
+/**
+ * Return the length of the right ball, or of the only one [m].
+ * @param {Record<string, any>} options
+ * @returns {number}
+ */
+export function lengthOf(options) {
+  return options.length ?? options.right_length;
+}
+
+/**
+ * Return the options of the drive of a map that has none: the middle of a sweep over drives, else
+ * a gentle one.
+ * @param {Origin} origin
+ */
+export function gentleDrive({ options, sweep }) {
+  const middle = (/** @type {string} */ name, /** @type {number} */ usual) => {
+    const values = sweep?.axes[name];
+    return Array.isArray(values) ? 0.5 * (Math.min(...values) + Math.max(...values)) : usual;
+  };
+  const length = lengthOf(options);
+  return { drive: "harmonic", drive_amplitude: middle("drive_amplitude", 0.1 * length),
+    drive_frequency: middle("frequency_ratio", 2) * Math.sqrt(options.gravity / length) };
+}
+
+/**
+ * Return both axes, x first: those asked for, those of a sweep, or amplitude over frequency.
+ * @param {Registry} registry
+ * @param {Origin} origin
+ * @param {[Asked, Asked]} asked
+ * @returns {[Span, Span]}
+ */
+export function spansOf(registry, origin, asked) {
+  const known = variedBy(registry, origin.options);
+  const setBy = (/** @type {string} */ name) => registry.axes[name].sets;
+  const usual = Object.entries(origin.sweep?.axes ?? {})
+    .filter(([name, values]) => Array.isArray(values) && known.includes(name))
+    .map(([name]) => name).slice(0, 2);
+  for (const name of [...FIRST, ...known])
+    if (usual.length < 2 && known.includes(name) && !usual.some((each) => setBy(each) === setBy(name)))
+      usual.push(name);
+  const [y, x] = usual.sort((a, b) =>
+    Number(FREQUENCIES.includes(a)) - Number(FREQUENCIES.includes(b)));
+  const chosen = [x, y].map((own, k) => {
+    const { name = own, ...rest } = asked[k] ?? {};
+    if (!known.includes(name))
+      throw new InputError(`unknown parameter '${name}': ${suggest(name, known)}`);
+    return checked(registry.axes[name], { ...spanOf(registry, origin, name, rest), name });
+  });
+  const [a, b] = chosen.map(({ name }) => registry.axes[name].label);
+  if (setBy(chosen[0].name) === setBy(chosen[1].name))
+    throw new InputError(a === b ? `both axes show the ${a}: choose another one`
+      : `${a} and ${b} set the same thing: choose another axis`);
+  return [chosen[0], chosen[1]];
+}
+
+/**
+ * Return an axis; ends that are not given are those to begin with, and a logarithmic one begins two
+ * decades below its end.
+ * @param {Registry} registry
+ * @param {Origin} origin
+ * @param {string} name
+ * @param {Omit<NonNullable<Asked>, "name">} given
+ * @returns {Span}
+ */
+function spanOf(registry, origin, name, given) {
+  const [least, most] = suggestedRange(registry, origin, name);
+  const high = given.high ?? most;
+  const log = given.log ?? isGeometric(origin.sweep?.axes[name]);
+  const low = given.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
+  return { name, low, high, log };
+}
+
+/**
+ * Return whether values, in order, keep their ratio and not their difference.
+ * @param {any} values
+ */
+function isGeometric(values) {
+  if (!Array.isArray(values) || values.length < 3) return false;
+  const sorted = [...values].sort((a, b) => a - b);
+  if (!(sorted[0] > 0)) return false;
+  const steps = sorted.slice(1).map((value, i) => value - sorted[i]);
+  const ratios = sorted.slice(1).map((value, i) => value / sorted[i]);
+  const spread = (/** @type {number[]} */ each) => Math.max(...each) - Math.min(...each);
+  return spread(ratios) < EVEN * ratios[0] && spread(steps) > EVEN * steps[0];
+}
+
+/**
+ * Return an axis, or throw in the words of the quantity along it.
+ * @param {Varied} about
+ * @param {Span} span
+ */
+function checked(about, span) {
+  const { label } = about;
+  const words = (/** @type {number} */ value) => inWords(about, value);
+  if (!(span.low < span.high))
+    throw new InputError(
+      `${label}: the end must lie above the start, got ${words(span.low)} to ${words(span.high)}`);
+  for (const value of [span.low, span.high])
+    if (!isAllowed(about, value))
+      throw new InputError(`${label}: values must be ${ruleOf(about)}, got ${words(value)}`);
+  if (span.log && !(span.low > 0))
+    throw new InputError(`${label}: a logarithmic axis must begin above zero, got `
+      + `${words(span.low)}: raise the start, or make the axis linear`);
+  return span;
+}
+
+/** @type {(about: Varied, value: number) => boolean} */
+function isAllowed({ low, high, open_low: openLow, open_high: openHigh }, value) {
+  const [least, most] = [low ?? -Infinity, high ?? Infinity];
+  return (openLow ? value > least : value >= least) && (openHigh ? value < most : value <= most);
+}
+
+/**
+ * Return in words where the values of a parameter may lie.
+ * @param {Varied} about
+ */
+function ruleOf(about) {
+  const { low, high, open_low: openLow, open_high: openHigh } = about;
+  const least = low === null ? [] : [`${openLow ? "above" : "at least"} ${inWords(about, low)}`];
+  const most = high === null ? [] : [`${openHigh ? "below" : "at most"} ${inWords(about, high)}`];
+  return [...least, ...most].join(" and ");
+}
+
+/**
+ * Return a value in the unit in which pages show it.
+ * @param {Varied} about
+ * @param {number} value
+ */
+function inWords({ units: [unit] }, value) {
+  return `${general(value / unit.size)}${unit.name === "1" ? "" : ` ${unit.name}`}`;
+}
+
+/**
+ * Return a range to begin with, inside what is allowed [SI].
+ * @param {Registry} registry
+ * @param {Origin} origin
+ * @param {string} name
+ * @returns {[number, number]}
+ */
+export function suggestedRange(registry, { options, sweep }, name) {
+  const values = sweep?.axes[name];
+  if (Array.isArray(values) && Math.min(...values) < Math.max(...values))
+    return [Math.min(...values), Math.max(...values)];
+  if (name === "drive_amplitude") return [0, AMPLITUDES * lengthOf(options)];
+  if (name === "amplitude_ratio") return [0, AMPLITUDES];
+  const about = registry.axes[name];
+  const [low, high] = about.suggested ?? around(options[name]);
+  let [least, most] = [Math.max(low, about.low ?? -Infinity), Math.min(high, about.high ?? Infinity)];
+  const size = most - least;
+  if (about.open_low && least === about.low) least += 0.01 * size;
+  if (about.open_high && most === about.high) most -= 0.01 * size;
+  return [least, most];
+}
+
+/**
+ * Return a range about a value.
+ * @param {any} value
+ */
+function around(value) {
+  if (typeof value !== "number" || !value) return [0, 1];
+  return value > 0 ? [0.5 * value, 1.5 * value] : [1.5 * value, 0.5 * value];
+}
+
+/**
+ * Return what is gathered at each point, which variable of it is shown, and what else colours may
+ * show: what the sweep of a scenario gathers, or the usual three, is gathered together, anything
+ * else alone.
+ * @param {Registry} registry
+ * @param {Layout} layout
+ * @param {Origin} origin
+ * @param {string | null} asked
+ * @returns {{watched: Watched[], shown: string, choices: Choice[]}}
+ */
+export function watchedOf(registry, layout, { options, sweep }, asked) {
+  const { angles } = registry.systems[options.system];
+  /** @type {any[]} */
+  const entries = sweep?.observables ?? registry.default_observables;
+  const own = entries.map((each) => observable(registry, each))
+    .filter(({ name }) => mappable(layout, name, angles).length);
+  const names = [...own.map(({ name }) => name), ...Object.keys(layout.observables)];
+  /** @type {Map<string, Choice & {owner: string}>} */
+  const choices = new Map();
+  for (const owner of new Set(names)) {
+    const { description, variables } = registry.observables[owner];
+    for (const name of mappable(layout, owner, angles)) {
+      if (choices.has(name)) continue;
+      const { label, symbol, unit } = variables[name];
+      choices.set(name, { name, label, symbol, unit, description, owner,
+        together: own.some((each) => each.name === owner) });
+    }
+  }
+  const known = [...choices.keys()];
+  const shown = asked ?? known[0];
+  const choice = choices.get(shown);
+  if (!choice) throw new InputError(`unknown observable '${shown}': ${suggest(shown, known)}`);
+  return { watched: choice.together ? own : [{ name: choice.owner, parameters: {} }], shown,
+    choices: [...choices.values()].map(({ owner, ...rest }) => rest) };
+}
+
+/**
+ * Return an observable of a sweep, whose entry is its name, that of one of its variables, or a table.
+ * @param {Registry} registry
+ * @param {any} entry
+ * @returns {Watched}
+ */
+function observable({ observables }, entry) {
+  if (typeof entry !== "string") {
+    const { kind, ...parameters } = entry;
+    return { name: kind, parameters };
+  }
+  const owner = Object.keys(observables).find((name) => entry in observables[name].variables);
+  return { name: entry in observables ? entry : owner ?? entry, parameters: {} };
+}
+
+/**
+ * Return the variables of an observable that are one number a point, or start with one.
+ * @param {Layout} layout
+ * @param {string} name
+ * @param {number} angles
+ */
+function mappable({ observables }, name, angles) {
+  const about = observables[name];
+  if (!about || (about.angles && about.angles !== angles)) return [];
+  return Object.keys(about.widths).filter((each) =>
+    ["", "exponent"].includes(about.dimension) || about.plain.includes(each));
+}

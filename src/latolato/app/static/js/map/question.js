@@ -1,0 +1,237 @@
+/** From what a page asks of a map to the map itself, checked as `latolato.sweep` checks it. */
+
+import { loadKernels } from "../kernels/load.js";
+import { resolvedOf } from "../model/block.js";
+import { contactOf, noiseOf, numbersFor } from "../model/case.js";
+import { driveOf, systemOf } from "../model/laws.js";
+import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
+import { checkedNumber, general, InputError, suggest } from "../model/rules.js";
+import { gentleDrive, spansOf, watchedOf } from "./choices.js";
+
+/** @typedef {import("../kernels/memory.js").Layout} Layout */
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("./choices.js").Span} Span */
+
+/**
+ * What a page asks for; null leaves the choice to what the scenario says.
+ * @typedef {{scenario: string | null, options: Record<string, any>, x: import("./choices.js").Asked,
+ *   y: import("./choices.js").Asked, observable: string | null, width: number, height: number,
+ *   duration: number | null, transient: number | null}} Request
+ *
+ * A map that can be computed: every option of its runs in SI units, its axes and their values, what
+ * is gathered and which variable of that is shown.
+ * @typedef {{registry: Registry, layout: Layout, request: Request, options: Record<string, any>,
+ *   sweep: any, title: string, x: Span, y: Span, watched: import("./choices.js").Watched[],
+ *   shown: string, choices: import("./choices.js").Choice[], duration: number, transient: number,
+ *   periods: number, plan: import("./plan.js").Plan}} Question
+ */
+
+const MOST_CELLS = 250_000;
+const MOST_ALONG = 1000;
+const MOST_STREAMS = 2 ** 53;
+const USUAL_DURATION = 60; // s
+const SIDES = ["_right", "_left"];
+const START = ["initial_angle", "initial_angular_velocity"];
+
+/** A map that the installed program computes. */
+class BeyondMapError extends InputError {
+  /** @param {string} what the subject of a sentence */
+  constructor(what) {
+    super(`a map with ${what} is computed by the installed program: run \`latolato sweep\` and open its `
+      + "file with `latolato app --open`");
+  }
+}
+
+/**
+ * Return the map that a page asks for.
+ * @param {Registry} registry
+ * @param {Layout} layout
+ * @param {Request} request
+ * @returns {Promise<Question>}
+ */
+export async function questionOf(registry, layout, request) {
+  checkSize(request);
+  const { scenario, x: askedX, y: askedY } = request;
+  const preset = registry.scenarios[scenario ?? ""];
+  const sweep = preset?.sweep ?? null;
+  const given = optionsOf(registry, request);
+  checkLaws(registry, layout, given, request.observable);
+  const kernels = await loadKernels(registry.systems[given.system].angles === 2 ? "two" : "one");
+  const system = systemOf(registry, kernels, given.system, partsOf(registry, given).system);
+  const fixed = (given.drive ?? "fixed_pivot") === "fixed_pivot";
+  const named = fixed ? { ...given, ...gentleDrive({ options: { ...system.balls[0], ...given,
+    gravity: system.gravity }, sweep }) } : given;
+  const parts = partsOf(registry, named);
+  withoutRatios(registry, named.drive, parts.drive, system.naturalFrequency);
+  const drive = driveOf(registry, named.drive, parts.drive);
+  const law = contactOf(registry, system, parts.run);
+  const noise = noiseOf(registry, parts.noise);
+  const options = resolvedOf(/** @type {any} */ ({ registry, options: named, system, drive }));
+  const { duration, transient, periods } = timesOf(registry, request, options, sweep);
+  const origin = { options, sweep };
+  const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
+  const [x, y] = spansOf(registry, origin, [askedX, askedY]);
+  checkWatched(registry, layout, watched, drive.kind, law.contact);
+  if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
+    throw new InputError(`${request.width * request.height} points need as many streams from `
+      + `${noise.noise_stream} on, but streams lie in [0, 2^53): begin with a smaller one`);
+  const number = (/** @type {string} */ name) =>
+    checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
+  const own = registry.systems[system.kind].options;
+  const plan = {
+    angles: /** @type {1 | 2} */ (system.angles), drive: drive.kind,
+    parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
+      ...startOf(registry, system, options, [x.name, y.name]), ...noise, restitution: system.restitution,
+      tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
+      is_linear: Number(system.linear), meets: Number(system.contacts && law.contact !== "none") },
+    x: { name: x.name, values: valuesOf(x, request.width) },
+    y: { name: y.name, values: valuesOf(y, request.height) },
+    observables: watched.map(({ name, parameters }) => ({ name, parameters: Object.fromEntries(
+      Object.entries(parameters).map(([key, value]) => [key, Number(value)])) })),
+    duration, transient, transient_periods: periods,
+    contact: /** @type {"exact" | "clamp"} */ (law.clampStep ? "clamp" : "exact"),
+    contact_limit: number("contact_limit"),
+  };
+  for (const { name, values } of [plan.y, plan.x])
+    if (registry.options[name]?.whole)
+      for (const value of values) checkedNumber(registry.options[name], name, value);
+  return { registry, layout, request, options, sweep, title: preset?.title ?? "", x, y, watched, shown,
+    choices, duration, transient, periods, plan };
+}
+
+/** @param {Request} request */
+function checkSize({ width, height }) {
+  for (const [parameter, value] of Object.entries({ width, height }))
+    if (value > MOST_ALONG)
+      throw new InputError(`must not exceed ${MOST_ALONG}`, { parameter, value });
+  if (width * height > MOST_CELLS)
+    throw new InputError(`width x height must not exceed ${MOST_CELLS} cells, got ${width * height}`);
+}
+
+/**
+ * Throw unless pages have the laws of a map and what it shows.
+ * @param {Registry} registry
+ * @param {Layout} layout
+ * @param {Record<string, any>} options
+ * @param {string | null} observable
+ */
+function checkLaws(registry, layout, options, observable) {
+  const { contact = "exact", drive = "fixed_pivot" } = options;
+  for (const [part, laws, kind] of /** @type {const} */ ([["system", registry.systems, options.system],
+    ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
+    if (!Object.hasOwn(laws, kind))
+      throw new InputError(`unknown ${part} '${kind}': ${suggest(String(kind), Object.keys(laws))}`);
+    if (!laws[kind].compiled) throw new BeyondMapError(`the ${part} ${kind}`);
+  }
+  const owners = Object.entries(registry.observables)
+    .filter(([, { variables }]) => observable !== null && observable in variables);
+  if (owners.length && !owners.some(([name]) => name in layout.observables))
+    throw new BeyondMapError(`the observable ${owners[0][0]}`);
+}
+
+/**
+ * Return how long runs last and how much of their beginning is left out [s].
+ * @param {Registry} registry
+ * @param {Request} request
+ * @param {Record<string, any>} options
+ * @param {any} sweep
+ */
+function timesOf(registry, request, options, sweep) {
+  const { duration: own, times } = options;
+  const duration = request.duration ?? own ?? times?.at(-1) ?? USUAL_DURATION;
+  const transient = request.transient ?? sweep?.transient ?? 0;
+  if (!(duration > 0))
+    throw new InputError(`each run must last longer than 0 s, got ${general(duration)} s`);
+  if (!(transient >= 0))
+    throw new InputError(`what is left out must be at least 0 s, got ${general(transient)} s`);
+  if (transient >= duration)
+    throw new InputError(`what is left out must be shorter than a run of ${general(duration)} s, got `
+      + `${general(transient)} s`);
+  checkedNumber(registry.options.duration, "duration", duration);
+  return { duration, transient,
+    periods: request.transient === null ? sweep?.transient_periods ?? 0 : 0 };
+}
+
+/**
+ * Return how runs begin, by the names of axes.
+ * @param {Registry} registry
+ * @param {import("../model/laws.js").System} system
+ * @param {Record<string, any>} options
+ * @param {string[]} varied
+ */
+function startOf(registry, system, options, varied) {
+  const { initial_angle: angle = null, initial_offset: offset = null } = options;
+  const sides = system.angles === 1 ? [""] : SIDES;
+  /** @type {Record<string, number>} */
+  const start = {};
+  if (offset !== null) {
+    if (system.kind !== "latolato")
+      throw new InputError("counts from the low contact angle of a LatoLato",
+        { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
+    if (angle !== null)
+      throw new InputError("give only one of {parameter} and initial_offset", { parameter: "initial_angle" });
+    start.initial_offset = checkedNumber(registry.options.initial_offset, "initial_offset", offset);
+  }
+  for (const name of START) {
+    const value = options[name] ?? (name === START[0] ? null : 0);
+    if (value === null) continue;
+    numbersFor(registry, name, value, system.angles).forEach((each, i) => { start[name + sides[i]] = each; });
+  }
+  const missing = sides.map((side) => START[0] + side)
+    .find((name) => !(name in start) && !varied.includes(name));
+  if (missing && !("initial_offset" in start) && !varied.includes("initial_offset"))
+    throw new InputError(`${missing} is needed [rad], as a value or an axis (for a LatoLato `
+      + "initial_offset may stand instead)");
+  return start;
+}
+
+/**
+ * Throw unless observables go together with the laws of a run.
+ * @param {Registry} registry
+ * @param {Layout} layout
+ * @param {import("./choices.js").Watched[]} watched
+ * @param {string} drive
+ * @param {string} contact
+ */
+function checkWatched(registry, layout, watched, drive, contact) {
+  for (const { name } of watched) {
+    const { marks, pieces, widths } = layout.observables[name];
+    if (marks && !registry.drives[drive].periodic)
+      throw new InputError(`a ${drive} drive has no single period that a stroboscope could follow`);
+    if ("follow" in pieces && contact === "clamp")
+      throw new InputError(`${Object.keys(widths)[0]} needs exact contact: a clamped motion depends on its `
+        + "step, so small deviations have no meaning there");
+  }
+}
+
+/**
+ * Return the values at the middles of the cells, both ends included.
+ * @param {Span} span
+ * @param {number} count
+ */
+export function valuesOf({ low, high, log }, count) {
+  const [first, last] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
+  const step = (last - first) / (count - 1);
+  const values = Float64Array.from({ length: count }, (_, i) => i * step + first);
+  const own = log ? values.map((value) => 10 ** value) : values;
+  own[0] = low;
+  own[count - 1] = high;
+  return own;
+}
+
+/**
+ * Return the borders of cells, midway between values; of amounts, never below zero.
+ * @param {Float64Array} values
+ * @param {boolean} log
+ */
+export function edgesOf(values, log) {
+  const along = log ? values.map(Math.log) : values;
+  const last = along.length - 1;
+  const edges = Float64Array.from({ length: last + 2 }, (_, i) => {
+    if (i === 0) return along[0] - 0.5 * (along[1] - along[0]);
+    if (i > last) return along[last] + 0.5 * (along[last] - along[last - 1]);
+    return 0.5 * (along[i - 1] + along[i]);
+  });
+  if (log) return edges.map(Math.exp);
+  return values[0] >= 0 ? edges.map((edge) => Math.max(edge, 0)) : edges;
+}

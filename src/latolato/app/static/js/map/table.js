@@ -1,0 +1,100 @@
+/** A computed map as tables: a scenario of its sweep, and a file of comma-separated values. */
+
+import { tablesOf as tablesOfRun } from "../model/files.js";
+import { InputError } from "../model/rules.js";
+
+/** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("./question.js").Question} Question */
+
+const FORMAT = 1;
+const NOT_YET = 255;
+
+/**
+ * Return a map as the options of its runs and its sweep, which the installed program computes.
+ * @param {Question} question
+ */
+export function tablesOf({ registry, options, x, y, plan, watched, duration, transient, periods }) {
+  const varied = [x, y].map(({ name }) => registry.axes[name].sets);
+  const gone = ["times", "samples", "frame",
+    ...(varied.includes("initial_angle") ? ["initial_angle", "initial_offset"] : [])];
+  const kept = Object.entries(options).filter(([name, value]) => value !== null && !gone.includes(name));
+  return {
+    options: { ...Object.fromEntries(kept), duration, tolerance: registry.sweep_tolerance },
+    sweep: { axes: Object.fromEntries([plan.y, plan.x].map(({ name, values }) => [name, Array.from(values)])),
+      observables: watched.map(({ name, parameters }) => ({ kind: name, ...parameters })),
+      transient, transient_periods: periods },
+  };
+}
+
+/**
+ * Return a map as a table with a row for each point, which `latolato.load` reads.
+ * @param {Question} question
+ * @param {Grid} grid
+ * @returns {string}
+ */
+export function csvOf(question, grid) {
+  const { registry, layout, plan, watched } = question;
+  const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
+  if (several)
+    throw new InputError("has several numbers for each point: it fits no table",
+      { parameter: Object.keys(layout.observables[several.name].widths)[0], wayOut: "use NetCDF" });
+  const own = grid.status.map((status, cell) => (grid.stride[cell] === 1 ? status : NOT_YET));
+  const missing = own.filter((status) => status === NOT_YET).length;
+  const { width } = grid;
+  /** @type {{name: string, unit: string, label: string, at: (cell: number) => number}[]} */
+  const columns = [
+    { ...grid.yAxis, at: (cell) => plan.y.values[Math.floor(cell / width)] },
+    { ...grid.xAxis, at: (cell) => plan.x.values[cell % width] },
+    ...grid.variables.map((variable, k) => ({ ...variable,
+      name: variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
+      at: (/** @type {number} */ cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]) })),
+    { name: "status", unit: "1", label: "status of the point",
+      at: (cell) => (own[cell] === NOT_YET ? -1 : own[cell]) },
+  ];
+  const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
+    rounding: "page", ...attributesOf(question),
+    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is -1 there` } : {}),
+    plan: JSON.stringify(described(question)), format: FORMAT };
+  const lines = [...Object.entries(about).map(([name, value]) => `# ${name}: ${value}`),
+    ...columns.map(({ name, unit, label }) => `# column ${name} [${unit}]: ${label}`),
+    columns.map(({ name }) => name).join(",")];
+  const text = (/** @type {number} */ value) => (Number.isNaN(value) ? "nan"
+    : Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf");
+  own.forEach((_, cell) => lines.push(columns.map(({ at }) => text(at(cell))).join(",")));
+  return `${lines.join("\n")}\n`;
+}
+
+/**
+ * Return the parameters that do not vary.
+ * @param {Question} question
+ */
+function attributesOf({ registry, options, x, y, duration, transient, periods }) {
+  const varied = [x, y].flatMap(({ name }) => [name, registry.axes[name].sets]);
+  const all = { ...options, duration, transient, transient_periods: periods,
+    tolerance: registry.sweep_tolerance };
+  return Object.fromEntries(Object.entries(all).filter(([name, value]) =>
+    value !== null && !varied.includes(name) && !["times", "samples", "frame"].includes(name))
+    .map(([name, value]) => [name, Array.isArray(value) ? JSON.stringify(value) : value]));
+}
+
+/**
+ * Return the plan of a map as `latolato.sweeps.plan` describes it.
+ * @param {Question} question
+ */
+function described({ registry, options, plan, watched, duration, transient, periods }) {
+  const { system, drive, noise } = tablesOfRun(registry, options);
+  const { parameters, x, y } = plan;
+  const varied = [x.name, y.name].map((name) => registry.axes[name].sets);
+  const start = Object.fromEntries(Object.entries(parameters)
+    .filter(([name]) => name.startsWith("initial_") && !varied.includes(registry.axes[name].sets)));
+  return {
+    format: FORMAT, system, drive, start,
+    axes: [y, x].map(({ name, values }) => ({ name, parameters: [name], values: [Array.from(values)] })),
+    observables: watched.map(({ name, parameters: own }) => ({ kind: name, ...own })),
+    contact: { kind: options.contact ?? "exact",
+      ...(parameters.step ? { clamp_step: parameters.step } : {}) },
+    noise: noise ?? null, duration, transient, transient_periods: periods,
+    tolerance: parameters.tolerance, rest_speed: parameters.rest_speed, contact_limit: plan.contact_limit,
+    continuation: "", direction: "up", chunk_size: Math.max(x.values.length * y.values.length, 1),
+  };
+}
