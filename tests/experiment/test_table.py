@@ -66,7 +66,7 @@ def test_what_was_not_measured_is_unknown_and_every_variable_has_units():
         ({"time": [0.0], "angel_1": [0.1]}, "no column 'angel_1'"),
         ({"time": [0.0], "angle_1": [0.1, 0.2]}, "must have 1 rows"),
         ({"time": [0.0], "angle_1": [np.inf]}, "infinite"),
-        ({"time": [0.0], "flag_1": ["fine"]}, "one of ok, collision"),
+        ({"time": [0.0], "flag_1": ["fine"]}, "must be 'ok', 'collision'"),
         ({"time": [0.0], "frame": [0.5]}, "whole numbers"),
     ],
 )

@@ -115,7 +115,7 @@ def _check_places(count: int | None, places: Sequence[tuple[float, float]]) -> N
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="--balls", value=count)
     if count is not None and places and len(places) != count:
-        raise InputError(f"--balls {count} needs as many --ball places", value=len(places))
+        raise InputError(f"--balls {count} needs --ball {count} times", value=len(places))
     if len(places) > 2:
         raise InputError("may be given twice at most", parameter="--ball", value=len(places))
 

@@ -71,7 +71,7 @@ def trials(
         name: to_si(name, text, unit) for name, (text, unit) in numbers.items() if text is not None
     }
     if balls is not None and ball and len(ball) != balls:
-        raise InputError(f"--balls {balls} needs as many --ball places", value=len(ball))
+        raise InputError(f"--balls {balls} needs --ball {balls} times", value=len(ball))
     arguments["balls"] = [place_of("--ball", text) for text in ball or ()] or balls
     arguments["pivot"] = place_of("--pivot", pivot) if pivot is not None else None
     with bar("trials") as progress, warnings.catch_warnings():
