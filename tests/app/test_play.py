@@ -317,23 +317,28 @@ def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
     assert page.locator(".notes").inner_text() == ""
 
 
-def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page, watch):
-    fails = iter([True])
-    page.route(
-        "**/model/worker.js",
-        lambda route: route.abort() if next(fails, False) else route.continue_(),
-    )
+def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
     open_play(page)
+    fail = """(times) => {
+      const view = window.latolato.views.play;
+      view.simulate();
+      for (let k = 0; k < times; k += 1)
+        view.runner.receive({ number: view.runner.number, fault: { message: "" } });
+    }"""
+    page.evaluate(fail, 1)
     # It is on show for some seconds only.
     assert "was started again" in page.locator("#status").text_content()
-    page.unroute_all()
-    page.route("**/model/worker.js", lambda route: route.abort())
-    page.evaluate("() => window.latolato.views.play.runner.end()")
-    page.get_by_label("Begin with").select_option("fig02")
-    page.get_by_text("the computation failed twice").wait_for()
-    page.unroute_all()
-    page.get_by_label("Begin with").select_option("fig04a_push")
     page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '2'")
+    page.evaluate(fail, 2)
+    page.get_by_text("the computation failed twice").wait_for()
+    page.get_by_label("Begin with").select_option("fig04a_push")
+    page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '3'")
+
+
+def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
+    page.route("**/model/worker.js", lambda route: route.abort())
+    open_play(page)
+    assert page.locator(".notes").inner_text() == ""
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
 
 
