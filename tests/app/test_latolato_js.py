@@ -65,6 +65,8 @@ RUNS = [
     {**PENDULUM, **HARMONIC, "drive_frequency": 40, "tolerance": 1e-2},
     {**PENDULUM, "noise_strength": 0.1, "noise_seed": 3}, {**PAIR, "noise_strength": 0.1},
     {**TOY, "noise_strength": 0.1, "noise_stream": 7, "noise_interval": "20 ms"},
+    {**PENDULUM, "gravity": "0.5 g_0"}, {**PENDULUM, "duration": "0.023435 min"},
+    {**PENDULUM, "length": "1.1 metres", "duration": "2 seconds"}, {**PENDULUM, "times": 1.5},
 ]  # fmt: skip
 CHANGED = [
     {"length": 0.3}, {"drive": "crank_slider", "connecting_rod_length": "10 cm"},
@@ -81,7 +83,9 @@ WRONG = [
         {"initial_offset": 0.1}, {"duration": 0}, {"duration": -3}, {"duration": 1e12},
         {"tolerance": 1}, {"tolerance": 1e-20}, {"contact": "exakt"}, {"frame": "x"},
         {"times": [1, 1]}, {"times": []}, {"times": [-1, 1]}, {"times": [1, 3]}, {"samples": 1},
-        {"samples": 1.5}, {"samples": 3, "times": [0, 1]}, {"rest_speed": -1},
+        {"samples": 1.5}, {"samples": 10**9}, {"samples": "1000000000"}, {"frame": "a\\b\n\t'\""},
+        {"length": [None, 1]}, {"mass": [[1], [2]]}, {"length": "1 gs"},
+        {"samples": 3, "times": [0, 1]}, {"rest_speed": -1},
         {"noise_strength": -1}, {"noise_seed": 1}, {"noise_strength": 1, "noise_seed": 0.5},
         {"noise_strength": 1, "noise_seed": -1}, {"contact_limit": 0}, {"contact_limit": 2.5},
         {"damping": "3 m"},
