@@ -92,6 +92,7 @@ WRONG = [
         {"initial_angle": "20 deg, 3"}, {"drive": "harmonik"}, {"contact": "clamp"},
         {**HARMONIC, "drive_amplitude": -1}, {**HARMONIC, "frequency_ratio": 2},
         {**RATIO, "frequency_ratio": -2}, {**RATIO, "frequency_ratio": "x"},
+        {**RATIO, "frequency_ratio": [2]},
         without(HARMONIC, "drive_amplitude"), {**HARMONIC, "connecting_rod_length": 1},
         {**SCHEDULE, "frequency_ratio": 2}, {**RATIO, "frequency_ratios": [1, 2]},
         {"frequency_ratio": 2, "drive": "fixed_pivot"},

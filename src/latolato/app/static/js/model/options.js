@@ -241,7 +241,7 @@ export function withoutRatios(registry, kind, drive, naturalFrequency) {
     const several = registry.options[ratio].several;
     if (several && !Array.isArray(value))
       throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
-    const numbers = [value].flat().map((number) =>
+    const numbers = (several ? value : [value]).map((/** @type {any} */ number) =>
       checkedNumber(registry.options[ratio], ratio, number) * naturalFrequency);
     drive[name] = several ? numbers : numbers[0];
   }
