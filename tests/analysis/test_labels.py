@@ -49,6 +49,22 @@ def test_none_is_an_argument_only_where_it_is_the_default(name, argument) -> Non
         analyses[name](rod, drive, **{argument: None})
 
 
+@pytest.mark.parametrize(
+    "name, arguments, options",
+    [
+        ("tongue_edges", 1, {}),
+        ("tongue_edges", 4, {"drive_amplitude": 0.1}),
+        ("growth_rate", 1, {"metod": "determinant"}),
+    ],
+)
+def test_arguments_that_do_not_fit_are_refused_with_the_name_of_the_analysis(
+    name, arguments, options
+) -> None:
+    rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    with pytest.raises(TypeError, match=f"{name}: .*argument"):
+        analyses[name](*[rod, None, 1.0, 2.0][:arguments], **options)
+
+
 def test_a_warning_of_an_analysis_points_at_its_caller() -> None:
     rod = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
     with pytest.warns(RuntimeWarning, match="no drive up to 0.001 length") as warned:

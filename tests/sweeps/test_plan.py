@@ -212,6 +212,15 @@ MISTAKES = {
         {"drive": None, "axes": {"drive_amplitud": [0.1], "frequency_ratio": [2.0]}},
         "unknown parameter 'drive_amplitud' in axes: did you mean 'drive_amplitude'",
     ),
+    "acceleration of stages": (
+        {
+            "drive": ll.FrequencySchedule(
+                drive_amplitude=0.1, times=(0.0, 5.0), drive_frequencies=(3.0, 4.0)
+            ),
+            "axes": {"drive_acceleration_ratio": [1.0]},
+        },
+        "unknown parameter 'drive_acceleration_ratio' in axes",
+    ),
     "an angle beside an axis of offsets": (
         {"axes": {"initial_offset": [0.1]}, "initial_angle": 0.4},
         "give only one of initial_angle and an axis initial_offset",

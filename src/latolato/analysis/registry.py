@@ -49,7 +49,10 @@ def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(function)
     def checked(*args: Any, **options: Any) -> Any:
-        bound = called.bind(*args, **options)
+        try:
+            bound = called.bind(*args, **options)
+        except TypeError as error:
+            raise TypeError(f"{function.__name__}: {error}") from None
         bound.apply_defaults()
         for name, parameter in known().items():
             value = bound.arguments[name]

@@ -65,6 +65,8 @@ def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Param
                 result[target], name=name, kind=float, quantity=QUANTITIES[name],
                 allowed=NON_NEGATIVE,
             )  # fmt: skip
+    if "drive_frequency" not in result:  # stages have several accelerations
+        result.pop("drive_acceleration_ratio", None)
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     for name in ("initial_angle", "initial_angular_velocity"):
         result |= {name + side: replace(RUN_PARAMETERS[name], name=name + side) for side in sides}

@@ -139,7 +139,8 @@ function checkedRun(registry, kernels, options, system, drive, law, run) {
  * @param {Registry} registry
  * @param {Record<string, any>} run
  */
-function instantsOf(registry, { times = null, samples = null, duration = null }) {
+function instantsOf(registry, { times: given = null, samples = null, duration = null }) {
+  const times = typeof given === "number" ? [given] : given;
   const endOf = (/** @type {any} */ value) => checkedNumber(registry.options.duration, "duration", value);
   if (samples !== null) {
     checkedNumber(registry.options.samples, "samples", samples);

@@ -9,8 +9,6 @@ import { checkedNumber, InputError, literal, suggest } from "./rules.js";
 
 const NUMBER =
   /^\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?))\s*(\D.*?)?\s*$/i;
-// A power of ten is put behind the digits: the decimal number is then rounded once.
-const POWER = /^1e-?\d+$/;
 
 /**
  * Return a quantity as a number in SI units; what is no text is returned as it is.
@@ -29,10 +27,23 @@ export function toSi(registry, name, value, unit) {
   const [wanted, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
   const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
   if (!match || !isSame || Number.isNaN(size / wanted)) throw notInUnits(name, value, unit);
-  const power = (size / wanted).toExponential().replace("e+", "e");
-  if (!POWER.test(power) || !Number.isFinite(number)) return number * (size / wanted);
-  const [digits, own = "0"] = match[1].toLowerCase().split("e");
-  return Number(`${digits}e${Number(own) + Number(power.slice(2))}`);
+  return Number.isFinite(number) ? times(match[1], String(size / wanted)) : number * (size / wanted);
+}
+
+/**
+ * Return the product of two decimal numbers, rounded once.
+ * @param {string} one
+ * @param {string} other
+ */
+function times(one, other) {
+  let [digits, places] = [1n, 0];
+  for (const text of [one, other]) {
+    const [number, power = "0"] = text.toLowerCase().split("e");
+    const [whole, fraction = ""] = number.replace("+", "").split(".");
+    digits *= BigInt(whole.replace("-", "") + fraction);
+    places += Number(power) - fraction.length;
+  }
+  return Number(`${one.startsWith("-") ? "-" : ""}${digits}e${places}`);
 }
 
 /** @param {string} text as Python writes numbers */
@@ -51,17 +62,20 @@ function unitOf({ units, prefixes }, text) {
   /** @type {Record<string, number>} */
   const powers = {};
   const plain = text.replaceAll("²", "^2").replaceAll("³", "^3").replaceAll("**", "^");
-  const parts = plain.matchAll(/\s*([*/]?)\s*([a-zA-Z_µμ°%]+|1)(?:\^(-?\d+))?/g);
+  const parts = plain.matchAll(/\s*([*/]?)\s*([a-zA-Z_µμ°%]\w*|1)(?:\^(-?\d+))?/g);
   let end = 0;
   for (const part of parts) {
     const [whole, sign, name, power = "1"] = part;
     if (part.index !== end) return null;
     end += whole.length;
     if (name === "1") continue;
-    const prefix = Object.hasOwn(units, name) ? "" : Object.keys(prefixes).find((each) =>
-      name.startsWith(each) && Object.hasOwn(units, name.slice(each.length)));
-    if (prefix === undefined) return null;
-    const [own, bases] = units[name.slice(prefix.length)];
+    const read = [name, name.replace(/s$/, "")] // "seconds" is one too
+      .flatMap((one) => ["", ...Object.keys(prefixes)].map((prefix) => ({ one, prefix })))
+      .find((each) => each.one.startsWith(each.prefix)
+        && Object.hasOwn(units, each.one.slice(each.prefix.length)));
+    if (!read) return null;
+    const { one, prefix } = read;
+    const [own, bases] = units[one.slice(prefix.length)];
     const times = (sign === "/" ? -1 : 1) * Number(power);
     size *= ((prefixes[prefix] ?? 1) * own) ** times;
     for (const [base, each] of Object.entries(bases)) powers[base] = (powers[base] ?? 0) + times * each;
@@ -137,6 +151,8 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
     if (value === null || value === undefined) continue;
     if (typeof value === "object" && !Array.isArray(value) && !ArrayBuffer.isView(value))
       throw new InputError("must be a text or a number", { parameter: name, value });
+    if (Array.isArray(value) && value.some((part) => part === null || typeof part === "object"))
+      throw new InputError("must be a list of quantities", { parameter: name });
     given[name] = valueOf(registry, name, value);
   }
   const presets = Object.keys(registry.scenarios);
@@ -225,7 +241,7 @@ export function withoutRatios(registry, kind, drive, naturalFrequency) {
     const several = registry.options[ratio].several;
     if (several && !Array.isArray(value))
       throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
-    const numbers = [value].flat().map((number) =>
+    const numbers = (several ? value : [value]).map((/** @type {any} */ number) =>
       checkedNumber(registry.options[ratio], ratio, number) * naturalFrequency);
     drive[name] = several ? numbers : numbers[0];
   }

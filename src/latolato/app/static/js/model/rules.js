@@ -60,8 +60,10 @@ export function literal(value) {
   if (value === null || value === undefined) return "None";
   if (typeof value === "boolean") return value ? "True" : "False";
   if (typeof value === "number") return general(value, 9);
-  if (typeof value === "string")
-    return value.includes("'") && !value.includes('"') ? `"${value}"` : `'${value.replaceAll("'", "\\'")}'`;
+  if (typeof value === "string") {
+    const text = value.replace(/[\\\n\r\t]/g, (mark) => JSON.stringify(mark).slice(1, -1));
+    return text.includes("'") && !text.includes('"') ? `"${text}"` : `'${text.replaceAll("'", "\\'")}'`;
+  }
   if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
   if (typeof value !== "object") return String(value);
   return `{${Object.entries(value).map((pair) => pair.map(literal).join(": ")).join(", ")}}`;
@@ -109,18 +111,19 @@ export function checkedNumber({ unit, limits, whole }, parameter, value) {
  */
 function checkedWhole(limits, parameter, value) {
   if (!Number.isInteger(value)) throw new InputError("must be a whole number", { parameter, value });
-  return within(limits, parameter, value);
+  return within(limits, parameter, value, BigInt(value));
 }
 
 /**
  * @param {Option["limits"]} limits
  * @param {string} parameter
  * @param {number} value
+ * @param {number | bigint} [shown] as errors write it
  */
-function within(limits, parameter, value) {
+function within(limits, parameter, value, shown = value) {
   for (const { is_lower, end, is_open, rule, way_out: wayOut } of limits) {
     const holds = is_lower ? value > end : value < end;
-    if (!holds && (is_open || value !== end)) throw new InputError(rule, { parameter, value, wayOut });
+    if (!holds && (is_open || value !== end)) throw new InputError(rule, { parameter, value: shown, wayOut });
   }
   return value;
 }
