@@ -342,6 +342,26 @@ def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
 
 
+def test_a_busy_worker_is_asked_for_the_newest_run_only(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    asked, statuses, amplitude = page.evaluate(
+        """async () => {
+          const { runner } = window.latolato.views.play;
+          const { worker } = runner;
+          const post = worker.postMessage.bind(worker);
+          let asked = 0;
+          worker.postMessage = (question) => { asked += 1; post(question); };
+          const ends = await Promise.allSettled(Array.from({ length: 10 }, (_, k) =>
+            runner.compute({ scenario: "fig04b_push", options: { drive_amplitude: `${k} mm` } })));
+          return [asked, ends.map(({ status }) => status),
+            ends[9].value.about.options.drive_amplitude];
+        }"""
+    )
+    assert asked == 2
+    assert statuses == ["rejected"] * 9 + ["fulfilled"]
+    assert amplitude == pytest.approx(9e-3, rel=1e-15)
+
+
 def test_the_keyboard_plays_steps_and_zooms(page):
     open_play(page, "&scenario=fig04b_push&duration=20%20s")
     chart = page.get_by_role("img", name="angle [°]", exact=False).first

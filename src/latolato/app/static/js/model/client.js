@@ -57,9 +57,10 @@ export class Runner {
     /** Whether the worker has begun to answer: one that still loads is not ended. */
     this.isReady = false;
     this.number = 0;
-    /** @type {Pending | null} */
+    /** The newest request. @type {Pending | null} */
     this.pending = null;
-    this.unanswered = 0;
+    /** Whether the worker has a question, which may be an older one. */
+    this.isBusy = false;
     this.busySince = 0;
   }
 
@@ -87,7 +88,8 @@ export class Runner {
         return;
       }
       this.worker = this.startInline();
-      if (this.pending) void this.worker.postMessage(this.pending.question);
+      this.isBusy = false;
+      if (this.pending) this.post(this.pending.question);
     });
     return worker;
   }
@@ -114,10 +116,14 @@ export class Runner {
     });
   }
 
-  /** @param {Question} question */
+  /**
+   * Ask the worker, unless it is busy: then it is asked for the newest run when it has answered.
+   * @param {Question} question
+   */
   post(question) {
-    if (!this.unanswered) this.busySince = performance.now();
-    this.unanswered += 1;
+    if (this.isBusy) return;
+    this.isBusy = true;
+    this.busySince = performance.now();
     void this.start().postMessage(question);
   }
 
@@ -125,7 +131,7 @@ export class Runner {
   stop() {
     this.pending?.reject(aborted());
     this.pending = null;
-    const isSlow = this.unanswered > 0 && performance.now() - this.busySince > PATIENCE;
+    const isSlow = this.isBusy && performance.now() - this.busySince > PATIENCE;
     if (this.isReady && isSlow) this.end();
   }
 
@@ -134,7 +140,7 @@ export class Runner {
     this.worker?.terminate();
     this.worker = null;
     this.pending = null;
-    this.unanswered = 0;
+    this.isBusy = false;
   }
 
   /**
@@ -156,10 +162,13 @@ export class Runner {
 
   /** @param {Answer} answer */
   receive({ number, block, seconds, fault }) {
-    this.unanswered -= 1;
-    this.busySince = performance.now();
+    this.isBusy = false;
     const { pending } = this;
-    if (pending?.question.number !== number) return;
+    if (!pending) return;
+    if (pending.question.number !== number) {
+      this.post(pending.question);
+      return;
+    }
     if (fault && !fault.about) {
       this.restart(fault.message);
       return;

@@ -20,7 +20,7 @@ export class Later {
       task();
       setTimeout(next);
     };
-    // After the first picture of what is already done.
-    requestAnimationFrame(() => setTimeout(next));
+    // One frame draws what is already done; the next one begins when that is painted.
+    requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(next)));
   }
 }

@@ -299,15 +299,16 @@ export class Player {
 export function ledgerRows(motion) {
   const times = ballsPerLedger(motion);
   const last = (/** @type {string} */ name) => times * (motion.about.ledger[name] ?? 0);
-  const total = summed(motion, "total_energy");
+  const [first, end] = [0, motion.time.length - 1].map((i) => motion.balls.reduce((sum, ball) =>
+    sum + (motion.values("total_energy", ball.row)?.[i] ?? 0), 0));
   const parts = [
-    { name: "atStart", energy: total[0], paint: "soft" },
+    { name: "atStart", energy: first, paint: "soft" },
     { name: "drivePower", energy: last("drive_work"), paint: "gain" },
     { name: motion.about.by_hand ? "hand" : "noise", energy: last("noise_work"), paint: "soft" },
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },
-    { name: "left_over", energy: -total[total.length - 1], paint: "right" },
+    { name: "left_over", energy: -end, paint: "right" },
   ];
   const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
   return parts.filter((p) => Math.abs(p.energy) > 1e-9 * came || p.name === "left_over")
