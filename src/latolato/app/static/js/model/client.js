@@ -18,7 +18,7 @@ import { InputError } from "./rules.js";
 
 // Samples of a run that is drawn.
 export const MOST_SAMPLES = 30_000;
-// Runs that are no longer wanted may take so long before their worker is ended.
+// A run may take so long before a newer one ends it.
 const PATIENCE = 200; // ms
 
 /** A run that takes longer than a minute, to which nobody has agreed. */
@@ -47,7 +47,10 @@ class Inline {
   terminate() {}
 }
 
-/** Computes runs one after the other; a newer request takes the place of an older one. */
+/**
+ * Computes runs one after the other. The run that is under way is delivered, so that a slider that moves
+ * shows runs on its way; of those that wait, the newest only.
+ */
 export class Runner {
   /** @param {import("./registry.js").Registry} registry */
   constructor(registry) {
@@ -57,11 +60,11 @@ export class Runner {
     /** Whether the worker has begun to answer: one that still loads is not ended. */
     this.isReady = false;
     this.number = 0;
-    /** The newest request. @type {Pending | null} */
-    this.pending = null;
-    /** Whether the worker has a question, which may be an older one. */
-    this.isBusy = false;
+    /** What the worker computes. @type {Pending | null} */
+    this.running = null;
     this.busySince = 0;
+    /** What it computes next. @type {Pending | null} */
+    this.waiting = null;
   }
 
   /** Begin to load the worker and what it computes with. */
@@ -88,8 +91,7 @@ export class Runner {
         return;
       }
       this.worker = this.startInline();
-      this.isBusy = false;
-      if (this.pending) this.post(this.pending.question);
+      if (this.running) void this.worker.postMessage(this.running.question);
     });
     return worker;
   }
@@ -107,40 +109,56 @@ export class Runner {
    * @throws {LongRunError} for a run that takes longer than a minute
    */
   compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false } = {}) {
-    this.stop();
     this.number += 1;
     const question = { number: this.number, request, mostSamples, isAgreed };
     return new Promise((resolve, reject) => {
-      this.pending = { question, resolve, reject, isRepeated: false };
-      this.post(question);
+      this.waiting?.reject(aborted());
+      this.waiting = { question, resolve, reject, isRepeated: false };
+      this.next();
     });
   }
 
-  /**
-   * Ask the worker, unless it is busy: then it is asked for the newest run when it has answered.
-   * @param {Question} question
-   */
-  post(question) {
-    if (this.isBusy) return;
-    this.isBusy = true;
-    this.busySince = performance.now();
-    void this.start().postMessage(question);
+  /** Compute what waits; a run that takes long makes way for it. */
+  next() {
+    const { waiting, running } = this;
+    if (!waiting) return;
+    if (running) {
+      const rest = this.busySince + PATIENCE - performance.now();
+      if (!this.isReady || rest > 0) {
+        setTimeout(() => this.next(), Math.max(rest, PATIENCE));
+        return;
+      }
+      running.reject(aborted());
+      this.endWorker();
+    }
+    this.waiting = null;
+    this.ask(waiting);
   }
 
-  /** Forget what is computed now. */
+  /** @param {Pending} pending */
+  ask(pending) {
+    this.running = pending;
+    this.busySince = performance.now();
+    void this.start().postMessage(pending.question);
+  }
+
+  /** Forget what is asked for now. */
   stop() {
-    this.pending?.reject(aborted());
-    this.pending = null;
-    const isSlow = this.isBusy && performance.now() - this.busySince > PATIENCE;
-    if (this.isReady && isSlow) this.end();
+    this.waiting?.reject(aborted());
+    this.waiting = null;
+    this.running?.reject(aborted());
   }
 
   /** End the worker; the next run begins another one. */
   end() {
+    this.endWorker();
+    this.waiting = null;
+  }
+
+  endWorker() {
     this.worker?.terminate();
     this.worker = null;
-    this.pending = null;
-    this.isBusy = false;
+    this.running = null;
   }
 
   /**
@@ -148,40 +166,43 @@ export class Runner {
    * @param {string} [reason]
    */
   restart(reason) {
-    const { pending } = this;
-    this.end();
-    if (!pending) return;
-    if (pending.isRepeated) {
-      pending.reject(new Error(reason || t("workerGone")));
+    const { running } = this;
+    this.endWorker();
+    if (running && !running.isRepeated) {
+      tell(t("workerAgain"));
+      this.ask({ ...running, isRepeated: true });
       return;
     }
-    tell(t("workerAgain"));
-    this.pending = { ...pending, isRepeated: true };
-    this.post(pending.question);
+    running?.reject(new Error(reason || t("workerGone")));
+    this.next();
   }
 
   /** @param {Answer} answer */
-  receive({ number, block, seconds, fault }) {
-    this.isBusy = false;
-    const { pending } = this;
-    if (!pending) return;
-    if (pending.question.number !== number) {
-      this.post(pending.question);
+  receive(answer) {
+    const { running } = this;
+    if (running?.question.number !== answer.number) return;
+    if (answer.fault && !answer.fault.about) {
+      this.restart(answer.fault.message);
       return;
     }
-    if (fault && !fault.about) {
-      this.restart(fault.message);
-      return;
-    }
-    this.pending = null;
-    if (block) pending.resolve(block);
-    else if (seconds) pending.reject(new LongRunError(seconds));
+    this.running = null;
+    this.settle(running, answer);
+    this.next();
+  }
+
+  /**
+   * @param {Pending} pending
+   * @param {Answer} answer
+   */
+  settle({ question, resolve, reject }, { number, block, seconds, fault }) {
+    if (block) resolve(block);
+    else if (seconds) reject(new LongRunError(seconds));
     else if (fault?.isBeyond && this.registry.server) {
-      this.askProgram(pending.question).then((whole) => {
-        if (number === this.number) pending.resolve(whole);
-        else pending.reject(aborted());
-      }, pending.reject);
-    } else pending.reject(new InputError(fault?.about.rule, fault?.about.about));
+      this.askProgram(question).then((whole) => {
+        if (number === this.number) resolve(whole);
+        else reject(aborted());
+      }, reject);
+    } else reject(new InputError(fault?.about.rule, fault?.about.about));
   }
 
   /**

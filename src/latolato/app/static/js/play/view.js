@@ -119,6 +119,7 @@ export class PlayView {
   async simulate(isAgreed = false) {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
+    const chosen = scenario;
     if (!scenario && !options.system) scenario = FIRST;
     if (scenario && options.system) {
       // A scenario's own values do not fit another system.
@@ -136,6 +137,8 @@ export class PlayView {
     this.form.build();
     try {
       const block = await pending;
+      // A run that was under way when another preset was chosen.
+      if (store.state.scenario !== chosen) return;
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.player.show(motion);
