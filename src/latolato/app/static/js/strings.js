@@ -247,7 +247,6 @@ export const STRINGS = {
   runStopped: "The run was stopped.",
   workerAgain: "The computation failed and was started again.",
   workerGone: "the computation failed twice; reload the page",
-  preparing: "Preparing this combination for your processor: 10 to 30 s, once only …",
   cancel: "Cancel",
   job_bar: "How far the work is",
   job_waiting: "Waiting for other work to end …",
