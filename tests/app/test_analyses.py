@@ -19,7 +19,7 @@ from latolato.app.analyse.forms import about_request, forms, option_words
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
 from latolato.app.blocks import unpack
-from latolato.app.given import RunRequest, TooLargeError
+from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError

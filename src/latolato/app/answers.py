@@ -12,7 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 
-from latolato.app.given import TooLargeError
+from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of, refusal_of
 

@@ -17,8 +17,8 @@ from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
 from latolato.app.blocks import pack_files
-from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.jobs import Job, serve_job
+from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.runs import sampled, scenario_of
 from latolato.core.errors import InputError
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from latolato.app.blocks import pack
-from latolato.app.given import RunRequest, check_size, options_of
+from latolato.app.run_request import RunRequest, check_size, options_of
 from latolato.core.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive

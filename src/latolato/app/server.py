@@ -18,10 +18,10 @@ from starlette.routing import BaseRoute, Route
 from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
-from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.guard import Guard
 from latolato.app.pages import page_file, static
 from latolato.app.processes import Workers
+from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
 

@@ -19,7 +19,7 @@ import numpy as np
 from latolato.app import STATIC
 from latolato.app.blocks import pack
 from latolato.app.forms import registry
-from latolato.app.given import MOST_SAMPLES
+from latolato.app.run_request import MOST_SAMPLES
 from latolato.app.runs import about, arrays_of
 from latolato.core.errors import InputError, import_extra
 from latolato.scenario.scenario import Scenario

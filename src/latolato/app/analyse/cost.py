@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from latolato.app.given import TooLargeError
+from latolato.app.run_request import TooLargeError
 from latolato.figures.analyses.question import question_of
 
 # Most steps of all motions together: minutes of work on two cores.

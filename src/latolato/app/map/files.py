@@ -17,9 +17,9 @@ import numpy as np
 from latolato.app.blocks import pack_files
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import quantity_of, units_of
-from latolato.app.given import RunRequest, TooLargeError
 from latolato.app.jobs import Job
 from latolato.app.map.stored import MOST_CELLS, drawing_of, opened, path_of
+from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number, suggest

@@ -11,8 +11,8 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.forms import quantity_of, shown_variable, units_of
-from latolato.app.given import TooLargeError, options_of
 from latolato.app.jobs import Job
+from latolato.app.run_request import TooLargeError, options_of
 from latolato.core.errors import InputError
 from latolato.core.parameters import law_parameters
 from latolato.core.quantities import Quantity
