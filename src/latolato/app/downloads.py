@@ -163,8 +163,10 @@ def check_frames(scenario: Scenario, speed: float) -> None:
     frames = math.floor(end * FPS / speed) + 1
     if frames > MOST_FRAMES:
         raise TooLargeError(
-            f"the animation would have {frames} frames, the limit is {MOST_FRAMES}: choose a speed "
-            f"of {math.ceil(end * FPS / MOST_FRAMES)} or more, or shorten the duration"
+            f"an animation may have at most {MOST_FRAMES} frames",
+            value=frames,
+            way_out=f"choose a speed of {math.ceil(end * FPS / MOST_FRAMES)} or more, or shorten "
+            "the duration",
         )
 
 

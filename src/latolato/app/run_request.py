@@ -153,6 +153,7 @@ def check_size(scenario: Scenario) -> None:
     steps = end / step
     if not math.isfinite(steps) or steps > MOST_STEPS:
         raise TooLargeError(
-            f"the run would take {steps:.2g} steps, the limit is {MOST_STEPS:g}: shorten the "
-            "duration, loosen the tolerance or slow the drive"
+            f"a run here may take at most {MOST_STEPS:g} steps",
+            value=float(f"{steps:.2g}"),
+            way_out="shorten the duration, loosen the tolerance or slow the drive",
         )

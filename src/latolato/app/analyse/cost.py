@@ -32,8 +32,9 @@ def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> No
     steps = steps_of(function, arguments)
     if steps > MOST_STEPS:
         raise TooLargeError(
-            f"this would take some {steps:.1g} steps, the limit is {MOST_STEPS:.0e}: ask for fewer "
-            "points, values or periods"
+            f"a question may take about {MOST_STEPS:.0e} steps at most",
+            value=float(f"{steps:.1g}"),
+            way_out="ask for fewer points, values or periods",
         )
 
 
