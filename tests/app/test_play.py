@@ -317,24 +317,35 @@ def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
     assert page.locator(".notes").inner_text() == ""
 
 
+# A worker that is ready and fails at its first run.
+FAULTY = """
+self.postMessage(null);
+self.onmessage = () => { throw new Error("out of memory"); };
+"""
+
+
 def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page, watch):
     fails = iter([True])
+
+    def faulty(route):
+        route.fulfill(body=FAULTY, content_type="text/javascript")
+
     page.route(
         "**/model/worker.js",
-        lambda route: route.abort() if next(fails, False) else route.continue_(),
+        lambda route: faulty(route) if next(fails, False) else route.continue_(),
     )
     open_play(page)
     # It is on show for some seconds only.
     assert "was started again" in page.locator("#status").text_content()
     page.unroute_all()
-    page.route("**/model/worker.js", lambda route: route.abort())
+    page.route("**/model/worker.js", faulty)
     page.evaluate("() => window.latolato.views.play.runner.end()")
     page.get_by_label("Begin with").select_option("fig02")
-    page.get_by_text("the computation failed twice").wait_for()
+    page.get_by_text("out of memory").wait_for()
     page.unroute_all()
     page.get_by_label("Begin with").select_option("fig04a_push")
     page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '2'")
-    watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
+    watch.faults[:] = [fault for fault in watch.faults if "out of memory" not in fault]
 
 
 def test_the_keyboard_plays_steps_and_zooms(page):
