@@ -146,7 +146,7 @@ def _child(job: Job, pipe: Connection) -> None:
 
 
 def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
-    """Track one video, write what is asked for and return the summary."""
+    """Track one video, write its files and return the summary."""
     from latolato.experiment import track
     from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
     from latolato.experiment.track_table import write_table

@@ -102,7 +102,7 @@ def _rebuilt(kind: type[InputError], rule: tuple[str], parts: dict[str, Any]) ->
 
 @contextmanager
 def reading(path: str | Path) -> Iterator[None]:
-    """Name a file as the one that holds what is refused meanwhile, unless another is named."""
+    """Name a file in errors that are raised meanwhile, unless they name another one."""
     try:
         yield
     except InputError as error:
