@@ -119,7 +119,7 @@ export class Inset {
  * light; null for an element that is not in the page.
  * @param {Element} element
  */
-export function themeAround(element) {
+function themeAround(element) {
   const { body } = document;
   if (body.dataset.jpThemeLight) return body.dataset.jpThemeLight === "true" ? "light" : "dark";
   if (body.classList.contains("vscode-dark")) return "dark";
@@ -138,7 +138,7 @@ export function themeAround(element) {
  * Keep the theme of an element like that of the page around it; returns a function that ends this.
  * @param {HTMLElement} host
  */
-export function followTheme(host) {
+function followTheme(host) {
   const follow = () => {
     const theme = themeAround(host);
     if (!theme || theme === host.dataset.theme) return;
