@@ -19,7 +19,7 @@ from latolato.app.analyse.forms import about_request, forms, option_words
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
 from latolato.app.blocks import unpack
-from latolato.app.given import RunRequest, TooLargeError
+from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
@@ -177,7 +177,7 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client):
     few = cost(angle_points="10", velocity_points="10").json()["seconds"]
     many = cost(angle_points="400", velocity_points="400").json()["seconds"]
     assert 0.0 < few < 10.0 < many
-    assert "the limit is" in cost(angle_points="900000").json()["refused"]
+    assert "steps at most" in cost(angle_points="900000").json()["refused"]
     wrong = cost(angle_points="ten").json()["refused"]
     assert wrong.startswith("angle_points must be a whole number")
     assert "must be an object" in client.post("/api/analyses/cost", json=[]).json()["refused"]
@@ -344,7 +344,7 @@ def test_tables_of_an_answer_hold_its_numbers():
         ({"analysis": "first_push", "scenario": "fig04a"}, "needs frequency_ratio"),
         (
             {"analysis": "basins", "scenario": "fig04a", "settings": {"angle_points": "900000"}},
-            "the limit is",
+            "steps at most",
         ),
         (
             {
@@ -391,7 +391,7 @@ def test_work_is_estimated_from_all_that_multiplies_it():
     question = AnalysisRequest.from_json(
         {"analysis": "basins", "scenario": "fig04a", "settings": given}
     )
-    with pytest.raises(TooLargeError, match="the limit is"):
+    with pytest.raises(TooLargeError, match="steps at most"):
         check_work(question.function, question.arguments())
 
 
@@ -528,7 +528,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     field = page.get_by_label("Two samples are the same within")
     assert field.get_attribute("aria-invalid") == "true"
     assert field.is_visible()  # though rare settings are folded
-    steps = page.get_by_role("alert").filter(has_text="the limit is")
+    steps = page.get_by_role("alert").filter(has_text="steps at most")
     page.get_by_label("Shakes that are left out").fill("1e9")
     page.get_by_role("button", name="Compute").click()
     page.get_by_text("Two samples are the same within").first.wait_for()

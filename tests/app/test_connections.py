@@ -38,7 +38,7 @@ def opened(port):
     return socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
 
 
-def begun(port, *lines, method="GET", path="/api/compiling"):
+def begun(port, *lines, method="GET", path="/manifest.json"):
     """A connection that has sent the beginning of a request."""
     found = opened(port)
     found.sendall((HEADER.format(method, path, port) + "".join(lines)).encode())

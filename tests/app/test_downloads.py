@@ -11,7 +11,7 @@ import latolato as ll
 from app_server import frames_of
 from latolato.app.blocks import unpack
 from latolato.app.downloads import FPS, MOST_FRAMES, request_of
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.io.files import load
 

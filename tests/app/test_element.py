@@ -9,7 +9,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from latolato.app.forms import registry
-from latolato.app.given import RunRequest, options_of
+from latolato.app.run_request import RunRequest, options_of
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from latolato.scenario.options import law_options

@@ -65,7 +65,6 @@ SCHEMA = {
             }
         },
         "/registry.json": {"get": {"responses": ANSWERS}},
-        "/api/compiling": {"get": {"responses": ANSWERS}},
     },
 }
 HOME = "http://127.0.0.1:8000"

@@ -4,7 +4,6 @@ import re
 
 import httpx
 import pytest
-from numba.core import event
 from starlette.responses import PlainTextResponse
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
@@ -254,13 +253,3 @@ def test_a_message_names_the_field_that_it_is_about(client):
     answer = client.post("/api/run", json={"scenario": "zeno", "options": {"radius": "2 m"}})
     assert answer.status_code == 422
     assert answer.json()["field"] == "radius"
-
-
-def test_the_server_says_while_a_kernel_is_compiled(client):
-    def told():
-        return client.get("/api/compiling").json()
-
-    assert told() == {"compiling": False}
-    with event.trigger_event("numba:compile"), event.trigger_event("numba:compile"):
-        assert told() == {"compiling": True}
-    assert told() == {"compiling": False}

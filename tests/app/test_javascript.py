@@ -39,8 +39,9 @@ def test_modules_do_what_their_unit_tests_say(path, tmp_path):
     assert "# tests 0" not in done.stdout
 
 
-def test_every_module_is_small():
-    sizes = {p.name: len(p.read_text().splitlines()) for p in STATIC.glob("js/**/*.js")}
+def test_every_module_but_the_table_of_texts_is_small():
+    modules = [p for p in STATIC.glob("js/**/*.js") if p.name != "strings.js"]
+    sizes = {p.name: len(p.read_text().splitlines()) for p in modules}
     assert {name: n for name, n in sizes.items() if n > 450} == {}
 
 

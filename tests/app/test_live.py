@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 from latolato.numerics.integrate import Start, integrate
 from latolato.scenario.scenario import scenarios
 from latolato.simulation.start import DEFAULT_REST_SPEED

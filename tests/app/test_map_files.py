@@ -124,8 +124,8 @@ def test_a_picture_of_a_map_has_axes_colour_bar_curves_and_contours(tmp_path):
 @pytest.mark.parametrize(
     "changed, words",
     [
-        ({"kind": "exe"}, "a map is stored as csv, nc, png, svg, zarr, not as 'exe'"),
-        ({"scale": "jet"}, "unknown scale 'jet'"),
+        ({"kind": "exe"}, "kind must be one of csv, nc, png, svg, zarr, got 'exe'"),
+        ({"scale": "jet"}, "scale must be one of viridis, cividis, magma, viridis_r, got 'jet'"),
         ({"limits": [1]}, "limits must be two numbers"),
         ({"overlays": "tongue"}, "overlays must be a list"),
         ({"trials": 3}, "trials must be the text"),

@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 
 from latolato.app import report as paper
 from latolato.app.blocks import unpack
-from latolato.app.given import RunRequest, check_size
+from latolato.app.run_request import RunRequest, check_size
 from latolato.app.server import Settings, make_app
 from latolato.io.files import save
 from latolato.scenario.scenario import scenarios

@@ -14,7 +14,7 @@ import pytest
 import latolato as ll
 from in_node import NODE
 from latolato.app.blocks import unpack
-from latolato.app.given import RunRequest, options_of
+from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import balls_of, compute, strobes_of
 from latolato.app.site import write_site
 from latolato.numerics import records

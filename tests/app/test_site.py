@@ -113,7 +113,7 @@ def test_every_sweep_is_computed_without_a_server_that_computes(visit, web, name
 
 def test_a_stored_map_is_left_to_the_program(visit, web):
     visit.goto(f"{web[0]}?view=map&map.stored=own.zarr")
-    visit.get_by_role("alert").get_by_text("Stored maps are opened by the installed").wait_for()
+    visit.get_by_role("alert").get_by_text("The installed program opens stored maps").wait_for()
     assert visit.faults == []
 
 

@@ -26,7 +26,8 @@ from PIL import Image
 import latolato as ll
 from latolato import analysis
 from latolato.cli import main as cli
-from latolato.core.errors import InputError, refusal_of, report_of
+from latolato.core.errors import InputError
+from latolato.core.faults import refusal_of, report_of
 from latolato.scenario.options import law_options
 from latolato.scenario.scenario import Scenario
 

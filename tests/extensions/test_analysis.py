@@ -13,7 +13,7 @@ from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute
 from latolato.app.analyse.forms import about_request, forms
 from latolato.app.analyse.routes import prepare
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
 from latolato.figures import analyses as pictures

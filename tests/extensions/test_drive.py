@@ -23,7 +23,7 @@ from latolato.app.analyse.answer import compute as compute_analysis
 from latolato.app.analyse.forms import about_request
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 from latolato.app.runs import compute
 from latolato.core.quantities import NON_NEGATIVE, UNIT_INTERVAL, quantity_field
 from latolato.core.scalar import cosine, formula, sine

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 
 # See `tests/numerics/test_wasm.py`: what rounding does is judged by a shift of gravity.
 SHIFT, FACTOR, CLOSE, REGULAR = 1e-13, 4.0, 1e-12, 1e-11

@@ -12,8 +12,9 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 
-from latolato.app.given import TooLargeError
-from latolato.core.errors import InputError, refusal_of, said_of
+from latolato.app.run_request import TooLargeError
+from latolato.core.errors import InputError
+from latolato.core.faults import line_of, refusal_of
 
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
@@ -92,7 +93,7 @@ def message_of(error: Exception) -> dict[str, Any]:
 
     field = field_of(error)
     if not isinstance(error, InputError) or field is None:
-        return {"error": said_of(error), "field": None}
+        return {"error": line_of(error), "field": None}
     return {"error": error.worded(f"“{label_of(field)}”"), "field": field}
 
 

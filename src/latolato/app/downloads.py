@@ -17,8 +17,8 @@ from starlette.websockets import WebSocket
 
 from latolato.app.answers import answered
 from latolato.app.blocks import pack_files
-from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.jobs import Job, serve_job
+from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.runs import sampled, scenario_of
 from latolato.core.errors import InputError
 
@@ -163,8 +163,10 @@ def check_frames(scenario: Scenario, speed: float) -> None:
     frames = math.floor(end * FPS / speed) + 1
     if frames > MOST_FRAMES:
         raise TooLargeError(
-            f"the animation would have {frames} frames, the limit is {MOST_FRAMES}: choose a speed "
-            f"of {math.ceil(end * FPS / MOST_FRAMES)} or more, or shorten the duration"
+            f"an animation may have at most {MOST_FRAMES} frames",
+            value=frames,
+            way_out=f"choose a speed of {math.ceil(end * FPS / MOST_FRAMES)} or more, or shorten "
+            "the duration",
         )
 
 

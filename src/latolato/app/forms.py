@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from latolato.app.given import flat_options, options_of
+from latolato.app.run_request import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.versions import version_of

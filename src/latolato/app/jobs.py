@@ -21,7 +21,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import field_of, in_thread
 from latolato.app.processes import Workers
-from latolato.core.errors import said_of
+from latolato.core.faults import line_of
 
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
@@ -83,7 +83,7 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
             block = job.ready or await _done(websocket, workers, job)
         except Exception as error:
             # As it is: the questions of Analyse have names of their own, which their page puts.
-            await websocket.send_json({"error": said_of(error), "field": field_of(error)})
+            await websocket.send_json({"error": line_of(error), "field": field_of(error)})
         else:
             if block is None:
                 return

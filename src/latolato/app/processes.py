@@ -220,7 +220,7 @@ class Workers:
     def _take(self) -> Worker:
         """Return a process that has no job."""
         if self.is_closed:
-            raise JobError("the server ends")
+            raise JobError("the server is shutting down")
         while self.idle:
             worker = self.idle.pop()
             if worker.can_go_on:

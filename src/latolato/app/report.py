@@ -238,7 +238,7 @@ def pretty(text: str) -> str:
 
 def cases_of(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Return the runs behind a figure: what tells each from the others, and all its options."""
-    from latolato.app.given import options_of
+    from latolato.app.run_request import options_of
     from latolato.scenario.scenario import Scenario
 
     if "scenario" not in dataset or "case" not in dataset.coords:
@@ -264,8 +264,8 @@ def _short_options(scenario: Scenario) -> dict[str, Any]:
     """Return the options of a scenario without those that say what holds anyway."""
     from inspect import signature
 
-    from latolato.app.given import options_of
     from latolato.app.lines import defaults_of
+    from latolato.app.run_request import options_of
     from latolato.simulation.run import simulate
 
     usual = {name: p.default for name, p in signature(simulate).parameters.items()}

@@ -1,7 +1,7 @@
-"""Runs that pages leave to the program: of laws of one's own and of measured pivots.
+"""Runs that pages leave to the program: those with laws of your own or a measured pivot.
 
-All others a page computes itself, in `static/js/model`. What is said of balls and the drive's
-periods is there too: `tests/app/test_runs.py` compares both.
+A page computes all others itself, in `static/js/model`. That code also describes the balls and the
+drive's periods: `tests/app/test_runs.py` compares both.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from latolato.app.blocks import pack
-from latolato.app.given import RunRequest, check_size, options_of
+from latolato.app.run_request import RunRequest, check_size, options_of
 from latolato.core.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
@@ -35,7 +35,7 @@ MOST_STROBES = 20_000
 
 
 def compute(request: RunRequest, most_samples: int = USUAL_SAMPLES) -> bytes:
-    """Return the columns of a run, its contacts and what is said of it, as one block.
+    """Return the columns of a run, its contacts and its description, as one block.
 
     Raises
     ------
@@ -60,8 +60,8 @@ def block_of(scenario: Scenario, most_samples: int = USUAL_SAMPLES) -> bytes:
         warnings.simplefilter("always")
         run = scenario.record(**sampled(scenario, most_samples))
     columns = [name for name, (shape, _) in run.variables.items() if shape[-1] == "time"]
-    said = {**about(scenario, run), "warnings": [str(w.message) for w in caught]}
-    return pack(said, arrays_of(scenario, run, columns))
+    description = {**about(scenario, run), "warnings": [str(w.message) for w in caught]}
+    return pack(description, arrays_of(scenario, run, columns))
 
 
 def sampled(scenario: Scenario, most_samples: int) -> dict[str, Any]:
@@ -75,7 +75,7 @@ def sampled(scenario: Scenario, most_samples: int) -> dict[str, Any]:
 
 
 def about(scenario: Scenario, run: Record | xr.Dataset) -> dict[str, Any]:
-    """Return all that is said of a run beside its numbers."""
+    """Return the description of a run: all but its columns."""
     return {
         "options": options_of(scenario),
         "attributes": dict(run.attrs),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +18,12 @@ from starlette.routing import BaseRoute, Route
 from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
-from latolato.app.given import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.app.guard import Guard
 from latolato.app.pages import page_file, static
 from latolato.app.processes import Workers
+from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
-from latolato.io.progress import compiling
 
 # Addresses that stand for all of this machine's.
 ANY_ADDRESS = ("0.0.0.0", "::")
@@ -94,7 +92,6 @@ def make_app(settings: Settings) -> Starlette:
         routes=[
             Route("/", _index),
             Route("/registry.json", _registry),
-            Route("/api/compiling", _compiling),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
             Route("/{path:path}", static),
@@ -118,20 +115,14 @@ def make_app(settings: Settings) -> Starlette:
     app.state.clips = Store(settings.clips)
     app.state.clip_jobs = settings.clips.workers
     app.state.stored = dict(settings.stored)
-    app.state.is_compiling = False
     app.state.body_time = settings.connections.body_time
     return app
 
 
 @asynccontextmanager
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
-    """Know when kernels compile; leave neither processes nor files behind in the end."""
-
-    def note(is_compiling: bool) -> None:
-        app.state.is_compiling = is_compiling
-
-    with compiling(partial(note, True), partial(note, False)):
-        yield
+    """Leave neither processes nor files behind in the end."""
+    yield
     app.state.jobs.close()
     app.state.clip_jobs.close()
     app.state.clips.close()
@@ -162,11 +153,6 @@ async def _registry(request: Request) -> Response:
     from latolato.app.forms import registry
 
     return await answered(request, lambda: JSONResponse({**registry(), "server": True}))
-
-
-async def _compiling(request: Request) -> Response:
-    """Say whether a kernel is being compiled: then answers take long, once."""
-    return JSONResponse({"compiling": request.app.state.is_compiling})
 
 
 async def _run(request: Request) -> Response:

@@ -19,7 +19,7 @@ import numpy as np
 from latolato.app import STATIC
 from latolato.app.blocks import pack
 from latolato.app.forms import registry
-from latolato.app.given import MOST_SAMPLES
+from latolato.app.run_request import MOST_SAMPLES
 from latolato.app.runs import about, arrays_of
 from latolato.core.errors import InputError, import_extra
 from latolato.scenario.scenario import Scenario
@@ -79,9 +79,12 @@ def block_of(run: xr.Dataset) -> bytes:
         raise InputError("play needs a run: what simulate or load returned")
     thinned = run.isel(time=slice(None, None, -(-run.sizes["time"] // MOST_SAMPLES)))
     scenario = Scenario.from_dict(json.loads(run.attrs["scenario"]))
-    said = about(scenario, thinned)
-    kept = {name: said["attributes"][name] for name in _ATTRIBUTES if name in said["attributes"]}
-    return pack({**said, "attributes": kept}, arrays_of(scenario, thinned, _COLUMNS, np.float32))
+    description = about(scenario, thinned)
+    attributes = description["attributes"]
+    kept = {name: attributes[name] for name in _ATTRIBUTES if name in attributes}
+    return pack(
+        {**description, "attributes": kept}, arrays_of(scenario, thinned, _COLUMNS, np.float32)
+    )
 
 
 def picture_of(run: xr.Dataset) -> str:
@@ -167,16 +170,16 @@ def modules() -> list[tuple[str, str]]:
     """Return path and source of each module of the player, after those that it names."""
     sources: dict[str, str] = {}
     names: dict[str, list[str]] = {}
-    wanted = [ENTRY]
-    while wanted:
-        path = wanted.pop()
+    paths = [ENTRY]
+    while paths:
+        path = paths.pop()
         if path in sources:
             continue
         source = _content() if path == CONTENT else (STATIC / path).read_text(encoding="utf-8")
         folder = PurePosixPath(path).parent
         names[path] = [_joined(folder, match["path"]) for match in _NAMED.finditer(source)]
         sources[path] = _NAMED.sub(partial(_placed, folder), source)
-        wanted += names[path]
+        paths += names[path]
     return [(path, sources[path]) for path in TopologicalSorter(names).static_order()]
 
 

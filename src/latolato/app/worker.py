@@ -25,7 +25,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
-from latolato.core.errors import InputError, said_of
+from latolato.core.errors import InputError
+from latolato.core.faults import line_of
 from latolato.io.progress import compiling
 from latolato.simulation.summary import plain
 
@@ -67,7 +68,7 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
         if isinstance(error, InputError):
             tell({"error": error.worded("{parameter}"), "parameter": error.parameter})
         else:
-            tell({"error": said_of(error)})
+            tell({"error": line_of(error)})
     else:
         texts = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
         tell({"done": {**result, "warnings": list(dict.fromkeys(texts))}})

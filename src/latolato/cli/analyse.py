@@ -59,7 +59,7 @@ def run(
     *,
     as_json: bool,
 ) -> None:
-    """Run an analysis, write what is asked for and print its answer."""
+    """Run an analysis, write its files and print its answer."""
     from latolato.analysis.summary import as_lines, summarise
 
     begun = time.perf_counter()

@@ -26,7 +26,7 @@ from latolato.cli.sweep import sweep
 from latolato.cli.synthesise import synthesise
 from latolato.cli.track import track
 from latolato.cli.trials import trials
-from latolato.core.errors import refusal_of, report_of
+from latolato.core.faults import refusal_of, report_of
 from latolato.scenario.scenario import find, load_scenario, scenarios
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.

@@ -21,7 +21,7 @@ PICTURES = (".png", ".svg", ".pdf")
 
 @dataclass(frozen=True)
 class Targets:
-    """The files that a command is asked to write: its result, and a picture of it."""
+    """The files that a command writes: its result, and a picture of it."""
 
     output: Path | None = None
     plot: Path | None = None
@@ -67,7 +67,7 @@ class Targets:
 
 @dataclass(frozen=True)
 class Animation:
-    """The animation that a command is asked to write."""
+    """The animation that a command writes."""
 
     path: Path | None
     speed: float

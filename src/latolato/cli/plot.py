@@ -43,7 +43,8 @@ def plot(
         ),
     ] = None,
     overlay: Annotated[
-        list[str] | None, typer.Option(help="tongue or lift_off.", rich_help_panel="Maps")
+        list[str] | None,
+        typer.Option(help="Curve over the map: tongue or lift_off.", rich_help_panel="Maps"),
     ] = None,
     points: Annotated[
         Path | None,

@@ -40,7 +40,7 @@ def simulate(
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:
-    """Run one scenario, or a system given by options, and write what is asked for.
+    """Run one scenario, or a system given by options, and write its files.
 
     Options replace what the scenario says. Quantities may carry a unit: "24.5 cm", "20 deg",
     "1.6 Hz"; without one they are in SI units. Existing files are replaced.
@@ -96,7 +96,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Look for no garbage: while modules load, that costs a sixth of a short command's time."""
+    """Turn off garbage collection, a sixth of a short command's time while modules load."""
     gc.disable()
     try:
         yield

@@ -1,4 +1,4 @@
-"""`latolato sweep`: many trajectories, and how far a store of them is."""
+"""`latolato sweep`: many trajectories, and the progress of a store of them."""
 
 from __future__ import annotations
 
@@ -42,13 +42,14 @@ def sweep(
         Path | None, typer.Option("--from", help="Run the sweep of a store or of a .nc file again.")
     ] = None,
     status: Annotated[
-        Path | None, typer.Option(help="Say how far the sweep in this store is, and nothing else.")
+        Path | None,
+        typer.Option(help="Only print the progress of the sweep in this store."),
     ] = None,
     verify: Annotated[
         Path | None,
         typer.Option(
             metavar="STORE",
-            help="Read everything in a store and say what is damaged; exit code 1 if anything is.",
+            help="Read everything in a store and list what is damaged; exit code 1 if anything is.",
         ),
     ] = None,
     axis: Annotated[
@@ -105,7 +106,7 @@ def sweep(
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:
-    """Run a map of many trajectories over any parameters, and write what is asked for.
+    """Run a map of many trajectories over any parameters, and write its files.
 
     Options replace what the scenario says: an axis one that varies the same thing, a value one
     that it fixes. A store is resumed; other existing files are replaced. Ctrl-C stops.
@@ -259,7 +260,7 @@ def _move(tables: dict[str, Any], changed: Changes) -> None:
 def run(
     plan: Plan, executor: str, options: Mapping[str, Any], targets: SweepTargets, *, as_json: bool
 ) -> None:
-    """Run a plan, write what is asked for and print a summary."""
+    """Run a plan, write its files and print a summary."""
     from latolato.io.progress import SweepProgress
     from latolato.simulation.summary import summarise_sweep
     from latolato.sweeps import run_plan

@@ -56,15 +56,15 @@ def synthesise(
     scene: Annotated[
         list[str] | None,
         typer.Option(
-            help='What is seen: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given several '
-            "times.",
+            help='Part of the scene: "ball_colour = #2b6cb0", "rod_width = 1 mm". May be given '
+            "several times.",
             rich_help_panel="Filming",
         ),
     ] = None,
     camera: Annotated[
         list[str] | None,
         typer.Option(
-            help='How the camera is: "fps = 120", "roll = 3 deg". May be given several times.',
+            help='Property of the camera: "fps = 120", "roll = 3 deg". May be given several times.',
             rich_help_panel="Filming",
         ),
     ] = None,

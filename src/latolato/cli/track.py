@@ -48,7 +48,7 @@ def track(
     limit: Annotated[
         list[str] | None,
         typer.Option(
-            help='What a video may ask for: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
+            help='What a video may need: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
         ),
     ] = None,
     workers: Annotated[

@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from latolato.cli.output import print_summary
-from latolato.core.errors import InputError, said_of
+from latolato.core.errors import InputError
+from latolato.core.faults import line_of
 from latolato.io.progress import bar
 
 # Share of the work that is tracking where an overlay or a report follow.
@@ -71,7 +72,7 @@ def run(jobs: Sequence[Job], workers: int | None, *, as_json: bool) -> int:
                 try:
                     summary = future.result()
                 except (InputError, OSError) as error:
-                    failed.append((job.video, said_of(error)))
+                    failed.append((job.video, line_of(error)))
                     continue
                 results.append(summary)
                 if not as_json:
@@ -137,7 +138,7 @@ def _child(job: Job, pipe: Connection) -> None:
             warnings.simplefilter("ignore")
             pipe.send(("done", work(job, tell)))
     except Exception as error:
-        pipe.send(("failed", said_of(error)))
+        pipe.send(("failed", line_of(error)))
     except KeyboardInterrupt:
         pass
     finally:
@@ -145,7 +146,7 @@ def _child(job: Job, pipe: Connection) -> None:
 
 
 def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
-    """Track one video, write what is asked for and return the summary."""
+    """Track one video, write its files and return the summary."""
     from latolato.experiment import track
     from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
     from latolato.experiment.track_table import write_table

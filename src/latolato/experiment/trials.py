@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.atomic import checked_path
-from latolato.core.errors import InputError, said_of
+from latolato.core.errors import InputError
+from latolato.core.faults import line_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
@@ -318,7 +319,7 @@ def _row(
             table = _tracked(file, of_video) if is_video else read_table(file)
         row = trial_of(table, **of_trial)
     except Exception as error:
-        return said_of(error).removeprefix(f"{file}: ")
+        return line_of(error).removeprefix(f"{file}: ")
     row["source"] = row["source"] or (file.name if isinstance(file, Path) else "")
     return row
 

@@ -144,7 +144,7 @@ class Video:
                     raise InputError(
                         f"time stamps must increase, frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
-                        way_out="write the file anew, e.g. with ffmpeg -c copy",
+                        way_out="write the file again, e.g. with ffmpeg -c copy",
                     )
                 self.limits.check("frames", number + 1, f"{number + 1} frames are there")
                 if time > until:

@@ -1,8 +1,7 @@
-"""Lines along which the values of a map are equal, and round levels for them."""
+"""Lines along which the values of a map are equal."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -17,13 +16,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-# About so many levels are chosen.
-_USUAL = 6
-_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
-# Steps of angles in degrees: parts of a turn.
-_DEGREES = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
-# Levels of a logarithmic scale over fewer decades are 1, 2, 5, 10 ..., over more powers of ten.
-_FEW_DECADES = 2.5
 # Where along a line its value may stand, and how far from others in shares of the picture.
 _PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 _APART = np.array([0.07, 0.06])
@@ -36,50 +28,6 @@ class Line:
     level: float
     x: Floats
     y: Floats
-
-
-def round_levels(
-    low: float, high: float, *, unit: tuple[str, float] = ("", 1.0), log: bool = False
-) -> list[float]:
-    """Return about six round numbers between two values, the ends left out.
-
-    Parameters
-    ----------
-    unit : tuple of str and float
-        The unit in which they are round, and how many SI units it is.
-
-    Examples
-    --------
-    >>> round_levels(0.03, 2.9)
-    [0.5, 1.0, 1.5, 2.0, 2.5]
-    >>> [round(math.degrees(v)) for v in round_levels(0, 3, unit=("deg", math.pi / 180))]
-    [30, 60, 90, 120, 150]
-    >>> round_levels(0.003, 700.0, log=True)
-    [0.01, 0.1, 1.0, 10.0, 100.0]
-    """
-    name, size = unit
-    first, last = low / size, high / size
-    if not (math.isfinite(first) and math.isfinite(last) and first < last):
-        return []
-    if log and first > 0.0:
-        return [level * size for level in _powers(first, last)]
-    rough = (last - first) / _USUAL
-    power = 10.0 ** math.floor(math.log10(rough))
-    steps = _DEGREES if name == "deg" and 0.5 < rough < 360.0 else [s * power for s in _STEPS]
-    step = min(steps, key=lambda each: abs(math.log(each / rough)))
-    numbers = np.arange(math.floor(first / step) + 1, math.ceil(last / step))
-    # Written with few digits, so that 3 steps of 0.1 are 0.3.
-    return [float(f"{number * step:.10g}") * size for number in numbers.tolist()]
-
-
-def _powers(first: float, last: float) -> list[float]:
-    """Return round numbers that are evenly spaced in their logarithm."""
-    decades = math.log10(last / first)
-    digits = (1, 2, 5) if decades < _FEW_DECADES else (1,)
-    step = max(1, math.floor(decades / _USUAL + 0.5))
-    powers = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
-    values = [float(f"{d}e{k}") for k in powers if k % step == 0 for d in digits]
-    return [value for value in values if first < value < last]
 
 
 def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str) -> Any:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from latolato.app.given import TooLargeError
+from latolato.app.run_request import TooLargeError
 from latolato.figures.analyses.question import question_of
 
 # Most steps of all motions together: minutes of work on two cores.
@@ -32,8 +32,9 @@ def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> No
     steps = steps_of(function, arguments)
     if steps > MOST_STEPS:
         raise TooLargeError(
-            f"this would take some {steps:.1g} steps, the limit is {MOST_STEPS:.0e}: ask for fewer "
-            "points, values or periods"
+            f"a question may take about {MOST_STEPS:.0e} steps at most",
+            value=float(f"{steps:.1g}"),
+            way_out="ask for fewer points, values or periods",
         )
 
 

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.words import OPTION_WORDS
-from latolato.app.given import RunRequest, options_of
+from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import Cost, all_questions
 

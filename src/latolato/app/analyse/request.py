@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.forms import own_options
-from latolato.app.given import MOST_LISTED, RunRequest, TooLargeError
 from latolato.app.lines import constructor, literal
+from latolato.app.run_request import MOST_LISTED, RunRequest, TooLargeError
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:

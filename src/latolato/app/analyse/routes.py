@@ -15,8 +15,8 @@ from latolato.app.analyse.forms import about_request, forms
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack_files
-from latolato.app.given import RunRequest
 from latolato.app.jobs import Job, serve_job
+from latolato.app.run_request import RunRequest
 from latolato.core.errors import InputError
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.given import options_of
+from latolato.app.run_request import options_of
 from latolato.core.errors import InputError
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.result import Fit, quantity_of

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from latolato.app.given import TooLargeError
+from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_choice
 

@@ -22,8 +22,8 @@ from starlette.websockets import WebSocket
 from latolato.app.answers import answered, json_of, refusal, status_of
 from latolato.app.experiment.jobs import prepare, trial_rows
 from latolato.app.experiment.store import COPY, FILES, Clip, Desk, Store
-from latolato.app.given import TooLargeError
 from latolato.app.jobs import GONE, serve_job
+from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 
 

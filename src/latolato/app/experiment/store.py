@@ -16,9 +16,9 @@ from urllib.parse import unquote
 
 import anyio
 
-from latolato.app.given import TooLargeError
 from latolato.app.processes import Limits as ProcessLimits
 from latolato.app.processes import Workers
+from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
 

@@ -17,13 +17,19 @@ import numpy as np
 from latolato.app.blocks import pack_files
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import quantity_of, units_of
-from latolato.app.given import RunRequest, TooLargeError
 from latolato.app.jobs import Job
-from latolato.app.map.stored import MOST_CELLS, drawing_of, opened, path_of
+from latolato.app.map.stored import (
+    MOST_CELLS,
+    check_variable,
+    drawing_of,
+    opened,
+    path_of,
+    with_spacing,
+)
+from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
-from latolato.core.registry import checked_number, suggest
-from latolato.figures.sides import spaced
+from latolato.core.registry import checked_number
 from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -42,7 +48,7 @@ MOST_LEVELS = 20
 _BALLS = ("right", "left")
 
 
-def prepare(known: Mapping[str, Path], given: Any) -> Job:
+def prepare(known: Mapping[str, Path], body: Any) -> Job:
     """Return the job that makes a file of the map on show.
 
     A page sends its `kind`; `stored`, the name of a stored map, or the `options` and the `sweep`
@@ -54,19 +60,19 @@ def prepare(known: Mapping[str, Path], given: Any) -> Job:
     InputError
         For bad input.
     """
-    if not isinstance(given, Mapping):
-        raise InputError("a request must be an object", value=given)
-    kind = given.get("kind")
+    if not isinstance(body, Mapping):
+        raise InputError("a request must be an object", value=body)
+    kind = body.get("kind")
     if kind not in KINDS:
-        raise InputError(f"a map is stored as {', '.join(KINDS)}, not as {kind!r}")
-    if not isinstance(given.get("observable"), str):
-        raise InputError(f"observable must be a text, got {given.get('observable')!r}")
-    _check_look(given)
-    request = dict(given)
-    if given.get("stored") is not None:
-        request["path"] = str(path_of(known, given["stored"]))
+        raise InputError(f"must be one of {', '.join(KINDS)}", parameter="kind", value=kind)
+    if not isinstance(body.get("observable"), str):
+        raise InputError("must be a text", parameter="observable", value=body.get("observable"))
+    _check_look(body)
+    request = dict(body)
+    if body.get("stored") is not None:
+        request["path"] = str(path_of(known, body["stored"]))
     else:
-        scenario_of(given).plan()
+        scenario_of(body).plan()
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         return pack_files({**about, "type": KINDS[kind]}, {"file": folder / about["file"]})
@@ -74,7 +80,7 @@ def prepare(known: Mapping[str, Path], given: Any) -> Job:
     return Job("map_file", request, finish)
 
 
-def scenario_of(given: Mapping[str, Any]) -> Scenario:
+def scenario_of(body: Mapping[str, Any]) -> Scenario:
     """Return the sweep of a map that a page computed; no file is read for it.
 
     Raises
@@ -82,18 +88,18 @@ def scenario_of(given: Mapping[str, Any]) -> Scenario:
     InputError
         For bad input.
     """
-    sweep = given.get("sweep")
+    sweep = body.get("sweep")
     if not isinstance(sweep, Mapping):
         raise InputError("must be an object", parameter="sweep", value=sweep)
     axes, watched = sweep.get("axes"), sweep.get("observables")
     if not isinstance(axes, Mapping) or len(axes) != 2 or not all(map(_are_numbers, axes.values())):
-        raise InputError("axes of a map must be two lists of numbers")
+        raise InputError("must be two lists of numbers", parameter="axes")
     count = int(np.prod([len(values) for values in axes.values()]))
     if count > MOST_CELLS:
-        raise TooLargeError(f"width x height must not exceed {MOST_CELLS} cells, got {count}")
+        raise TooLargeError(f"width x height must not exceed {MOST_CELLS} cells", value=count)
     if not isinstance(watched, list) or not all(map(_is_observable, watched)):
-        raise InputError("observables must be a list of objects with a kind and numbers")
-    base = RunRequest.from_json({"options": given.get("options")}).to_scenario()
+        raise InputError("must be objects with a kind and numbers", parameter="observables")
+    base = RunRequest.from_json({"options": body.get("options")}).to_scenario()
     return Scenario.from_dict({**base.to_dict(), "sweep": dict(sweep)})
 
 
@@ -128,18 +134,12 @@ class Shown:
 
         if self.path is not None:
             return drawing_of(self.grid, variable, self.request)
-        if variable not in self.grid:
-            raise InputError(
-                f"unknown observable '{variable}': {suggest(variable, list(map(str, self.grid)))}"
-            )
+        check_variable(self.grid, variable)
         inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
         select = {d: value for d, value in inner.items() if d in self.grid[variable].dims}
         _, right = self.request["sweep"]["axes"]
         drawing = Drawing(self.grid, variable, log=False, select=select, right=right)
-        y, x = drawing.sides
-        log = self.request.get
-        drawing.sides = [spaced(y, log("ylog")), spaced(x, log("xlog"))]
-        return drawing
+        return with_spacing(drawing, self.request)
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
@@ -155,8 +155,9 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
         shown = Shown(grid, request)
     if shown.grid.nbytes > MOST_BYTES:
         raise TooLargeError(
-            f"this sweep has {shown.grid.nbytes / 1e6:.0f} MB, the limit of a download is "
-            f"{MOST_BYTES / 1e6:.0f} MB: copy its file instead"
+            f"a download must not exceed {MOST_BYTES / 1e6:.0f} MB",
+            value=shown.grid.nbytes / 1e6,
+            way_out="copy the file of this sweep instead",
         )
     target = folder / f"map.{'zip' if kind == 'zarr' else kind}"
     if kind in ("png", "svg"):
@@ -166,12 +167,12 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
     else:
         from latolato.io.files import save
 
-        save(_told(shown), target)
+        save(_with_note(shown), target)
     return {"file": target.name, "missing": shown.missing}
 
 
-def _told(shown: Shown) -> Any:
-    """Return the dataset; one that is not finished says so."""
+def _with_note(shown: Shown) -> xr.Dataset:
+    """Return the dataset; one that is not finished has a note of that."""
     if not shown.missing:
         return shown.grid
     total = shown.grid["status"].size
@@ -189,8 +190,8 @@ def _store_of(shown: Shown, folder: Path) -> Path:
         return shown.path
     if shown.missing:
         raise InputError(
-            f"{shown.missing} points are not computed yet: a store holds whole maps; let it "
-            "finish, or take NetCDF"
+            f"a store holds whole maps; {shown.missing} points are not computed yet",
+            way_out="let the sweep finish, or take NetCDF",
         )
     if "rounding" not in shown.grid.attrs:
         raise InputError(
@@ -216,33 +217,35 @@ def _zip(path: Path, target: Path) -> None:
                 archive.write(each, f"{path.name}/{each.relative_to(path).as_posix()}")
 
 
-def _check_look(given: Mapping[str, Any]) -> None:
+def _check_look(body: Mapping[str, Any]) -> None:
     """Raise InputError unless a picture can look as a page asks."""
-    overlays, trials = given.get("overlays") or [], given.get("trials")
+    overlays, trials = body.get("overlays") or [], body.get("trials")
     if not isinstance(overlays, list) or not all(isinstance(name, str) for name in overlays):
-        raise InputError(f"overlays must be a list of names, got {overlays!r}")
+        raise InputError("must be a list of names", parameter="overlays", value=overlays)
     if trials is not None and (not isinstance(trials, str) or len(trials) > MOST_TRIALS):
-        raise InputError("trials must be the text of a trial table")
-    scale = given.get("scale") or SCALES[0]
+        raise InputError("must be the text of a trial table", parameter="trials")
+    scale = body.get("scale") or SCALES[0]
     if scale not in SCALES:
-        raise InputError(f"unknown scale {scale!r}: {suggest(str(scale), list(SCALES))}")
-    limits, ball = given.get("limits"), given.get("ball")
+        raise InputError(f"must be one of {', '.join(SCALES)}", parameter="scale", value=scale)
+    limits, ball = body.get("limits"), body.get("ball")
     if limits is not None and (not isinstance(limits, list) or len(limits) != 2):
-        raise InputError(f"limits must be two numbers, got {limits!r}")
+        raise InputError("must be two numbers", parameter="limits", value=limits)
     for value in limits or ():
         checked_number("limits", value, ANY, "SI")
     if ball is not None and ball not in _BALLS:
-        raise InputError(f"ball must be right or left, got {ball!r}")
-    contours = given.get("contours")
+        raise InputError("must be right or left", parameter="ball", value=ball)
+    contours = body.get("contours")
     if contours is None:
         return
     if not isinstance(contours, Mapping) or not isinstance(contours.get("observable"), str):
-        raise InputError(f"contours must be an object with an observable, got {contours!r}")
+        raise InputError(
+            "must be an object with an observable", parameter="contours", value=contours
+        )
     levels = contours.get("levels")
     if not isinstance(levels, list) or not levels:
-        raise InputError(f"levels must be a list of numbers, got {levels!r}")
+        raise InputError("must be a list of numbers", parameter="levels", value=levels)
     if len(levels) > MOST_LEVELS:
-        raise TooLargeError(f"at most {MOST_LEVELS} contour lines, got {len(levels)} levels")
+        raise TooLargeError(f"there may be at most {MOST_LEVELS} levels", value=len(levels))
     for value in levels:
         checked_number("a level", value, ANY, "SI")
 

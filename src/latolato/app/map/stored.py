@@ -11,8 +11,8 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.forms import quantity_of, shown_variable, units_of
-from latolato.app.given import TooLargeError, options_of
 from latolato.app.jobs import Job
+from latolato.app.run_request import TooLargeError, options_of
 from latolato.core.errors import InputError
 from latolato.core.parameters import law_parameters
 from latolato.core.quantities import Quantity
@@ -73,7 +73,7 @@ def opened(path: Path) -> xr.Dataset:
         return load(path)
 
 
-def prepare(known: Mapping[str, Path], given: Any) -> Job:
+def prepare(known: Mapping[str, Path], body: Any) -> Job:
     """Return the job that opens a map.
 
     A page sends `stored`, the map's name, and may send `observable`, `select`, the number of the
@@ -84,14 +84,14 @@ def prepare(known: Mapping[str, Path], given: Any) -> Job:
     InputError
         If no such map was named.
     """
-    if not isinstance(given, Mapping):
-        raise InputError("a request must be an object", value=given)
-    path = path_of(known, given.get("stored"))
+    if not isinstance(body, Mapping):
+        raise InputError("a request must be an object", value=body)
+    path = path_of(known, body.get("stored"))
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         return (folder / _BLOCK).read_bytes()
 
-    return Job("open_map", {**given, "path": str(path)}, finish)
+    return Job("open_map", {**body, "path": str(path)}, finish)
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
@@ -250,11 +250,11 @@ def _description(grid: xr.Dataset, drawing: Drawing) -> str:
     """Return what a map is of, symbols as TeX: what does not vary, its points, who computed it."""
     height, width = drawing.values.shape
     missing = int(np.sum(drawing.status < 0))
-    told = [*drawing.title, f"{width} by {height} points"]
+    parts = [*drawing.title, f"{width} by {height} points"]
     if missing:
-        told.append(f"{missing} of them not computed")
+        parts.append(f"{missing} of them not computed")
     version = grid.attrs.get("latolato_version")
-    return ", ".join([*told, *([f"computed by latolato {version}"] if version else [])]) + "."
+    return ", ".join([*parts, *([f"computed by latolato {version}"] if version else [])]) + "."
 
 
 def _checked(select: Any) -> dict[str, int]:
@@ -277,15 +277,15 @@ def _selected(
     grid: xr.Dataset, variable: str, select: Any
 ) -> tuple[xr.Dataset, list[dict[str, Any]]]:
     """Return the part of a dataset with two dimensions, and what else may be taken."""
-    given = _checked(select or {})
+    indices = _checked(select or {})
     own = _dims(grid, variable)
     rest = [str(d) for d in grid[variable].dims if str(d) not in own[-2:]]
-    told = []
+    choices = []
     for dim in rest:
-        index = min(given.get(dim, 0), grid.sizes[dim] - 1)
+        index = min(indices.get(dim, 0), grid.sizes[dim] - 1)
         labels = grid[dim].values if dim in grid.coords else np.arange(grid.sizes[dim])
         about = grid[dim].attrs if dim in grid.coords else {}
-        told.append(
+        choices.append(
             {
                 "dim": dim,
                 "index": index,
@@ -295,7 +295,7 @@ def _selected(
             }
         )
         grid = grid.isel({dim: index})
-    return grid, told
+    return grid, choices
 
 
 def drawing_of(grid: xr.Dataset, variable: str, request: Mapping[str, Any]) -> Drawing:
@@ -309,16 +309,25 @@ def drawing_of(grid: xr.Dataset, variable: str, request: Mapping[str, Any]) -> D
     """
     from latolato.figures.map import Drawing
 
-    if variable not in grid:
-        raise InputError(
-            f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
-        )
+    check_variable(grid, variable)
     grid, _ = _selected(grid, variable, request.get("select"))
     sizes = grid[variable].sizes
     if int(np.prod(list(sizes.values()))) > MOST_CELLS:
         text = " x ".join(str(n) for n in sizes.values())
-        raise TooLargeError(f"this map has {text} points, the limit on a page is {MOST_CELLS}")
+        raise TooLargeError(f"a map on a page has at most {MOST_CELLS} points, this one {text}")
     drawing = Drawing(grid, variable, log=False, select={})
+    return with_spacing(drawing, request)
+
+
+def check_variable(grid: xr.Dataset, variable: str) -> None:
+    """Raise InputError unless a sweep has a variable of this name."""
+    if variable not in grid:
+        known = suggest(variable, list(map(str, grid)))
+        raise InputError(f"unknown observable '{variable}': {known}")
+
+
+def with_spacing(drawing: Drawing, request: Mapping[str, Any]) -> Drawing:
+    """Return a drawing whose axes are linear or logarithmic as a page asks, or as they are."""
     y, x = drawing.sides
     drawing.sides = [spaced(y, request.get("ylog")), spaced(x, request.get("xlog"))]
     return drawing

@@ -1,4 +1,4 @@
-/** A view in another page's frame: what the page around it is told, and what it may ask for. */
+/** A view in a frame of another page: the messages that it sends to that page and takes from it. */
 
 import { format } from "./shared/state.js";
 
@@ -9,7 +9,7 @@ const TYPE = "latolato";
 const LONGEST = 1000;
 
 /**
- * Return the scenario and the options that a message asks for, null for what is no such message.
+ * Return the scenario and the options that a message asks for, null for other messages.
  * @param {any} registry
  * @param {any} data `{type: "latolato", scenario, options}`; scenario may be missing or null
  * @returns {{scenario: string | null, options: Record<string, string>} | null}

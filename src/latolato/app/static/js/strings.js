@@ -206,7 +206,7 @@ export const STRINGS = {
   mapFileHint_png: "picture with axes, colours and curves",
   mapFileHint_svg: "the same, for print",
   mapFilesHint: "The page writes the first two. The program computes the map once more for the others, and "
-    + "stores all that is computed together.",
+    + "stores all observables that are computed together.",
   mapFilesProgram: "The installed program also stores NetCDF, Zarr and figures for print, and opens stored "
     + "maps: “latolato app --open FILE”.",
   mapFilesNone: "There is no map yet.",
@@ -215,7 +215,7 @@ export const STRINGS = {
   mapBegins: "Starting …",
   mapLong: "This map takes about {time}. Compute it?",
   mapRestarted: "A part of the computation ended unexpectedly ({message}) and was started again.",
-  mapStoredProgram: "Stored maps are opened by the installed program: “latolato app --open FILE”.",
+  mapStoredProgram: "The installed program opens stored maps: “latolato app --open FILE”.",
   mapRate: "{percent} %, {rate} runs/s, {left} s left",
   mapDone: "{points} runs in {seconds} s, {rate} runs/s",
   mapDonePart: "{all} points, {points} of them new: {seconds} s, {rate} runs/s",
@@ -247,7 +247,6 @@ export const STRINGS = {
   runStopped: "The run was stopped.",
   workerAgain: "The computation failed and was started again.",
   workerGone: "the computation failed twice; reload the page",
-  preparing: "Preparing this combination for your processor: 10 to 30 s, once only …",
   cancel: "Cancel",
   job_bar: "How far the work is",
   job_waiting: "Waiting for other work to end …",

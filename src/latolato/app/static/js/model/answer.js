@@ -1,4 +1,4 @@
-/** What becomes of a request for a run: a block, how long it takes if that is long, or what is wrong. */
+/** The answer to a request for a run: a block, its duration if that is long, or an error. */
 
 import { blockOf } from "./block.js";
 import { loadRegistry } from "./registry.js";
@@ -11,7 +11,7 @@ import { run, secondsOf } from "./simulate.js";
 /** @typedef {{number: number, block?: import("../shared/block.js").Block, seconds?: number,
  *   fault?: {message: string, about: any, isBeyond: boolean}}} Answer */
 
-// A longer run is computed if whoever wants it agrees.
+// A longer run is computed if the user agrees.
 const LONG = 60; // s
 
 /**

@@ -1,4 +1,4 @@
-/** Runs that the page asks for, computed in a worker, or in the page where it may have none. */
+/** Runs for the page, computed in a worker, or in the page itself where workers are refused. */
 
 import { askBlock } from "../shared/api.js";
 import { tell } from "../shared/dom.js";
@@ -21,7 +21,7 @@ export const MOST_SAMPLES = 30_000;
 // A run may take so long before a newer one ends it.
 const PATIENCE = 200; // ms
 
-/** A run that takes longer than a minute, to which nobody has agreed. */
+/** A run that takes longer than a minute and that the user has not agreed to. */
 export class LongRunError extends Error {
   /** @param {number} seconds */
   constructor(seconds) {
@@ -31,7 +31,7 @@ export class LongRunError extends Error {
   }
 }
 
-/** Takes the place of a worker in pages that may have none. */
+/** Takes the place of a worker in pages where workers are refused. */
 class Inline {
   /** @param {(answer: Answer) => void} receive */
   constructor(receive) {

@@ -365,7 +365,7 @@ function valueAt(times, values, time) {
  * @param {ArrayLike<number>} values
  * @param {ArrayLike<number>} wanted
  */
-export function resampled(times, values, wanted) {
+function resampled(times, values, wanted) {
   const result = new Float64Array(wanted.length);
   let i = 0;
   for (let k = 0; k < wanted.length; k += 1) {

@@ -85,7 +85,7 @@ export function fitCanvas(canvas, draw) {
 }
 
 /**
- * Make the children of an element anew if what they show has changed: others keep the focus.
+ * Rebuild the children of an element if their content has changed; otherwise they keep the focus.
  * @param {HTMLElement} place
  * @param {any} content
  * @param {() => (Node | string)[]} make

@@ -1,4 +1,4 @@
-/** A player in a page of others, as in notebooks: its root, its style, and the theme around it. */
+/** A player in another page, such as a notebook: its root, its style, and the theme around it. */
 
 import { contentOf } from "../kernels/content.js";
 import { LongRunError, Runner } from "../model/client.js";
@@ -105,7 +105,7 @@ export class Inset {
     });
   }
 
-  /** Take the player away. */
+  /** Remove the player. */
   leave() {
     this.unfollow();
     this.runner?.end();
@@ -115,11 +115,11 @@ export class Inset {
 }
 
 /**
- * Return the theme around an element: as JupyterLab and VS Code say it, else dark where text is
+ * Return the theme around an element: as JupyterLab and VS Code name it, else dark where text is
  * light; null for an element that is not in the page.
  * @param {Element} element
  */
-export function themeAround(element) {
+function themeAround(element) {
   const { body } = document;
   if (body.dataset.jpThemeLight) return body.dataset.jpThemeLight === "true" ? "light" : "dark";
   if (body.classList.contains("vscode-dark")) return "dark";
@@ -135,10 +135,10 @@ export function themeAround(element) {
 }
 
 /**
- * Keep the theme of an element that of the page around it; returns what ends that.
+ * Keep the theme of an element like that of the page around it; returns a function that ends this.
  * @param {HTMLElement} host
  */
-export function followTheme(host) {
+function followTheme(host) {
   const follow = () => {
     const theme = themeAround(host);
     if (!theme || theme === host.dataset.theme) return;
@@ -148,7 +148,7 @@ export function followTheme(host) {
   const page = new MutationObserver(follow);
   for (const element of [document.documentElement, document.body])
     page.observe(element, { attributes: true });
-  // The element comes into the page, or out of a hidden cell.
+  // The element enters the page or becomes visible.
   const size = new ResizeObserver(follow);
   size.observe(host);
   const system = matchMedia("(prefers-color-scheme: dark)");

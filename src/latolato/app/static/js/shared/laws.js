@@ -17,7 +17,7 @@ export const START = ["initial_angle", "initial_offset", "initial_angular_veloci
  * @param {string} drive
  * @returns {string[]}
  */
-export function optionsFor(registry, system, drive) {
+function optionsFor(registry, system, drive) {
   return [...registry.systems[system].options, ...registry.drives[drive].options];
 }
 

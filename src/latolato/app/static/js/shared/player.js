@@ -65,7 +65,7 @@ export function summed(motion, name) {
 }
 
 /** How many balls one row of the ledger stands for. */
-export function ballsPerLedger(/** @type {Motion} */ motion) {
+function ballsPerLedger(/** @type {Motion} */ motion) {
   return motion.balls.length > 1 && motion.balls.every((b) => b.row === 0) ? 2 : 1;
 }
 

@@ -1,4 +1,4 @@
-"""What pages are told of refused input and of faults of the program."""
+"""Answers of the server and of workers to refused input and to faults of the program."""
 
 from pathlib import Path
 
@@ -13,8 +13,8 @@ from latolato.core.errors import InputError
 @pytest.fixture
 def client():
     app = make_app(Settings(host="127.0.0.1", port=80))
-    with TestClient(app, base_url="http://127.0.0.1") as found:
-        yield found
+    with TestClient(app, base_url="http://127.0.0.1") as client:
+        yield client
 
 
 def fail(*_, **__):
@@ -25,28 +25,28 @@ def test_a_fault_is_a_500_with_one_sentence_and_its_traceback_in_a_file(client, 
     monkeypatch.setattr(forms, "registry", fail)
     answer = client.get("/registry.json")
     assert answer.status_code == 500
-    said = answer.json()
-    assert said["field"] is None
-    assert said["error"].startswith("internal error (ValueError)")
-    path = Path(said["error"].split("'")[1])
+    message = answer.json()
+    assert message["field"] is None
+    assert message["error"].startswith("internal error (ValueError)")
+    path = Path(message["error"].split("'")[1])
     try:
         assert "ValueError: of a library" in path.read_text()
     finally:
         path.unlink()
 
 
-def test_a_refusal_is_told_in_the_words_of_the_page(client):
+def test_a_refusal_names_the_field_in_the_words_of_the_page(client):
     options = {"drive": "harmonic", "drive_amplitude": "x", "drive_frequency": "6"}
     answer = client.post("/api/run", json={"scenario": "fig02", "options": options})
     assert answer.status_code == 422
-    told = answer.json()
-    assert told["field"] == "drive_amplitude"
-    assert told["error"].startswith("“driving amplitude” must be given in m")
-    assert "_" not in told["error"]
+    message = answer.json()
+    assert message["field"] == "drive_amplitude"
+    assert message["error"].startswith("“driving amplitude” must be given in m")
+    assert "_" not in message["error"]
 
 
 @pytest.mark.parametrize(
-    "error, said",
+    "error, begin",
     [
         (InputError("must be less", parameter="length"), "length must be less"),
         (FileNotFoundError(2, "No such file", "x.nc"), "No such file: x.nc"),
@@ -55,7 +55,7 @@ def test_a_refusal_is_told_in_the_words_of_the_page(client):
         (RecursionError("deep"), "internal error (RecursionError)"),
     ],
 )
-def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path):
+def test_a_worker_distinguishes_refusals_from_faults(error, begin, monkeypatch, tmp_path):
     def compute(*_):
         raise error
 
@@ -64,6 +64,6 @@ def test_a_worker_tells_refusals_from_faults(error, said, monkeypatch, tmp_path)
     worker.run({"job": "analyse", "request": {}, "folder": str(tmp_path)}, answers.append)
     (answer,) = answers
     text = InputError(answer["error"], parameter=answer.get("parameter"))
-    assert str(text).startswith(said)
-    if "internal" in said:
+    assert str(text).startswith(begin)
+    if "internal" in begin:
         Path(answer["error"].split("'")[1]).unlink()

@@ -1,7 +1,7 @@
-"""What a page asks for, as flat options with units, and the scenario that it stands for.
+"""The request for a run: flat options with units, and the scenario that they stand for.
 
 A page, its URL, the command line and the Python lines on show all use the names and the texts of
-latolato.scenario.options`: ``{"length": "24.5 cm", "drive_frequency": "2.4 Hz"}``.
+`latolato.scenario.options`: ``{"length": "24.5 cm", "drive_frequency": "2.4 Hz"}``.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _WHOLE = re.compile(r"\s*[-+]?\d{1,18}\s*")
 
 
 class TooLargeError(InputError):
-    """What is asked for would keep the machine busy for too long."""
+    """A request that would keep the machine busy for too long, or need too much memory."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class RunRequest:
 
     @classmethod
     def from_json(cls, value: Any) -> RunRequest:
-        """Return what a page asks for.
+        """Return the request of a page.
 
         Raises
         ------
@@ -94,7 +94,9 @@ def option_value(option: Parameter, value: Any) -> Any:
         value = [part.strip() for part in value.split(",") if part.strip()]
     if isinstance(value, Sequence) and not isinstance(value, str):
         if len(value) > MOST_LISTED:
-            raise TooLargeError(f"{name} holds {len(value)} values, the limit is {MOST_LISTED}")
+            raise TooLargeError(
+                f"may hold at most {MOST_LISTED} values", parameter=name, value=len(value)
+            )
         if not all(isinstance(part, (str, int, float)) for part in value):
             raise InputError("must be a list of quantities", parameter=name)
         return list(value)
@@ -151,6 +153,7 @@ def check_size(scenario: Scenario) -> None:
     steps = end / step
     if not math.isfinite(steps) or steps > MOST_STEPS:
         raise TooLargeError(
-            f"the run would take {steps:.2g} steps, the limit is {MOST_STEPS:g}: shorten the "
-            "duration, loosen the tolerance or slow the drive"
+            f"a run here may take at most {MOST_STEPS:g} steps",
+            value=float(f"{steps:.2g}"),
+            way_out="shorten the duration, loosen the tolerance or slow the drive",
         )

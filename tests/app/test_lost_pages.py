@@ -1,4 +1,4 @@
-"""A page that goes at any moment ends its work and leaves no error on the server's terminal."""
+"""A page that is lost at any moment ends its work and leaves no error on the server's terminal."""
 
 import json
 import threading
@@ -45,26 +45,26 @@ FIRST = {
 JOBS = ("/ws/paper", "/ws/analyse", "/ws/map/file")
 
 
-class Unreachable:
-    """An app whose pages hear some frames, and then nothing more."""
+class Losing:
+    """An app whose pages receive some frames and are then lost."""
 
-    def __init__(self, app, heard):
-        self.app, self.heard = app, heard
+    def __init__(self, app, received):
+        self.app, self.received = app, received
         self.failed = threading.Event()
 
     async def __call__(self, scope, receive, send):
         sent = 0
 
-        async def lossy(message):
+        async def send_some(message):
             nonlocal sent
             if message["type"] in ("websocket.send", "websocket.close"):
                 sent += 1
-                if sent > self.heard:
+                if sent > self.received:
                     self.failed.set()
                     raise OSError("the page has gone")  # what uvicorn raises
             await send(message)
 
-        await self.app(scope, receive, lossy)
+        await self.app(scope, receive, send_some)
 
 
 @pytest.fixture
@@ -74,25 +74,25 @@ def app(tmp_path, monkeypatch):
     return make_app(Settings())
 
 
-def speak(lossy, path, given):
-    """Send the first frame, and go when a frame did not arrive; what the app raises is raised."""
-    client = TestClient(lossy, base_url=HOME, headers={"origin": HOME})
+def lose(app, path, frame):
+    """Send the first frame, wait until one to the page is lost; raise what the app raises."""
+    client = TestClient(app, base_url=HOME, headers={"origin": HOME})
     with client, client.websocket_connect(f"ws://127.0.0.1:8000{path}") as socket:
-        if given is not None:
-            socket.send_text(given if isinstance(given, str) else json.dumps(given))
-        assert lossy.failed.wait(timeout=60)
+        if frame is not None:
+            socket.send_text(frame if isinstance(frame, str) else json.dumps(frame))
+        assert app.failed.wait(timeout=60)
         yield
 
 
 @pytest.mark.parametrize("path", list(FIRST))
-def test_a_page_that_cannot_be_told_is_no_fault(app, path):
-    for _ in speak(Unreachable(app, 0), path, FIRST[path]):
+def test_a_page_that_is_lost_before_the_first_answer_is_no_fault(app, path):
+    for _ in lose(Losing(app, 0), path, FIRST[path]):
         pass
 
 
 @pytest.mark.parametrize("path", JOBS)
-def test_work_ends_when_its_page_cannot_be_told(app, path):
-    for _ in speak(Unreachable(app, 2), path, FIRST[path]):
+def test_work_ends_when_its_page_is_lost(app, path):
+    for _ in lose(Losing(app, 2), path, FIRST[path]):
         end = time.monotonic() + 20
         while (app.state.jobs.busy or app.state.jobs.limiter.borrowed_tokens) and (
             time.monotonic() < end
@@ -103,15 +103,15 @@ def test_work_ends_when_its_page_cannot_be_told(app, path):
 
 
 @pytest.mark.parametrize("path", ["/ws/paper", "/ws/map/file"])
-@pytest.mark.parametrize("given", ["{", "[3]", "{}"])
-def test_a_page_that_goes_before_it_is_refused_is_no_fault(app, path, given):
-    for _ in speak(Unreachable(app, 0), path, given):
+@pytest.mark.parametrize("frame", ["{", "[3]", "{}"])
+def test_a_page_that_is_lost_before_its_refusal_is_no_fault(app, path, frame):
+    for _ in lose(Losing(app, 0), path, frame):
         pass
 
 
 @pytest.mark.parametrize("most", [0, 4])
-def test_a_desk_of_clips_whose_page_goes_at_once_is_no_fault(most):
+def test_a_desk_of_clips_whose_page_is_lost_at_once_is_no_fault(most):
     app = make_app(Settings(clips=Allowance(desks=most)))
-    for _ in speak(Unreachable(app, 0), "/ws/experiment/desk", None):
+    for _ in lose(Losing(app, 0), "/ws/experiment/desk", None):
         pass
     assert not app.state.clips.desks

@@ -1,11 +1,10 @@
-"""What a page asks for becomes a scenario; what is too large or unknown is refused before work."""
+"""A request becomes a scenario; one that is too large or unknown is refused before any work."""
 
 import time
 
 import pytest
 
-from latolato.app.forms import registry
-from latolato.app.given import RunRequest, TooLargeError, check_size, options_of
+from latolato.app.run_request import RunRequest, TooLargeError, check_size, options_of
 from latolato.scenario.scenario import scenarios
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
@@ -45,33 +44,9 @@ def test_only_shipped_scenarios_are_read(name):
 def test_a_run_that_is_too_large_is_refused_before_any_work(options):
     scenario = RunRequest("fig04b_push", options).to_scenario()
     begun = time.perf_counter()
-    with pytest.raises(TooLargeError, match=r"must not exceed|the limit is"):
+    with pytest.raises(TooLargeError, match=r"must not exceed|may take at most"):
         check_size(scenario)
     assert time.perf_counter() - begun < 1.0  # no simulation of this size ends so soon
-
-
-def test_the_registry_names_units_and_ranges_of_every_number():
-    found = registry()
-    numbers = [o for o in found["options"].values() if o["unit"] not in ("", "1")]
-    assert numbers
-    for option in numbers:
-        assert option["units"], option
-        assert any(unit["size"] == 1.0 for unit in option["units"]), option
-    for law in [*found["systems"].values(), *found["drives"].values()]:
-        for name in law["options"]:
-            option = found["options"][name]
-            has_start = option["default"] is not None or option["usual"] is not None
-            assert has_start or name == "pivot_heights", f"a form cannot begin with {name}"
-
-
-def test_an_option_is_described_by_its_own_parameter_and_no_namesake():
-    options = registry()["options"]
-    # A quantity of the tracker and a field of some drives bear the same names.
-    assert (options["frame"]["label"], options["frame"]["unit"]) == ("frame", "")
-    assert options["drive_times"]["several"]
-    assert options["drive_times"]["description"] == "stage starts"
-    assert options["noise_seed"]["default"] == 0
-    assert options["noise_seed"]["high"] == 2**63
 
 
 def test_whole_numbers_may_come_as_texts_of_an_address():
