@@ -6,7 +6,7 @@ import json
 import math
 import subprocess
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,6 @@ from latolato.app.forms import registry
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, parse_trials, write_trials
 from latolato.figures import overlays
-from latolato.figures.contours import round_levels
 from latolato.figures.overlays import AMPLITUDES, FREQUENCIES, Context
 
 
@@ -221,23 +220,6 @@ def test_trials_are_those_of_python_in_the_coordinates_of_the_map(x, tmp_path):
         low, high = np.transpose([SPANS[x], SPANS["amplitude_ratio"]])[:, :, np.newaxis]
         assert found["outside"] == np.sum(((places < low) | (places > high)).any(axis=0))
     assert read == 9
-
-
-def test_round_levels_are_those_of_python():
-    random = np.random.default_rng(3)
-    units = [("", 1.0), ("mJ", 1e-3), ("deg", math.pi / 180.0), ("1", 1.0)]
-    spans = [
-        (0.03, 2.9), (0.0, 3.0), (1e-3, 50.0), (1.0, 1.0), (2.0, 1.0), (-3.0, 4.0), (0.1, 0.3),
-        (1e-3, 1e3), (1e-9, 1.0), (1e-12, 1e3), (0.0, 1e5),
-    ]  # fmt: skip
-    spans += [tuple(sorted(10.0 ** random.uniform(-6, 5, 2))) for _ in range(100)]
-    cases = [
-        {"low": low, "high": high, "unit": unit, "log": log}
-        for (low, high), unit, log in product(spans, units, (False, True))
-    ]
-    pages = over_in_node({"name": "levels", **each} for each in cases)
-    for each, found in zip(cases, pages, strict=True):
-        np.testing.assert_allclose(found, round_levels(**each), rtol=1e-15)
 
 
 def sides_of(lines):

@@ -1,29 +1,27 @@
-"""Lines along which the values of a map are equal, and round levels for them."""
+"""Lines along which the values of a map are equal, between the borders of its cells."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.analysis.boundary import contour_lines
 from latolato.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from latolato.figures.map import Drawing
+
     Floats = NDArray[np.float64]
 
-# About so many levels are chosen.
-_USUAL = 6
-_STEPS = (1.0, 2.0, 2.5, 5.0, 10.0)
-# Steps of angles in degrees: parts of a turn.
-_DEGREES = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)
-# Levels of a logarithmic scale over fewer decades are 1, 2, 5, 10 ..., over more powers of ten.
-_FEW_DECADES = 2.5
+# A line that stays within fewer cells than this says nothing: a single point stands out.
+_TINY = 2.0
+_FEW = 12  # points along a side
 # Where along a line its value may stand, and how far from others in shares of the picture.
 _PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 _APART = np.array([0.07, 0.06])
@@ -38,48 +36,58 @@ class Line:
     y: Floats
 
 
-def round_levels(
-    low: float, high: float, *, unit: tuple[str, float] = ("", 1.0), log: bool = False
-) -> list[float]:
-    """Return about six round numbers between two values, the ends left out.
+def lines_of(drawing: Drawing, levels: Sequence[float]) -> list[Line]:
+    """Return the lines of a map at these levels.
 
     Parameters
     ----------
-    unit : tuple of str and float
-        The unit in which they are round, and how many SI units it is.
+    drawing : Drawing
+        A map over two parameters. Where only every second, fourth, ... row and column is complete,
+        lines are those of that coarser map; they end at points without an answer.
+    levels : sequence of float
+        Values in the unit of the variable.
 
-    Examples
-    --------
-    >>> round_levels(0.03, 2.9)
-    [0.5, 1.0, 1.5, 2.0, 2.5]
-    >>> [round(math.degrees(v)) for v in round_levels(0, 3, unit=("deg", math.pi / 180))]
-    [30, 60, 90, 120, 150]
-    >>> round_levels(0.003, 700.0, log=True)
-    [0.01, 0.1, 1.0, 10.0, 100.0]
+    Returns
+    -------
+    list of Line
+        Straight between the borders of cells; along a logarithmic axis straight in the logarithm.
+        Lines that stay within two cells, as single points of chaos have them, are left out; small
+        maps keep them.
     """
-    name, size = unit
-    first, last = low / size, high / size
-    if not (math.isfinite(first) and math.isfinite(last) and first < last):
+    y, x = drawing.sides
+    stride = _complete(drawing.status)
+    values = drawing.values[::stride, ::stride]
+    along_x, along_y = (_to_scale(side.values, side.is_log)[::stride] for side in (x, y))
+    if min(values.shape) < 2:
         return []
-    if log and first > 0.0:
-        return [level * size for level in _powers(first, last)]
-    rough = (last - first) / _USUAL
-    power = 10.0 ** math.floor(math.log10(rough))
-    steps = _DEGREES if name == "deg" and 0.5 < rough < 360.0 else [s * power for s in _STEPS]
-    step = min(steps, key=lambda each: abs(math.log(each / rough)))
-    numbers = np.arange(math.floor(first / step) + 1, math.ceil(last / step))
-    # Written with few digits, so that 3 steps of 0.1 are 0.3.
-    return [float(f"{number * step:.10g}") * size for number in numbers.tolist()]
+    columns, rows = (np.arange(n, dtype=np.float64) for n in values.shape[::-1])
+    lines = []
+    for level in levels:
+        for line in contour_lines(columns, rows, values, level):
+            if np.ptp(line, axis=0).max() < _TINY and min(values.shape) >= _FEW:
+                continue
+            at_x = np.interp(line[:, 0], columns, along_x)
+            at_y = np.interp(line[:, 1], rows, along_y)
+            lines.append(
+                Line(float(level), _from_scale(at_x, x.is_log), _from_scale(at_y, y.is_log))
+            )
+    return lines
 
 
-def _powers(first: float, last: float) -> list[float]:
-    """Return round numbers that are evenly spaced in their logarithm."""
-    decades = math.log10(last / first)
-    digits = (1, 2, 5) if decades < _FEW_DECADES else (1,)
-    step = max(1, math.floor(decades / _USUAL + 0.5))
-    powers = range(math.floor(math.log10(first)), math.ceil(math.log10(last)) + 1)
-    values = [float(f"{d}e{k}") for k in powers if k % step == 0 for d in digits]
-    return [value for value in values if first < value < last]
+def _complete(status: Any) -> int:
+    """Return the smallest power of two whose multiples are rows and columns that are all known."""
+    stride = 1
+    while stride < max(status.shape) and np.any(status[::stride, ::stride] < 0):
+        stride *= 2
+    return stride
+
+
+def _to_scale(values: Floats, is_log: bool) -> Floats:
+    return np.log(values) if is_log else values
+
+
+def _from_scale(places: Floats, is_log: bool) -> Floats:
+    return np.exp(places) if is_log else places
 
 
 def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str) -> Any:

@@ -19,11 +19,17 @@ from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import quantity_of, units_of
 from latolato.app.given import RunRequest, TooLargeError
 from latolato.app.jobs import Job
-from latolato.app.map.stored import MOST_CELLS, drawing_of, opened, path_of
+from latolato.app.map.stored import (
+    MOST_CELLS,
+    check_observable,
+    drawing_of,
+    opened,
+    path_of,
+    with_spacing,
+)
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number, suggest
-from latolato.figures.sides import spaced
 from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -128,18 +134,12 @@ class Shown:
 
         if self.path is not None:
             return drawing_of(self.grid, variable, self.request)
-        if variable not in self.grid:
-            raise InputError(
-                f"unknown observable '{variable}': {suggest(variable, list(map(str, self.grid)))}"
-            )
+        check_observable(self.grid, variable)
         inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
         select = {d: value for d, value in inner.items() if d in self.grid[variable].dims}
         _, right = self.request["sweep"]["axes"]
         drawing = Drawing(self.grid, variable, log=False, select=select, right=right)
-        y, x = drawing.sides
-        log = self.request.get
-        drawing.sides = [spaced(y, log("ylog")), spaced(x, log("xlog"))]
-        return drawing
+        return with_spacing(drawing, self.request)
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
@@ -263,7 +263,7 @@ def _write_picture(shown: Shown, target: Path, folder: Path) -> None:
 
 def _look(shown: Shown) -> Look:
     """Return the colours, their ends and the contour lines that a page shows."""
-    from latolato.figures.level_lines import lines_of
+    from latolato.figures.contours import lines_of
     from latolato.figures.map import Look
 
     request = shown.request
@@ -278,12 +278,11 @@ def _look(shown: Shown) -> Look:
     over = shown.drawing(contours["observable"], contours.get("ball"))
     if over.classes:
         raise InputError(f"{over.name} has classes, not a scale: it has no contour lines")
-    lines, _ = lines_of(over, sorted({float(level) for level in contours["levels"]}))
     attributes = over.data.attrs
     unit = units_of(quantity_of(over.name, str(attributes.get("units", "1"))))[0]
     return Look(
         **colours,
-        lines=lines,
+        lines=lines_of(over, sorted(set(map(float, contours["levels"])))),
         unit=(unit["name"], unit["size"]),
         label=str(attributes.get("long_name", over.name)),
     )

@@ -309,16 +309,25 @@ def drawing_of(grid: xr.Dataset, variable: str, request: Mapping[str, Any]) -> D
     """
     from latolato.figures.map import Drawing
 
-    if variable not in grid:
-        raise InputError(
-            f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
-        )
+    check_observable(grid, variable)
     grid, _ = _selected(grid, variable, request.get("select"))
     sizes = grid[variable].sizes
     if int(np.prod(list(sizes.values()))) > MOST_CELLS:
         text = " x ".join(str(n) for n in sizes.values())
         raise TooLargeError(f"this map has {text} points, the limit on a page is {MOST_CELLS}")
-    drawing = Drawing(grid, variable, log=False, select={})
+    return with_spacing(Drawing(grid, variable, log=False, select={}), request)
+
+
+def check_observable(grid: xr.Dataset, variable: str) -> None:
+    """Raise InputError unless a map has an observable."""
+    if variable not in grid:
+        raise InputError(
+            f"unknown observable '{variable}': {suggest(variable, list(map(str, grid)))}"
+        )
+
+
+def with_spacing(drawing: Drawing, request: Mapping[str, Any]) -> Drawing:
+    """Return a drawing whose axes are linear or logarithmic, as a page asks."""
     y, x = drawing.sides
     drawing.sides = [spaced(y, request.get("ylog")), spaced(x, request.get("xlog"))]
     return drawing
