@@ -6,10 +6,9 @@ import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js"
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
-import { misread } from "../../../src/latolato/app/static/js/map/address.js";
+import { ended, misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
-import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/shared/units.js";
 

@@ -31,7 +31,8 @@ import { axisLimits, SINGLE } from "../shared/axis.js";
  *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
  *   scale?: string}} Variable `log` and `scale` are the usual colours */
 
-const NOT_YET = 255;
+/** The status of a cell whose point is not computed. */
+export const NOT_YET = 255;
 /** Statuses from this number on say that there is no answer (`latolato.numerics.records`). */
 const FIRST_BAD = 3;
 
