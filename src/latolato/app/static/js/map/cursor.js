@@ -112,8 +112,8 @@ export class PointPanel {
     this.preview.root.hidden = true;
     this.title = el("p", { class: "hint", role: "status" }, t("mapPickHint"));
     this.button = el("button", { type: "button", disabled: true,
-      on: { click: () => open(textsOf(registry, this.options ?? {})) } }, t("mapOpenInPlay"));
-    this.root = el("aside", { class: "card point" }, el("h2", {}, t("mapPoint")), this.title,
+      on: { click: () => open(textsOf(registry, this.options ?? {})) } }, t("openInPlay"));
+    this.root = el("aside", { class: "card point" }, el("h2", {}, t("onePoint")), this.title,
       this.preview.root, el("div", { class: "actions" }, this.button));
   }
 
