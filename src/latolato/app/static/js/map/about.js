@@ -1,4 +1,4 @@
-/** What a computed map is of, as its picture, its readout and its files say it, and the runs of its points. */
+/** What a computed map is of, as its picture, its readout and its files say it, and its runs. */
 
 import { variedBy } from "./choices.js";
 import { sweepCommand, sweepLines } from "./lines.js";

@@ -1,4 +1,4 @@
-/** Colours of maps, perceptually uniform and fit for colour-blind eyes and grey print, and their limits. */
+/** Colours of maps, fit for colour-blind eyes and grey print, and which values they stand for. */
 
 import { axisLimits } from "../shared/axis.js";
 

@@ -81,7 +81,8 @@ export class Grid {
   }
 
   /**
-   * Take in cells: a coarse point also colours the cells about it until they have their own.
+   * Take in cells: a coarse point also colours the cells about it, the last ones of a row and a column
+   * all to the border, until they have their own.
    * @param {Cells} cells
    */
   put({ cell, stride, status, values: rows }) {
@@ -90,8 +91,10 @@ export class Grid {
       const middleRow = Math.floor(cell[i] / this.width);
       const middleColumn = cell[i] % this.width;
       const half = s >> 1;
-      const top = Math.min(middleRow + Math.max(half, 1), this.height);
-      const right = Math.min(middleColumn + Math.max(half, 1), this.width);
+      const end = (/** @type {number} */ middle, /** @type {number} */ size) =>
+        (middle + s < size ? middle + Math.max(half, 1) : size);
+      const top = end(middleRow, this.height);
+      const right = end(middleColumn, this.width);
       for (let r = Math.max(0, middleRow - half); r < top; r += 1)
         for (let c = Math.max(0, middleColumn - half); c < right; c += 1) {
           const at = r * this.width + c;
