@@ -2,7 +2,7 @@
 import { readFileSync } from "node:fs";
 
 import { InputError } from "../../src/latolato/app/static/js/model/rules.js";
-import { linesAt, roundLevels } from "../../src/latolato/app/static/js/map/levels.js";
+import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
 import { tongueEdges } from "../../src/latolato/app/static/js/map/tongue.js";
 import { parseTrials, placedTrials } from "../../src/latolato/app/static/js/map/trials.js";
@@ -13,7 +13,6 @@ const DO = {
   edges: ({ q, zeta }) => tongueEdges(q, zeta),
   lines: ({ values, width, level }) => linesAt(values.map(Number), width, level)
     .map(({ xs, ys }) => [...xs].map((x, i) => [x, ys[i]])),
-  levels: ({ low, high, unit: [name, size], log }) => roundLevels(low, high, { name, size }, log),
   tongue: ({ grid }) => tongue(new Placing(grid)),
   lift_off: ({ grid }) => liftOff(new Placing(grid)),
   trials: ({ text, grid }) => placedTrials(parseTrials(registry, text), new Placing(grid)),

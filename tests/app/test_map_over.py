@@ -6,7 +6,7 @@ import json
 import math
 import subprocess
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -220,43 +220,6 @@ def test_trials_are_those_of_python_in_the_coordinates_of_the_map(x, tmp_path):
         low, high = np.transpose([SPANS[x], SPANS["amplitude_ratio"]])[:, :, np.newaxis]
         assert found["outside"] == np.sum(((places < low) | (places > high)).any(axis=0))
     assert read == 9
-
-
-DEGREE = math.pi / 180.0
-
-
-def test_levels_are_round_in_the_unit_on_show():
-    levels = [
-        ((0.03, 2.9, ("", 1.0), False), [0.5, 1.0, 1.5, 2.0, 2.5]),
-        ((0.1, 0.3, ("", 1.0), False), [0.125, 0.15, 0.175, 0.2, 0.225, 0.25, 0.275]),
-        ((1e-3, 50.0, ("mJ", 1e-3), False), [10.0, 20.0, 30.0, 40.0]),
-        ((0.0, 3.0, ("deg", DEGREE), False), [n * DEGREE for n in (30, 60, 90, 120, 150)]),
-        ((0.3, 4.0, ("", 1.0), True), [0.5, 1.0, 2.0]),
-        ((0.003, 700.0, ("", 1.0), True), [0.01, 0.1, 1.0, 10.0, 100.0]),
-        ((1e-12, 1e3, ("", 1.0), True), [1e-9, 1e-6, 1e-3, 1.0]),
-        ((1.0, 1.0, ("", 1.0), False), []),
-        ((2.0, 1.0, ("", 1.0), True), []),
-    ]
-    names = ("low", "high", "unit", "log")
-    pages = over_in_node(
-        {"name": "levels", **dict(zip(names, case, strict=True))} for case, _ in levels
-    )
-    for page, (case, expected) in zip(pages, levels, strict=True):
-        np.testing.assert_allclose(page, expected, rtol=1e-15, err_msg=str(case))
-
-
-def test_levels_lie_between_the_ends_and_are_few():
-    random = np.random.default_rng(3)
-    units = [("", 1.0), ("mJ", 1e-3), ("deg", DEGREE)]
-    spans = [sorted(10.0 ** random.uniform(-6, 5, 2)) for _ in range(100)]
-    cases = [
-        {"name": "levels", "low": low, "high": high, "unit": unit, "log": log}
-        for (low, high), unit, log in product(spans, units, (False, True))
-    ]
-    for case, levels in zip(cases, over_in_node(cases), strict=True):
-        assert all(case["low"] < level < case["high"] for level in levels), case
-        assert len(levels) <= 9, case  # about six
-        assert case["log"] or len(levels) >= 3, case
 
 
 def sides_of(lines):

@@ -1,4 +1,4 @@
-"""Lines along which the values of a map are equal."""
+"""Lines along which the values of a map are equal, between the borders of its cells."""
 
 from __future__ import annotations
 
@@ -8,14 +8,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.analysis.boundary import contour_lines
 from latolato.figures import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from latolato.figures.map import Drawing
+
     Floats = NDArray[np.float64]
 
+# A line that stays within fewer cells than this says nothing: a single point stands out.
+_TINY = 2.0
+_FEW = 12  # points along a side
 # Where along a line its value may stand, and how far from others in shares of the picture.
 _PLACES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9)
 _APART = np.array([0.07, 0.06])
@@ -28,6 +34,60 @@ class Line:
     level: float
     x: Floats
     y: Floats
+
+
+def lines_of(drawing: Drawing, levels: Sequence[float]) -> list[Line]:
+    """Return the lines of a map at these levels.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        A map over two parameters. Where only every second, fourth, ... row and column is complete,
+        lines are those of that coarser map; they end at points without an answer.
+    levels : sequence of float
+        Values in the unit of the variable.
+
+    Returns
+    -------
+    list of Line
+        Straight between the borders of cells; along a logarithmic axis straight in the logarithm.
+        Lines that stay within two cells, as single points of chaos have them, are left out; small
+        maps keep them.
+    """
+    y, x = drawing.sides
+    stride = _complete(drawing.status)
+    values = drawing.values[::stride, ::stride]
+    along_x, along_y = (_to_scale(side.values, side.is_log)[::stride] for side in (x, y))
+    if min(values.shape) < 2:
+        return []
+    columns, rows = (np.arange(n, dtype=np.float64) for n in values.shape[::-1])
+    lines = []
+    for level in levels:
+        for line in contour_lines(columns, rows, values, level):
+            if np.ptp(line, axis=0).max() < _TINY and min(values.shape) >= _FEW:
+                continue
+            at_x = np.interp(line[:, 0], columns, along_x)
+            at_y = np.interp(line[:, 1], rows, along_y)
+            lines.append(
+                Line(float(level), _from_scale(at_x, x.is_log), _from_scale(at_y, y.is_log))
+            )
+    return lines
+
+
+def _complete(status: Any) -> int:
+    """Return the smallest power of two whose multiples are rows and columns that are all known."""
+    stride = 1
+    while stride < max(status.shape) and np.any(status[::stride, ::stride] < 0):
+        stride *= 2
+    return stride
+
+
+def _to_scale(values: Floats, is_log: bool) -> Floats:
+    return np.log(values) if is_log else values
+
+
+def _from_scale(places: Floats, is_log: bool) -> Floats:
+    return np.exp(places) if is_log else places
 
 
 def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str) -> Any:

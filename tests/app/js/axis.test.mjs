@@ -4,7 +4,7 @@ import test from "node:test";
 
 import { axisLimits, SINGLE, ticks } from "../../../src/latolato/app/static/js/shared/axis.js";
 import { Grid } from "../../../src/latolato/app/static/js/map/grid.js";
-import { lookOf } from "../../../src/latolato/app/static/js/map/look.js";
+import { lookOf } from "../../../src/latolato/app/static/js/map/colours.js";
 import { range } from "../../../src/latolato/app/static/js/shared/scene.js";
 
 // Sizes from next to nothing to almost too much, of both signs.

@@ -6,10 +6,9 @@ import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js"
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
-import { misread } from "../../../src/latolato/app/static/js/map/address.js";
+import { ended, misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
-import { ended, spaced, turned } from "../../../src/latolato/app/static/js/map/span.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/shared/units.js";
 
@@ -38,9 +37,7 @@ test("a value lies in the cell between whose borders it is", () => {
 test("a coarse point colours its neighbours until they have their own", () => {
   const found = grid(4, 4);
   found.put(cells([0, 2, 8, 10], [2, 2, 2, 2], [1, 2, 3, 4]));
-  const none = NaN;
-  assert.deepEqual([...found.values[0]], [1, 2, 2, none, 3, 4, 4, none, 3, 4, 4, none,
-    none, none, none, none]);
+  assert.deepEqual([...found.values[0]], [1, 2, 2, 2, 3, 4, 4, 4, 3, 4, 4, 4, 3, 4, 4, 4]);
   found.put(cells([1, 5], [1, 1], [7, 8]));
   assert.equal(found.values[0][1], 7);
   assert.equal(found.values[0][5], 8);

@@ -20,7 +20,7 @@ from latolato.app.forms import quantity_of, units_of
 from latolato.app.jobs import Job
 from latolato.app.map.stored import (
     MOST_CELLS,
-    check_variable,
+    check_observable,
     drawing_of,
     opened,
     path_of,
@@ -134,7 +134,7 @@ class Shown:
 
         if self.path is not None:
             return drawing_of(self.grid, variable, self.request)
-        check_variable(self.grid, variable)
+        check_observable(self.grid, variable)
         inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
         select = {d: value for d, value in inner.items() if d in self.grid[variable].dims}
         _, right = self.request["sweep"]["axes"]
@@ -266,7 +266,7 @@ def _write_picture(shown: Shown, target: Path, folder: Path) -> None:
 
 def _look(shown: Shown) -> Look:
     """Return the colours, their ends and the contour lines that a page shows."""
-    from latolato.figures.level_lines import lines_of
+    from latolato.figures.contours import lines_of
     from latolato.figures.map import Look
 
     request = shown.request
@@ -281,12 +281,11 @@ def _look(shown: Shown) -> Look:
     over = shown.drawing(contours["observable"], contours.get("ball"))
     if over.classes:
         raise InputError(f"{over.name} has classes, not a scale: it has no contour lines")
-    lines, _ = lines_of(over, sorted({float(level) for level in contours["levels"]}))
     attributes = over.data.attrs
     unit = units_of(quantity_of(over.name, str(attributes.get("units", "1"))))[0]
     return Look(
         **colours,
-        lines=lines,
+        lines=lines_of(over, sorted(set(map(float, contours["levels"])))),
         unit=(unit["name"], unit["size"]),
         label=str(attributes.get("long_name", over.name)),
     )

@@ -309,18 +309,17 @@ def drawing_of(grid: xr.Dataset, variable: str, request: Mapping[str, Any]) -> D
     """
     from latolato.figures.map import Drawing
 
-    check_variable(grid, variable)
+    check_observable(grid, variable)
     grid, _ = _selected(grid, variable, request.get("select"))
     sizes = grid[variable].sizes
     if int(np.prod(list(sizes.values()))) > MOST_CELLS:
         text = " x ".join(str(n) for n in sizes.values())
         raise TooLargeError(f"a map on a page has at most {MOST_CELLS} points, this one {text}")
-    drawing = Drawing(grid, variable, log=False, select={})
-    return with_spacing(drawing, request)
+    return with_spacing(Drawing(grid, variable, log=False, select={}), request)
 
 
-def check_variable(grid: xr.Dataset, variable: str) -> None:
-    """Raise InputError unless a sweep has a variable of this name."""
+def check_observable(grid: xr.Dataset, variable: str) -> None:
+    """Raise InputError unless a map has an observable."""
     if variable not in grid:
         known = suggest(variable, list(map(str, grid)))
         raise InputError(f"unknown observable '{variable}': {known}")

@@ -1,13 +1,11 @@
 /** Every text of the pages, by name; another language is another table of the same names. */
 
 export const STRINGS = {
-  title: "latolato",
   themeLight: "Light",
   themeDark: "Dark",
   themeAuto: "Auto",
   themeLabel: "Colours: {name}. Change them.",
   warning: "Note: {text}",
-  computed: "{samples} samples in {ms} ms",
   program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
     + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",
   program_analyse: "Analyse asks one toy a question: does it return after each shake, how strongly does it "
@@ -184,15 +182,12 @@ export const STRINGS = {
   mapBar: "Colour bar",
   mapKeys: "Map. Arrows move the cross, Enter shows the run there, plus and minus zoom, Shift with "
     + "arrows moves the map, Escape zooms out.",
-  mapPoint: "One point",
+  onePoint: "One point",
   mapPickHint: "Click a point of the map, or move the cross with the arrow keys and press Enter: its "
     + "run appears here.",
   mapHoverHint: "Click for a run. Drag a box to zoom in, with Shift to move. Escape zooms out.",
-  mapOpenInPlay: "Open in Play",
-  mapStop: "Stop",
   mapGoOn: "Go on",
   mapAgain: "Compute again",
-  mapCompute: "Compute",
   mapBack: "Zoom out",
   mapIn: "Enlarge about the cross",
   mapOut: "Show twice as much",
@@ -243,7 +238,7 @@ export const STRINGS = {
   computing: "Computing …",
   longRun: "This run takes about {count} minutes.",
   computeLong: "Compute it",
-  stopRun: "Stop",
+  stop: "Stop",
   runStopped: "The run was stopped.",
   workerAgain: "The computation failed and was started again.",
   workerGone: "the computation failed twice; reload the page",
@@ -294,7 +289,6 @@ export const STRINGS = {
   paperCases: "Runs behind it ({count}):",
   openTitleInPlay: "Open in Play: {title}",
   openTitleInMap: "Open in Map: {title}",
-  openCase: "Open in Play",
   REPRODUCED: "reproduced",
   ASSUMED: "reproduced with an assumption",
   NOT_AS_PRINTED: "not as printed",
@@ -305,7 +299,7 @@ export const STRINGS = {
   shape_METHOD_CHECK: "◇",
   // analyse
   questions: "Questions",
-  ask: "Compute",
+  compute: "Compute",
   askCost: "takes about {time}: press Compute",
   lawsOfQuestion: "System, drive and start",
   questionOf: "{title}: {system}, drive {drive}",
@@ -320,7 +314,6 @@ export const STRINGS = {
   pictureOf: "Picture: {name}",
   pointsOf: "Picture: {name} Arrow keys move the mark, Enter shows its run.",
   pointsHint: "Click a point (or move there with the arrow keys and press Enter) to see its run.",
-  pointTitle: "One point",
   pointUse: "Ask about this point",
   pointSaid: "{values}.",
   pointSaidStart: "{values}. This run begins as set under “System, drive and start”.",
@@ -393,7 +386,6 @@ export const STRINGS = {
   frameText: "frame {frame} of {count}, t = {time} s",
   angleText: "{angle}° ± {sigma}°",
   overlay: "what was found",
-  ghost: "model",
   flag_ok: "seen",
   flag_ok_hint: "measured, apart from the other ball",
   flag_collision: "collision",
@@ -417,7 +409,6 @@ export const STRINGS = {
   fitted: "fitted, with 95 % interval",
   truth: "truth",
   moreNumbers: "More numbers",
-  exports: "Download",
   export_csv: "Table (CSV)",
   export_nc: "Table (NetCDF)",
   export_toml: "Set-up (TOML)",

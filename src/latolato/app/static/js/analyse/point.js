@@ -25,7 +25,7 @@ export class PointRun {
     this.actions = el("div", { class: "actions" });
     this.place = el("div", {});
     this.root = el("section", { class: "card point", hidden: true },
-      el("h2", {}, t("pointTitle")), this.label, this.actions, this.place);
+      el("h2", {}, t("onePoint")), this.label, this.actions, this.place);
   }
 
   /**
@@ -39,7 +39,7 @@ export class PointRun {
     this.root.hidden = false;
     this.label.textContent = words;
     this.actions.replaceChildren(
-      openLink(this.page, { view: "play", ...request }, t("openCase")),
+      openLink(this.page, { view: "play", ...request }, t("openInPlay")),
       el("button", { type: "button", on: { click: () => this.use(request) } }, t("pointUse")));
     try {
       const block = await this.runner.compute(request);

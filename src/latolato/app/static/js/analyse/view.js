@@ -44,7 +44,7 @@ export class AnalyseView {
     this.job = new JobLine();
     this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
-    this.go = el("button", { type: "submit", class: "play", disabled: true }, t("ask"));
+    this.go = el("button", { type: "submit", class: "play", disabled: true }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
     this.title = el("h2", { class: "asks" });
     this.term = el("p", { class: "hint" });

@@ -67,7 +67,7 @@ export function exportsCard(session, clip) {
   const make = async (/** @type {string} */ file) => {
     if (await session.make(clip, file)) link(file, "").click();
   };
-  return el("section", { class: "card" }, el("h2", {}, t("exports")),
+  return el("section", { class: "card" }, el("h2", {}, t("download")),
     el("ul", { class: "plain-list" }, ...Object.entries(EXPORTS).map(([name, file]) => el("li", {},
       !MADE.includes(name) || clip.files.has(file) ? link(file, t(`export_${name}`))
         : el("button", { type: "button", class: "link", disabled: clip.stage !== null,

@@ -92,7 +92,7 @@ export class Screen {
       ...SPEEDS.map((s) => el("option", { value: String(s), selected: s === 1 },
         t("speedText", { speed: s }))));
     this.marks = el("span", { class: "row" }, check("overlay", "isMarked"),
-      check("ghost", "hasGhost"));
+      check("model", "hasGhost"));
     return el("div", { class: "transport" },
       el("div", { class: "row" }, this.button, step("frameBack", "◂", -1),
         step("frameOn", "▸", 1), this.scrub),

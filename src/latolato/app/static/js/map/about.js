@@ -1,13 +1,14 @@
-/** What a computed map is of, as its picture, its readout and its files say it. */
+/** What a computed map is of, as its picture, its readout and its files say it, and its runs. */
 
 import { variedBy } from "./choices.js";
 import { sweepCommand, sweepLines } from "./lines.js";
 import { variablesOf } from "./plan.js";
 import { edgesOf } from "./question.js";
-import { optionsOfCell } from "./runs.js";
 
 /** @typedef {import("./question.js").Question} Question */
 /** @typedef {import("./grid.js").Axis} Axis */
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {Record<string, any>} Options */
 
 const SIDES = ["right", "left"];
 
@@ -68,4 +69,54 @@ function variableOf({ registry, layout, options, watched }, { name, ball }) {
   const both = angles === 2 && layout.observables[owner].joint;
   const whose = contacts && rest.unit === "J" ? both ? ", both balls" : ", per ball" : "";
   return { name, ball: ball === null ? null : SIDES[ball], label: label + whose, ...rest };
+}
+
+/**
+ * Return options with values of a map's axes put in, also of those that stand for others.
+ * @param {Registry} registry
+ * @param {Options} options in SI units
+ * @param {Record<string, number>} values by the names of axes
+ * @returns {Options}
+ */
+export function optionsAt(registry, options, values) {
+  const result = { ...options };
+  for (const [name, value] of Object.entries(values)) {
+    const { sets } = registry.axes[name];
+    if (sets === "initial_angle") {
+      delete result.initial_angle;
+      delete result.initial_offset;
+    }
+    const side = SIDES.findIndex((each) => name.endsWith(`_${each}`));
+    const pair = side < 0 ? "" : name.slice(0, -SIDES[side].length - 1);
+    if (registry.options[pair]?.for_each_ball) {
+      result[pair] = [result[pair] ?? 0].flat();
+      if (result[pair].length === 1) result[pair] = [result[pair][0], result[pair][0]];
+      result[pair][side] = value;
+    } else if (sets === name || sets === "initial_angle") result[name] = value;
+  }
+  const length = result.length ?? result.right_length;
+  const { frequency_ratio: ratio, amplitude_ratio: amplitude, drive_acceleration_ratio: acceleration } = values;
+  if (ratio !== undefined) result.drive_frequency = ratio * Math.sqrt(result.gravity / length);
+  if (amplitude !== undefined) result.drive_amplitude = amplitude * length;
+  if (acceleration !== undefined)
+    result.drive_amplitude = (acceleration * result.gravity) / result.drive_frequency ** 2;
+  return result;
+}
+
+/**
+ * Return the options of the run of a cell.
+ * @param {Question} question
+ * @param {number} cell
+ */
+export function optionsOfCell({ registry, options, plan, duration }, cell) {
+  const { x, y } = plan;
+  const width = x.values.length;
+  /** @type {Options} */
+  const base = { ...options, duration, tolerance: registry.sweep_tolerance };
+  for (const name of ["times", "samples"]) delete base[name];
+  // The kicks of a cell are those of its own random stream, unless an axis says which.
+  if (base.noise_strength !== undefined && ![x.name, y.name].some((name) => /^noise_(seed|stream)$/.test(name)))
+    base.noise_stream = (base.noise_stream ?? 0) + cell;
+  return optionsAt(registry, base, { [x.name]: x.values[cell % width],
+    [y.name]: y.values[Math.floor(cell / width)] });
 }

@@ -1,13 +1,158 @@
-/** What an address says of a map that cannot be read. */
+/** What the address of the page says of a map: what is asked for, its axes, and what cannot be read. */
 
 import { el } from "../shared/dom.js";
+import { FIRST } from "../shared/state.js";
 import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
 
+/** @typedef {import("../shared/state.js").State} State */
 /** @typedef {import("../shared/state.js").Store} Store */
+/** @typedef {{scenario: string | null, stored: string | null}} Source */
+/** @typedef {"x" | "y"} Which */
+/** @typedef {{extra: Record<string, string>, shown: any}} Axes the address, and what is on show */
 
+/** The shipped sweep that is shown where the address names nothing. */
+const FIRST_MAP = "fig05_push";
+export const USUAL_SIZE = 200;
+/** Stands in the address for the parameters of the page. */
+export const PAGE = "page";
+const TAKEN = "map.at_";
 const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "size", "duration", "transient", "low", "high"];
 const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];
+
+/**
+ * Return where the parameters of a map come from: a stored map, a shipped sweep, or the page.
+ * @param {any} registry
+ * @param {State} state
+ * @returns {Source}
+ */
+export function sourceOf(registry, state) {
+  const stored = state.extra["map.stored"] ?? null;
+  if (stored) return { scenario: null, stored };
+  const named = state.extra["map.scenario"] ?? state.scenario;
+  if (named === PAGE) return { scenario: null, stored: null };
+  if (named && registry.scenarios[named]?.sweep) return { scenario: named, stored: null };
+  const untouched = !state.scenario && !Object.keys(state.options).length;
+  return { scenario: untouched ? FIRST_MAP : null, stored: null };
+}
+
+/**
+ * Return what the address asks for: see `question.js`, or a stored map.
+ * @param {any} registry
+ * @param {State} state
+ * @returns {Record<string, any>}
+ */
+export function requestOf(registry, state) {
+  const get = (/** @type {string} */ name) => state.extra[`map.${name}`] ?? null;
+  const number = (/** @type {string} */ name) => {
+    const value = get(name);
+    return value === null || !Number.isFinite(Number(value)) ? null : Number(value);
+  };
+  const { scenario, stored } = sourceOf(registry, state);
+  const observable = get("observable");
+  if (stored) {
+    const select = Object.fromEntries(Object.entries(state.extra)
+      .filter(([name]) => name.startsWith(TAKEN))
+      .map(([name, v]) => [name.slice(TAKEN.length), Math.abs(Math.round(Number(v))) || 0]));
+    const log = (/** @type {"x" | "y"} */ which) => ({ 0: false, 1: true })[
+      /** @type {0 | 1} */ (number(`${which}log`))] ?? null;
+    return { stored, observable, select, xlog: log("x"), ylog: log("y") };
+  }
+  const axis = (/** @type {"x" | "y"} */ which) => {
+    const log = get(`${which}log`);
+    const given = Object.entries({ name: get(which), low: number(`${which}low`),
+      high: number(`${which}high`), log: log === null ? null : log === "1" });
+    const said = given.filter(([, value]) => value !== null);
+    return said.length ? Object.fromEntries(said) : null;
+  };
+  const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));
+  const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);
+  return { scenario: base, options: state.options, x: axis("x"), y: axis("y"), observable,
+    width: size, height: size, duration: number("duration"), transient: number("transient") };
+}
+
+/**
+ * Return a text that is the same for requests that differ in the observable only.
+ * @param {Record<string, any>} request
+ */
+export function sameBut(request) {
+  return JSON.stringify({ ...request, observable: null });
+}
+
+/**
+ * Open a run of a map in Play; the way back leads to the same map.
+ * @param {import("../shared/state.js").Page} page
+ * @param {Record<string, string>} options
+ */
+export function openInPlay({ registry, store }, options) {
+  const { scenario } = sourceOf(registry, store.state);
+  const extra = { ...store.state.extra };
+  if (scenario) extra["map.scenario"] = scenario;
+  store.set({ view: "play", scenario: null, options, extra }, "view");
+}
+
+/**
+ * Return an axis as the address has it; what it does not say is as usual, on show or on its way.
+ * @param {Axes} axes
+ * @param {Which} which
+ */
+function axisOf({ extra, shown }, which) {
+  const seen = shown?.[which];
+  const name = extra[`map.${which}`] ?? seen?.name ?? null;
+  const log = extra[`map.${which}log`];
+  return { name, low: extra[`map.${which}low`] ?? null, high: extra[`map.${which}high`] ?? null,
+    log: log === undefined ? Boolean(seen?.log) && seen.name === name : log === "1" };
+}
+
+/**
+ * Return what the address keeps of an axis.
+ * @param {Which} which
+ * @param {{name: string | null, low: any, high: any, log: boolean}} axis
+ */
+function keys(which, { name, low, high, log }) {
+  return { [which]: name, [`${which}low`]: low, [`${which}high`]: high,
+    [`${which}log`]: log ? 1 : null };
+}
+
+/**
+ * Return what the address keeps of an axis of which one end was changed; an empty end stands for
+ * the usual one.
+ * @param {Axes} axes
+ * @param {Which} which
+ * @param {"low" | "high"} side
+ * @param {number | null} value
+ */
+export function ended(axes, which, side, value) {
+  return keys(which, { ...axisOf(axes, which), [side]: value });
+}
+
+/**
+ * Return what the address keeps of an axis that is made logarithmic or linear; one that begins
+ * at zero gets the usual start. A stored map has its points, and its spacing alone is kept.
+ * @param {Axes} axes
+ * @param {Which} which
+ * @param {boolean} on
+ */
+export function spaced(axes, which, on) {
+  if (axes.extra["map.stored"]) return { [`${which}log`]: on ? 1 : 0 };
+  const now = axisOf(axes, which);
+  const low = on && !(Number(now.low) > 0) ? null : now.low;
+  return { ...keys(which, { ...now, low, log: on }), [`${which}log`]: on ? 1 : 0 };
+}
+
+/**
+ * Return what the address keeps when another parameter is shown along an axis; that of the other
+ * axis changes places with this one.
+ * @param {Axes} axes
+ * @param {Which} which
+ * @param {string} name
+ */
+export function turned(axes, which, name) {
+  const [own, other] = [axisOf(axes, which), axisOf(axes, which === "x" ? "y" : "x")];
+  if (name !== other.name)
+    return { ...keys(which, { name, low: null, high: null, log: false }), at: null };
+  return { ...keys(which, other), ...keys(which === "x" ? "y" : "x", own), at: null };
+}
 
 /**
  * Return which keys of the address hold no value of their kind.

@@ -5,7 +5,7 @@ import { colour, fitCanvas } from "../shared/dom.js";
 import { drawAxes, MARGIN } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
-import { cellAt } from "./grid.js";
+import { cellAt, NOT_YET } from "./grid.js";
 import { drawCross, drawLine, drawTrials } from "./marks.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -182,7 +182,7 @@ export class MapChart {
     const found = new Uint32Array(values.length);
     for (let i = 0; i < values.length; i += 1) {
       const value = values[i];
-      if (status[i] === 255) found[i] = notYet;
+      if (status[i] === NOT_YET) found[i] = notYet;
       else if (Number.isNaN(value)) found[i] = none;
       else if (log && value <= 0) found[i] = zero;
       else if (classes.length) found[i] = classes[Math.round(value)] ?? none;

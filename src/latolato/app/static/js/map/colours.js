@@ -1,4 +1,9 @@
-/** Colours of maps: perceptually uniform, told apart by colour-blind eyes and in grey print. */
+/** Colours of maps, fit for colour-blind eyes and grey print, and which values they stand for. */
+
+import { axisLimits } from "../shared/axis.js";
+
+/** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("./chart.js").Look} Look */
 
 // matplotlib's tables at 64 even steps, two hexadecimal digits for each of red, green and blue.
 const TABLES = {
@@ -69,4 +74,27 @@ export function pixel(r, g, b) {
 export function pixelOf(text) {
   const [r, g, b] = [1, 3, 5].map((k) => parseInt(text.slice(k, k + 2), 16));
   return pixel(r, g, b);
+}
+
+/**
+ * Return which variable is shown and how its values become colours.
+ * @param {Grid} grid
+ * @param {Record<string, string>} extra
+ * @returns {Look}
+ */
+export function lookOf(grid, extra) {
+  const name = extra["map.observable"] ?? grid.about.observable;
+  const chosen = grid.variable(name, extra["map.ball"] ?? null);
+  const variable = Math.max(0, chosen >= 0 ? chosen : grid.variable(name));
+  const about = grid.variables[variable];
+  const usual = about.log ? "1" : "0";
+  const log = (extra["map.log"] ?? usual) === "1" && !about.classes.length;
+  const [low, high] = grid.range(variable, log);
+  const given = (/** @type {string} */ key, /** @type {number} */ usual) => {
+    const value = Number(extra[key] ?? NaN);
+    return Number.isFinite(value) && (!log || value > 0) ? value : usual;
+  };
+  const [from, to] = [given("map.low", low), given("map.high", high)];
+  return { variable, scale: extra["map.scale"] ?? about.scale ?? SCALES[0], log,
+    limits: from < to ? axisLimits(from, to) : [low, high] };
 }

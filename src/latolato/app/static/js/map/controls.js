@@ -3,11 +3,10 @@
 import { el } from "../shared/dom.js";
 import { plainSymbol } from "../shared/units.js";
 import { t } from "../strings.js";
+import { ended, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
-import { PAGE, USUAL_SIZE } from "./request.js";
-import { ended, spaced, turned } from "./span.js";
 
 /** @typedef {import("../shared/state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */

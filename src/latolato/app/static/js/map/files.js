@@ -3,9 +3,9 @@
 import { el, tell } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { t } from "../strings.js";
+import { lookOf } from "./colours.js";
 import { pictureOf } from "./picture.js";
-import { fileRequestOf } from "./shown.js";
-import { csvOf } from "./table.js";
+import { csvOf, tablesOf } from "./table.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
@@ -110,4 +110,23 @@ export class MapFiles {
   stop() {
     this.job.stop();
   }
+}
+
+/**
+ * Return what the program is asked for a file of the map on show: which map it is, a stored one or one
+ * of the page by its runs and its sweep, and how it looks.
+ * @param {MapView} view
+ * @param {import("./grid.js").Grid} grid
+ */
+function fileRequestOf({ chart, over, page, question, request }, grid) {
+  const { variable, scale, log, limits } = lookOf(grid, page.store.state.extra);
+  const { name, ball } = grid.variables[variable];
+  const contours = over.question();
+  const contoured = contours && grid.variables[contours.variable];
+  const levels = [...new Set(chart.contours.map(({ level }) => level))];
+  const map = question ? tablesOf(question) : { stored: request.stored, select: request.select };
+  return { ...map, xlog: grid.xAxis.log, ylog: grid.yAxis.log, observable: name, ball, scale, log, limits,
+    contours: contoured && levels.length
+      ? { observable: contoured.name, ball: contoured.ball, levels } : null,
+    overlays: over.shown().map((line) => line.name), trials: over.trials };
 }

@@ -31,7 +31,8 @@ import { axisLimits, SINGLE } from "../shared/axis.js";
  *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
  *   scale?: string}} Variable `log` and `scale` are the usual colours */
 
-const NOT_YET = 255;
+/** The status of a cell whose point is not computed. */
+export const NOT_YET = 255;
 /** Statuses from this number on say that there is no answer (`latolato.numerics.records`). */
 const FIRST_BAD = 3;
 
@@ -80,7 +81,8 @@ export class Grid {
   }
 
   /**
-   * Take in cells: a coarse point also colours the cells about it until they have their own.
+   * Take in cells: a coarse point also colours the cells about it, the last ones of a row and a column
+   * all to the border, until they have their own.
    * @param {Cells} cells
    */
   put({ cell, stride, status, values: rows }) {
@@ -89,8 +91,10 @@ export class Grid {
       const middleRow = Math.floor(cell[i] / this.width);
       const middleColumn = cell[i] % this.width;
       const half = s >> 1;
-      const top = Math.min(middleRow + Math.max(half, 1), this.height);
-      const right = Math.min(middleColumn + Math.max(half, 1), this.width);
+      const end = (/** @type {number} */ middle, /** @type {number} */ size) =>
+        (middle + s < size ? middle + Math.max(half, 1) : size);
+      const top = end(middleRow, this.height);
+      const right = end(middleColumn, this.width);
       for (let r = Math.max(0, middleRow - half); r < top; r += 1)
         for (let c = Math.max(0, middleColumn - half); c < right; c += 1) {
           const at = r * this.width + c;

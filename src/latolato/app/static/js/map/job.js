@@ -4,9 +4,8 @@ import { loadLayout } from "../kernels/load.js";
 import { specify } from "../model/case.js";
 import { general, InputError } from "../model/rules.js";
 import { doJob } from "../shared/jobs.js";
-import { beginOf, choicesOf } from "./about.js";
+import { beginOf, choicesOf, optionsAt, optionsOfCell } from "./about.js";
 import { questionOf } from "./question.js";
-import { optionsAt, optionsOfCell } from "./runs.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./pool.js").Pool} Pool */

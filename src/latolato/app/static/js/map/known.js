@@ -1,5 +1,7 @@
 /** Points of maps that have been computed: what goes on, moves or zooms out begins with these. */
 
+import { NOT_YET } from "./grid.js";
+
 /**
  * @typedef {import("./plan.js").Plan} Plan
  * @typedef {{plan: Plan, key: string, status: Uint8Array, values: Float64Array[]}} Known
@@ -7,7 +9,6 @@
 
 // Maps that were looked at last stay in memory.
 const MOST_MAPS = 8;
-const NOT_YET = 255;
 // Values of an axis this close, in spacings, are the same: those of a moved map are rounded.
 const SAME = 1e-6;
 

@@ -2,10 +2,9 @@
 
 import { InputError } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
+import { lookOf } from "./colours.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
-import { lookOf } from "./look.js";
 import { OF_COLOURS } from "./overcontrols.js";
-import { shownMapOf } from "./shown.js";
 import { withUnit } from "./tell.js";
 import { liftOff, Placing, tongue } from "./theory.js";
 import { parseTrials, placedTrials } from "./trials.js";
@@ -36,10 +35,10 @@ export class Over {
     this.drawn = "";
   }
 
-  /** Draw theory and trials over the map that is on show or begins. */
-  draw() {
+  /** Take theory and trials over the map on show; they are drawn with its next picture. */
+  place() {
     const { view } = this;
-    const grid = view.next ?? view.grid;
+    const { grid } = view;
     if (!grid) return;
     const { over } = view.controls;
     this.lines = [];
@@ -61,7 +60,6 @@ export class Over {
       placedTrials(parseTrials(view.page.registry, trials), placing), refused);
     if (placed) view.chart.trials = placed.trials;
     over.showTrials(placed || null, refused);
-    view.repaint();
   }
 
   /**
@@ -88,7 +86,7 @@ export class Over {
   }
 
   /**
-   * Draw the contour lines that the address names once the map grows no more; those of another map
+   * Take the contour lines that the address names once the map grows no more; those of another map
    * go.
    */
   contours() {
@@ -105,7 +103,6 @@ export class Over {
       ? this.attempt(() => contoursOf(grid, question), notes) : null;
     chart.contours = drawn?.contours ?? [];
     controls.over.showContours(variable, drawn, isLater, notes);
-    chart.draw();
   }
 
   /**
@@ -120,16 +117,6 @@ export class Over {
     const log = extra["map.contours"] === OF_COLOURS && lookOf(grid, extra).log;
     return { variable: grid.variables.indexOf(variable), log,
       levels: extra["map.levels"]?.split(",").map(Number) ?? null };
-  }
-
-  /** Return what contour lines a file of the map has, null for none. */
-  contourBody() {
-    const { grid } = this.view;
-    const question = this.question();
-    if (!grid || !question) return null;
-    const { name, ball } = grid.variables[question.variable];
-    const { levels, log } = question;
-    return { ...shownMapOf(this.view), observable: name, ball, levels, log };
   }
 }
 

@@ -2,12 +2,12 @@
 
 import { tablesOf as tablesOfRun } from "../model/files.js";
 import { InputError } from "../model/rules.js";
+import { NOT_YET } from "./grid.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./question.js").Question} Question */
 
 const FORMAT = 1;
-const NOT_YET = 255;
 
 /**
  * Return a map as the options of its runs and its sweep, which the installed program computes.

@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */
 
-const STATES = { busy: "mapStop", stopped: "mapGoOn", asks: "mapCompute", done: "mapAgain" };
+const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", done: "mapAgain" };
 
 export class Toolbar {
   /** @param {Actions} actions */
@@ -16,7 +16,7 @@ export class Toolbar {
     this.panning = false;
     /** @type {keyof typeof STATES} */
     this.now = "done";
-    this.stop = button("mapStop", actions.stop);
+    this.stop = button("stop", actions.stop);
     this.back = button("mapBack", actions.back);
     this.pan = button("mapPan", () => {
       this.panning = !this.panning;

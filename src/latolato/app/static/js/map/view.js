@@ -7,21 +7,19 @@ import { el, tell } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
 import { spanText } from "../shared/jobs.js";
 import { t } from "../strings.js";
-import { Misread } from "./address.js";
+import { Misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { ColourBar } from "./bar.js";
 import { MapChart } from "./chart.js";
+import { lookOf } from "./colours.js";
 import { MapControls } from "./controls.js";
-import { Cursor } from "./cursor.js";
+import { Cursor, PointPanel } from "./cursor.js";
 import { MapFiles } from "./files.js";
 import { Grid } from "./grid.js";
 import { followHand } from "./hand.js";
 import { PageJob, StoredJob } from "./job.js";
-import { lookOf } from "./look.js";
 import { contourVariable, Over } from "./over.js";
-import { PointPanel } from "./point.js";
 import { Pool } from "./pool.js";
-import { openInPlay, requestOf, sameBut, sourceOf } from "./request.js";
 import { doneText, legend } from "./tell.js";
 import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
@@ -61,7 +59,8 @@ export class MapView {
     this.travel = new Travel(this);
     this.controls = new MapControls(page.registry, page.store, (text) => {
       this.over.trials = text;
-      void this.over.draw();
+      this.over.place();
+      this.repaint();
     });
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
@@ -246,7 +245,7 @@ export class MapView {
     this.chart.isOld = false;
     this.root.classList.remove("old");
     this.cursor.restore();
-    void this.over.draw();
+    this.over.place();
   }
 
   /**
@@ -323,7 +322,6 @@ export class MapView {
     const variable = grid.variables[look.variable];
     chart.look = look;
     chart.lines = this.over.shown();
-    chart.paint();
     this.controls.showLook(grid, look);
     this.controls.over.showChoices(grid, extra);
     this.bar.canvas.hidden = variable.classes.length > 0;
@@ -334,5 +332,6 @@ export class MapView {
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.tell();
     this.over.contours();
+    chart.paint();
   }
 }

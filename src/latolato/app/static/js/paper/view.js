@@ -264,7 +264,7 @@ class Plate {
       options: textsOf(page.registry, cases[Number(select.value)].options) });
     this.links.after(el("div", { class: "row cases" },
       el("label", { for: id }, t("paperCases", { count: cases.length })), select,
-      el("button", { type: "button", on: { click: go } }, t("openCase"))));
+      el("button", { type: "button", on: { click: go } }, t("openInPlay"))));
   }
 }
 

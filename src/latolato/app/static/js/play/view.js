@@ -105,7 +105,7 @@ export class PlayView {
 
   /** Say that a run is computed, and offer to stop it. */
   wait() {
-    this.note(t("computing"), t("stopRun"), () => {
+    this.note(t("computing"), t("stop"), () => {
       this.runner.stop();
       this.runner.end();
       this.note(t("runStopped"));
