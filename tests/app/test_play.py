@@ -13,7 +13,7 @@ import pytest
 import latolato as ll
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
-from latolato.app.given import RunRequest
+from latolato.app.run_request import RunRequest
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
