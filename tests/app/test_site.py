@@ -117,14 +117,23 @@ def test_a_stored_map_is_left_to_the_program(visit, web):
     assert visit.faults == []
 
 
+OFFLINE = {
+    "view=play&scenario=kapitza": "[data-runs]",
+    "view=live": "[data-ready]",
+    "view=map&map.size=10": "[data-done]",
+    "view=paper": ".plate",
+    "view=analyse": "h1",
+}
+
+
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.goto(web[0])
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     visit.evaluate("() => navigator.serviceWorker.ready")
     visit.context.set_offline(True)
-    for query in ("?view=play&scenario=kapitza", "?view=live"):
-        visit.goto(web[0] + query)
-        visit.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
+    for query, ready in OFFLINE.items():
+        visit.goto(f"{web[0]}?{query}")
+        visit.wait_for_selector(ready, timeout=PATIENCE)
     assert visit.faults == []
 
 
