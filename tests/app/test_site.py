@@ -257,6 +257,15 @@ def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
     assert visit.faults == []
 
 
+@pytest.mark.parametrize("view", ["play", "live", "map"])
+def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
+    visit.goto(f"{web[0]}?view={view}&map.size=10&length={'x' * 3000}")
+    visit.locator(":is(.error, .notes, .readout):visible").filter(has_text="xxx").first.wait_for()
+    wider = visit.evaluate("() => document.scrollingElement.scrollWidth - innerWidth")
+    assert wider <= 0
+    assert visit.faults == []
+
+
 def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(visit, web):
     visit.add_init_script(
         "window.heard = []; addEventListener('message', ({ data }) => window.heard.push(data));"
