@@ -243,7 +243,7 @@ BROKEN = {
     "view=play&scenario=toy&duration=1e999 s": "must be finite",
     f"view=play&scenario={'x' * 5000}": "there is no scenario 'xxx",
     "view=live&scenario=constructor": "there is no scenario 'constructor'",
-    "view=live&scenario=toy&radius=NaN": "must be given in m",
+    "view=live&scenario=toy&radius=NaN": "must be finite",
 }
 
 
