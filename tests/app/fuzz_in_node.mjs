@@ -10,6 +10,7 @@ const { specify } = await load("model/case.js");
 const { loadRegistry } = await load("model/registry.js");
 const { InputError } = await load("model/rules.js");
 const { run } = await load("model/simulate.js");
+const { parseTrials } = await load("map/trials.js");
 const registry = await loadRegistry();
 const SHORT = 2; // s
 
@@ -33,6 +34,18 @@ const kinds = {
   },
   async request(request) {
     return { ended: await ended(request) };
+  },
+  trials(text) {
+    try {
+      const { amplitude, frequency, ratio, kinds } = parseTrials(registry, text);
+      const lengths = [amplitude, frequency, ratio, kinds].map((each) => each.length);
+      const isPlain = amplitude.every((each) => each > 0 && Number.isFinite(each))
+        && kinds.every((each) => [0, 1, 2].includes(each));
+      return { ended: "read", sound: isPlain && new Set(lengths).size === 1 };
+    } catch (error) {
+      if (error instanceof InputError) return { ended: error.message, sound: true };
+      throw error;
+    }
   },
   message(data) {
     const wish = wishOf(registry, data);

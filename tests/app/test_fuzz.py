@@ -26,6 +26,7 @@ from latolato.app.forms import registry
 from latolato.app.server import Settings, make_app
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
+from latolato.experiment.trial_table import parse_trials
 
 ASKED = {
     "type": "object",
@@ -216,6 +217,51 @@ def test_messages_of_the_documented_form_are_understood(page):
         {**wish, "options": {"length": "1" * 2000}}, {**wish, "options": []}, None, "latolato",
     ):  # fmt: skip
         assert not page("message", wrong)["accepted"], wrong
+
+
+TRIALS = """# gravity: 9.81 m/s^2
+drive_amplitude,drive_frequency,length,class,note
+0.02 m,15,0.2,none,"with, comma"
+30 mm,2 Hz,0.2,strong,"a ""word"" here"
+"""
+COLUMNS = [*ABOUT["trials"]["columns"], *POLLUTION, "", '"', "note"]
+CELLS = st.sampled_from([*SPOILED, *POLLUTION, "none", "weak", "0.02", '"', '"a', "# gravity: m"])
+ROWS = st.lists(st.lists(CELLS | TEXTS, max_size=6).map(",".join), max_size=6)
+
+
+def read_as_in_python(text, page):
+    """Check that the page reads a table of trials where Python does, and else says why."""
+    answer = page("trials", text)
+    assert answer["sound"]
+    assert "\n" not in answer["ended"]
+    if "\0" in text:  # which NumPy drops at the end of a class
+        return
+    try:
+        parse_trials(text.removeprefix("\ufeff"))
+    except InputError:
+        assert answer["ended"] != "read", text
+    else:
+        assert answer["ended"] == "read", text
+
+
+@hypothesis.given(data=st.data())
+@many
+def test_no_spoiled_table_of_trials_makes_a_page_stumble(data, page):
+    start = data.draw(st.integers(0, len(TRIALS)))
+    end = data.draw(st.integers(start, min(start + 30, len(TRIALS))))
+    words = st.sampled_from(
+        [*SPOILED, *POLLUTION, *HTML, '"', '""', ",", "\n", "\r", "\0", "#", ""]
+    )
+    spoiled = TRIALS[:start] + data.draw(words | st.text(max_size=10)) + TRIALS[end:]
+    read_as_in_python(spoiled, page)
+
+
+@hypothesis.given(names=st.lists(st.sampled_from(COLUMNS), max_size=6), rows=ROWS)
+@hypothesis.example(names=["drive_amplitude", "constructor"], rows=["1,1"])
+@hypothesis.example(names=["drive_amplitude", "length", "class"], rows=["1,-1,weak"])
+@many
+def test_no_table_makes_a_page_stumble(names, rows, page):
+    read_as_in_python("\n".join([",".join(names), *rows]), page)
 
 
 @pytest.fixture(scope="module")

@@ -164,7 +164,7 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     open_map(page)
     page.get_by_text("Curves and trials").click()
     page.get_by_label("Trial table").set_input_files(table)
-    page.get_by_text("3 trials, 0 of them outside of the map.").wait_for()
+    page.get_by_text("3 trials, 0 of them outside the map.").wait_for()
     found = page.evaluate(
         """() => {
           const { chart } = window.latolato.views.map;
@@ -509,7 +509,7 @@ def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     small = QUERY.replace("size=24", "size=8")
     open_map(page, f"{small}&map.xlow=abc&map.levels=abc&map.ylow=0.1&map.xlog=1")
     page.get_by_role("alert").get_by_text(
-        "Left out of the address, for it cannot be read: map.levels=abc, map.xlow=abc."
+        "Ignored in the address, as it could not be read: map.levels=abc, map.xlow=abc."
     ).wait_for()
     page.wait_for_function("() => !location.search.includes('abc')")
     # The others are about the axes on show.
@@ -523,7 +523,7 @@ def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     np.testing.assert_allclose(found["y"], np.linspace(0.1, 0.5, 8), rtol=1e-12)
     page.get_by_label("Scale").evaluate("(e) => { e.closest('details').open = true; }")
     page.get_by_label("Scale").select_option("magma")
-    page.get_by_text("Left out of the address").wait_for(state="hidden")
+    page.get_by_text("Ignored in the address").wait_for(state="hidden")
 
 
 def test_ends_in_the_wrong_order_in_an_address_are_told(page):

@@ -117,14 +117,23 @@ def test_a_stored_map_is_left_to_the_program(visit, web):
     assert visit.faults == []
 
 
+OFFLINE = {
+    "view=play&scenario=kapitza": "[data-runs]",
+    "view=live": "[data-ready]",
+    "view=map&map.size=10": "[data-done]",
+    "view=paper": ".plate",
+    "view=analyse": "h1",
+}
+
+
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.goto(web[0])
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     visit.evaluate("() => navigator.serviceWorker.ready")
     visit.context.set_offline(True)
-    for query in ("?view=play&scenario=kapitza", "?view=live"):
-        visit.goto(web[0] + query)
-        visit.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
+    for query, ready in OFFLINE.items():
+        visit.goto(f"{web[0]}?{query}")
+        visit.wait_for_selector(ready, timeout=PATIENCE)
     assert visit.faults == []
 
 
@@ -245,6 +254,15 @@ def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
             has_text=words
         ).first.wait_for()
         assert visit.locator("main img").count() == 0
+    assert visit.faults == []
+
+
+@pytest.mark.parametrize("view", ["play", "live", "map"])
+def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
+    visit.goto(f"{web[0]}?view={view}&map.size=10&length={'x' * 3000}")
+    visit.locator(":is(.error, .notes, .readout):visible").filter(has_text="xxx").first.wait_for()
+    wider = visit.evaluate("() => document.scrollingElement.scrollWidth - innerWidth")
+    assert wider <= 0
     assert visit.faults == []
 
 

@@ -90,6 +90,7 @@ def test_what_is_not_text_is_left_to_the_checks_of_the_laws(value):
         ("2 m^(1/0)", "m"),
         ("2 (lambda:1)", "m"),
         ("2 m.real", "m"),
+        ("1 m-s", "m"),
     ],
 )
 def test_other_units_are_refused_in_one_line_with_the_rule(text, unit):

@@ -19,6 +19,7 @@ from latolato.core.errors import InputError
 # What a browser keeps at the first visit; the report and the documentation as they are read.
 OFFLINE = "offline.js"
 _LATER = ("report", "docs", "paper")
+_FIRST = ("paper/contents.json",)
 
 
 def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = None) -> list[Path]:
@@ -82,10 +83,12 @@ def _write_paper(folder: Path, report: Path | None) -> None:
 def _write_offline(folder: Path) -> None:
     """Write the list of files that a browser keeps, under a name that changes with them."""
     paths = [path.relative_to(folder) for path in folder.rglob("*") if path.is_file()]
+    left_out = (OFFLINE, "files.js")
     kept = sorted(
         path.as_posix()
         for path in paths
-        if path.parts[0] not in _LATER and path.name not in (OFFLINE, "files.js")
+        if path.as_posix() in _FIRST
+        or (path.parts[0] not in _LATER and path.as_posix() not in left_out)
     )
     digest = hashlib.sha256()
     for name in kept:

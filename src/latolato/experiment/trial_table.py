@@ -123,7 +123,8 @@ def trial_table(
     Raises
     ------
     InputError
-        For unknown, missing and unequal columns, unknown classes, and negative amplitudes.
+        For unknown, missing and unequal columns, unknown classes, and amplitudes, frequencies and
+        lengths that are not positive and finite.
     """
     import xarray as xr
 
@@ -148,19 +149,25 @@ def trial_table(
     for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(f"column '{name}' must have {count} rows", value=values.shape)
-    for name in ("drive_amplitude", "drive_frequency", "frequency_ratio"):
+    for name in ("drive_amplitude", "drive_frequency", "frequency_ratio", "length"):
         values = arrays.get(name, np.ones(count))
-        bad = np.flatnonzero(~(values > 0.0))
+        is_good = (values > 0.0) & np.isfinite(values)
+        if name == "length":  # may be unknown
+            is_good |= np.isnan(values)
+        bad = np.flatnonzero(~is_good)
         if bad.size:
             raise InputError(
-                f"must be positive in row {bad[0] + 1}",
+                f"must be positive and finite in row {bad[0] + 1}",
                 parameter=name,
                 value=float(values[bad[0]]),
             )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
+    gravity = float(attributes["gravity"])
+    if not 0.0 < gravity < math.inf:
+        raise InputError("must be positive and finite", parameter="gravity", value=gravity)
     unknown = np.full(count, np.nan)
     length = arrays.setdefault("length", unknown.copy())
-    natural = np.sqrt(float(attributes["gravity"]) / length)
+    natural = np.sqrt(gravity / length)
     if "frequency_ratio" not in arrays:
         arrays["frequency_ratio"] = arrays["drive_frequency"] / natural
     arrays.setdefault("drive_frequency", arrays["frequency_ratio"] * natural)

@@ -140,7 +140,14 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         source = registry.parse_units(written.replace("²", "^2").replace("³", "^3"))
         target = registry.parse_units("" if unit == "1" else unit)
         return float(registry.Quantity(Decimal(match["number"]), source).to(target).magnitude)
-    except (pint.PintError, ArithmeticError, AssertionError, AttributeError, ValueError):
+    except (
+        pint.PintError,
+        ArithmeticError,
+        AssertionError,
+        AttributeError,
+        TypeError,
+        ValueError,
+    ):
         raise _refusal(name, value, unit) from None
 
 

@@ -51,7 +51,7 @@ export function parseTrials(registry, text) {
   /** @type {Columns} */
   const read = new Map();
   for (const [name, cells] of columns) {
-    if (!(name in units) || !cells.some(Boolean)) continue;
+    if (!Object.hasOwn(units, name) || !cells.some(Boolean)) continue;
     const unit = units[name];
     read.set(name, unit === null ? cells : numbersOf(registry, name, cells, unit));
   }
@@ -62,10 +62,12 @@ export function parseTrials(registry, text) {
     throw new InputError("a trial table needs the columns drive_amplitude, drive_frequency or "
       + "frequency_ratio, and class or largest_angle and largest_angle_after_transient",
     { value: [...read.keys()].join(", ") || "none" });
-  for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio"]) {
-    const at = read.get(name)?.findIndex((value) => !(value > 0)) ?? -1;
+  for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio", "length"]) {
+    const isUnknown = (/** @type {number} */ value) => name === "length" && Number.isNaN(value);
+    const at = read.get(name)?.findIndex((value) =>
+      !((value > 0 && Number.isFinite(value)) || isUnknown(value))) ?? -1;
     if (at >= 0)
-      throw new InputError(`must be positive in row ${at + 1}`,
+      throw new InputError(`must be positive and finite in row ${at + 1}`,
         { parameter: name, value: read.get(name)?.[at] });
   }
   const unknown = amplitude.map(() => NaN);
@@ -98,8 +100,10 @@ function numberOfClass(text) {
 function gravityOf(registry, lines) {
   const given = lines.map((line) => /^#\s*gravity\s*:(.*)$/.exec(line)?.[1].trim())
     .findLast((text) => text !== undefined);
-  return given === undefined ? registry.options.gravity.default
-    : toSi(registry, "gravity", given, "m/s^2");
+  if (given === undefined) return registry.options.gravity.default;
+  const gravity = toSi(registry, "gravity", given, "m/s^2");
+  if (gravity > 0 && Number.isFinite(gravity)) return gravity;
+  throw new InputError("must be positive and finite", { parameter: "gravity", value: gravity });
 }
 
 /**
