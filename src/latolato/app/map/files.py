@@ -116,7 +116,7 @@ def _is_observable(value: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class Shown:
+class PageMap:
     """A map on show: all its numbers, how a page shows it, and the file that it comes from."""
 
     grid: xr.Dataset
@@ -147,62 +147,62 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
     kind, path = request["kind"], request.get("path")
     store = folder / "map.zarr" if kind == "zarr" and path is None else None
     if path is not None:
-        shown = Shown(opened(Path(path)), request, Path(path))
+        page_map = PageMap(opened(Path(path)), request, Path(path))
     else:
         grid = scenario_of(request).sweep(
             store=store, progress=lambda done, total: progress(done / total)
         )
-        shown = Shown(grid, request)
-    if shown.grid.nbytes > MOST_BYTES:
+        page_map = PageMap(grid, request)
+    if page_map.grid.nbytes > MOST_BYTES:
         raise TooLargeError(
             f"a download must not exceed {MOST_BYTES / 1e6:.0f} MB",
-            value=shown.grid.nbytes / 1e6,
+            value=page_map.grid.nbytes / 1e6,
             way_out="copy the file of this sweep instead",
         )
     target = folder / f"map.{'zip' if kind == 'zarr' else kind}"
     if kind in ("png", "svg"):
-        _write_picture(shown, target, folder)
+        _write_picture(page_map, target, folder)
     elif kind == "zarr":
-        _zip(store or _store_of(shown, folder), target)
+        _zip(store or _store_of(page_map, folder), target)
     else:
         from latolato.io.files import save
 
-        save(_with_note(shown), target)
-    return {"file": target.name, "missing": shown.missing}
+        save(_with_note(page_map), target)
+    return {"file": target.name, "missing": page_map.missing}
 
 
-def _with_note(shown: Shown) -> xr.Dataset:
+def _with_note(page_map: PageMap) -> xr.Dataset:
     """Return the dataset; one that is not finished has a note of that."""
-    if not shown.missing:
-        return shown.grid
-    total = shown.grid["status"].size
-    text = f"{shown.missing} of {total} points are not computed: status is -1 there"
-    return shown.grid.assign_attrs(unfinished=text)
+    if not page_map.missing:
+        return page_map.grid
+    total = page_map.grid["status"].size
+    text = f"{page_map.missing} of {total} points are not computed: status is -1 there"
+    return page_map.grid.assign_attrs(unfinished=text)
 
 
-def _store_of(shown: Shown, folder: Path) -> Path:
+def _store_of(page_map: PageMap, folder: Path) -> Path:
     """Return the store of a stored map, its own or one that is written from its file."""
     from latolato.sweeps.plan import Plan
     from latolato.sweeps.store import Store
 
-    assert shown.path is not None
-    if shown.path.is_dir():
-        return shown.path
-    if shown.missing:
+    assert page_map.path is not None
+    if page_map.path.is_dir():
+        return page_map.path
+    if page_map.missing:
         raise InputError(
-            f"a store holds whole maps; {shown.missing} points are not computed yet",
+            f"a store holds whole maps; {page_map.missing} points are not computed yet",
             way_out="let the sweep finish, or take NetCDF",
         )
-    if "rounding" not in shown.grid.attrs:
+    if "rounding" not in page_map.grid.attrs:
         raise InputError(
             "this map was computed by an earlier latolato, which did not record how it rounds",
             way_out="compute it again, or take NetCDF",
         )
-    plan = Plan.from_description(json.loads(shown.grid.attrs["plan"]))
-    path = folder / f"{shown.path.stem}.zarr"
-    reason = str(shown.grid.attrs.get("first_invalid", ""))
-    arrays = {str(name): array.values for name, array in shown.grid.data_vars.items()}
-    with Store(plan, path, shown.grid.attrs["rounding"]) as store:
+    plan = Plan.from_description(json.loads(page_map.grid.attrs["plan"]))
+    path = folder / f"{page_map.path.stem}.zarr"
+    reason = str(page_map.grid.attrs.get("first_invalid", ""))
+    arrays = {str(name): array.values for name, array in page_map.grid.data_vars.items()}
+    with Store(plan, path, page_map.grid.attrs["rounding"]) as store:
         for number in store.missing:
             block = plan.block(number)
             store.write(number, {name: a[block] for name, a in arrays.items()}, reason)
@@ -250,26 +250,26 @@ def _check_look(body: Mapping[str, Any]) -> None:
         checked_number("a level", value, ANY, "SI")
 
 
-def _write_picture(shown: Shown, target: Path, folder: Path) -> None:
+def _write_picture(page_map: PageMap, target: Path, folder: Path) -> None:
     """Write the picture of a map as the page shows it."""
     from latolato.figures.style import save_figure
 
-    request, points = shown.request, None
+    request, points = page_map.request, None
     if request.get("trials") is not None:
         points = folder / "trials.csv"
         points.write_text(request["trials"], encoding="utf-8")
-    drawing = shown.drawing(request["observable"], request.get("ball"))
+    drawing = page_map.drawing(request["observable"], request.get("ball"))
     drawing.log = bool(request.get("log")) and not drawing.classes
-    figure = drawing.map(request.get("overlays") or [], points, _look(shown))
+    figure = drawing.map(request.get("overlays") or [], points, _look(page_map))
     save_figure(figure, target, dpi=PICTURE_DPI)
 
 
-def _look(shown: Shown) -> Look:
+def _look(page_map: PageMap) -> Look:
     """Return the colours, their ends and the contour lines that a page shows."""
     from latolato.figures.contours import lines_of
     from latolato.figures.map import Look
 
-    request = shown.request
+    request = page_map.request
     limits = request.get("limits")
     colours: dict[str, Any] = {
         "colours": request.get("scale") or SCALES[0],
@@ -278,7 +278,7 @@ def _look(shown: Shown) -> Look:
     contours = request.get("contours")
     if contours is None:
         return Look(**colours)
-    over = shown.drawing(contours["observable"], contours.get("ball"))
+    over = page_map.drawing(contours["observable"], contours.get("ball"))
     if over.classes:
         raise InputError(f"{over.name} has classes, not a scale: it has no contour lines")
     attributes = over.data.attrs

@@ -186,15 +186,15 @@ export class AnalyseView {
     const { system, drive } = this.about.options;
     const shaken = drive in { harmonic: 1, crank_slider: 1 } ? drive : "harmonic";
     const pair = registry.systems[system].contacts;
-    const wanted = why.includes(registry.systems.latolato.title) ? "latolato"
+    const fitting = why.includes(registry.systems.latolato.title) ? "latolato"
       : pair && shaken === drive ? "pendulum" : system === "mathieu" ? "pendulum" : system;
-    const text = t(wanted === "latolato" ? "unfitToy"
-      : wanted === system ? "unfitDrive" : "unfitSystem");
+    const text = t(fitting === "latolato" ? "unfitToy"
+      : fitting === system ? "unfitDrive" : "unfitSystem");
     const { options } = this.about;
-    const kinds = { system: wanted, drive: shaken };
+    const kinds = { system: fitting, drive: shaken };
     this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
       click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
-        heldOptions(registry, store.state.options, options, { system }, kinds), options, wanted,
+        heldOptions(registry, store.state.options, options, { system }, kinds), options, fitting,
         shaken) }) } }, text));
   }
 
@@ -223,9 +223,9 @@ export class AnalyseView {
 
   /**
    * Ask what is typed, if it is soon answered or was wanted; else say how long it takes.
-   * @param {boolean} wanted
+   * @param {boolean} isWanted
    */
-  async consider(wanted) {
+  async consider(isWanted) {
     const values = this.own.values();
     const question = { ...this.request, analysis: this.what, settings: values };
     const key = JSON.stringify(question);
@@ -241,7 +241,7 @@ export class AnalyseView {
       const { seconds, refused } = await askJson("api/analyses/cost", question);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
-      else if (seconds <= QUICK || wanted) await this.ask(question, seconds, turn);
+      else if (seconds <= QUICK || isWanted) await this.ask(question, seconds, turn);
       else {
         this.clear();
         this.cost.textContent = t("askCost", { time: spanText(seconds) });

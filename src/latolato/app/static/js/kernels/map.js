@@ -225,9 +225,9 @@ function observersOf(kernels, names, angles) {
       if (about.marks) throw new Error(`${name} takes its usual parameters only`);
     }
     const numbers = Object.entries(about.parameters).map(([key, usual]) => parameters[key] ?? usual);
-    const found = { about, numbers, first };
+    const observable = { about, numbers, first };
     first += about.slots;
-    return found;
+    return observable;
   });
   const variables = observers.flatMap(({ about }) => Object.keys(about.widths));
   const twice = variables.find((name, i) => variables.indexOf(name) !== i);
@@ -365,16 +365,16 @@ function valuesOf(kernels, observers, acc, status, angles) {
     for (const [name, width] of Object.entries(about.widths)) {
       const isExponent = about.dimension === "exponent" && !about.plain.includes(name);
       const kept = isExponent ? 2 * angles : width;
-      const found = new Float64Array(count * balls * kept);
+      const column = new Float64Array(count * balls * kept);
       for (let k = 0, i = 0; k < count; k += 1) {
         for (let ball = 0; ball < balls; ball += 1) {
           for (let m = 0; m < kept; m += 1, i += 1) {
             const place = ((slot + m) * count + k) * angles + ball;
-            found[i] = status[k] >= bad ? NaN : slots[place];
+            column[i] = status[k] >= bad ? NaN : slots[place];
           }
         }
       }
-      values[name] = found;
+      values[name] = column;
       slot += width;
     }
   }

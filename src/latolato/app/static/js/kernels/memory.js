@@ -148,21 +148,21 @@ export class Kernels {
    * @returns {Held}
    */
   field({ at, type }, path, index = 0) {
-    const found = { at: at + index * this.size(type), type, shape: [1] };
+    const place = { at: at + index * this.size(type), type, shape: [1] };
     for (const name of path.split(".")) {
       const number = Number(name);
       if (Number.isInteger(number)) {
-        found.at += number * this.size(found.type);
-        found.shape = [];
+        place.at += number * this.size(place.type);
+        place.shape = [];
         continue;
       }
-      const field = this.layout.records[found.type].fields[name];
-      if (!field) throw new Error(`a record of ${found.type} has no field ${name}`);
-      found.at += field.at;
-      found.type = field.type;
-      found.shape = field.shape;
+      const field = this.layout.records[place.type].fields[name];
+      if (!field) throw new Error(`a record of ${place.type} has no field ${name}`);
+      place.at += field.at;
+      place.type = field.type;
+      place.shape = field.shape;
     }
-    return found;
+    return place;
   }
 
   /**
@@ -262,17 +262,17 @@ export class Kernels {
 
   /**
    * Return the table of what observables are shown; see `pieces.hook_table`.
-   * @param {[number, string][][]} shown for each occasion pairs of first slot and piece
+   * @param {[number, string][][]} occasions for each occasion pairs of first slot and piece
    * @returns {Held}
    */
-  hooks(shown) {
+  hooks(occasions) {
     /** @type {number[]} */
     const begins = [];
     /** @type {number[]} */
     const pairs = [];
-    for (const found of shown) {
-      begins.push(shown.length + pairs.length);
-      for (const [first, name] of found) {
+    for (const occasion of occasions) {
+      begins.push(occasions.length + pairs.length);
+      for (const [first, name] of occasion) {
         if (!(name in this.pieces)) throw new Error(`this module has no piece ${name}`);
         pairs.push(this.pieces[name], first);
       }

@@ -17,7 +17,7 @@
  * Run points.
  *
  * @param {Kernels} kernels of the module `lanes`, or of `two` for points of two balls
- * @param {Points} given
+ * @param {Points} batch
  * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
  *   slot and piece
  * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
@@ -25,9 +25,9 @@
  *   step; null runs one point after the other,
  *   as all must that `latolato.sweeps.batches.has_lanes` excludes
  */
-export function runPoints(kernels, given, hooks, lanes) {
+export function runPoints(kernels, batch, hooks, lanes) {
   const { layout } = kernels;
-  const { order, stepper, slots, is_linear, engine = "engine" } = given;
+  const { order, stepper, slots, is_linear, engine = "engine" } = batch;
   const size = layout.scratch_contacts;
   const runs = kernels.take("run", 1);
   const stages = stepper.drifts.shape[0];
@@ -40,7 +40,7 @@ export function runPoints(kernels, given, hooks, lanes) {
   kernels.set(runs, "hooks", kernels.hooks(hooks).at);
   const job = {
     order, cancel: kernels.take("i8", 1),
-    ...named("points", given.points), ...named("progress", given.progress),
+    ...named("points", batch.points), ...named("progress", batch.progress),
     "scratch.runs": runs, "scratch.contact_times": kernels.take("f8", size),
     "scratch.contact_kinds": kernels.take("i8", size),
     "scratch.contact_values": kernels.take("f8", 4, size),

@@ -51,30 +51,30 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
   let reached = -1;
   /** @type {(status: Run["status"]) => Run} */
   const ended = (status) => {
-    const [found, kinds, ...values] = parts.map(joined);
+    const [instants, kinds, ...values] = parts.map(joined);
     return { status, reached: Math.min(reached, duration), samples,
-      contacts: { times: found, kinds, values } };
+      contacts: { times: instants, kinds, values } };
   };
   for (;;) {
     const size = Math.min(room, contact_limit - contacts) + SPARE;
-    const found = kernels.take("f8", size);
+    const buffer = kernels.take("f8", size);
     const kinds = kernels.take("i8", size);
     const values = kernels.take("f8", parts.length - 2, size);
     kernels.fill(kernels.field(run, "words"), "arguments", {
       "timetable.stretches": stretches, "timetable.kick_times": kick_times,
       "timetable.kick_sizes": kick_sizes,
-      "output.sample_times": times, "output.samples": samples, "output.contact_times": found,
+      "output.sample_times": times, "output.samples": samples, "output.contact_times": buffer,
       "output.contact_kinds": kinds, "output.contact_values": values,
       "eyes.acc": seen, "eyes.column": 0, "eyes.columns": balls,
     });
     const written = kernels.exports[piece](run.at, duration, layout.steps_per_call);
-    parts[0].push(kernels.numbers(found).slice(0, written));
+    parts[0].push(kernels.numbers(buffer).slice(0, written));
     parts[1].push(Float64Array.from(kernels.numbers(kinds).subarray(0, written), Number));
     const rows = kernels.numbers(values);
     for (let i = 2; i < parts.length; i += 1) {
       parts[i].push(rows.slice((i - 2) * size, (i - 2) * size + written));
     }
-    kernels.release(found);
+    kernels.release(buffer);
     contacts += written;
     const before = reached;
     reached = time(kernels, run);
@@ -101,23 +101,23 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
  * allows, some times at most; `closes` says whether it did at last.
  * @param {Kernels} kernels
  * @param {Record<string, number | number[]>} parameters of the case, see `begin`
- * @param {Omit<Prepared, "run">} given
+ * @param {Omit<Prepared, "run">} inputs
  * @param {{balls: number, duration: number, contact_limit: number, piece?: string}} how
  * @returns {Run & {run: Held, halvings: number, closes: boolean}}
  */
-export function simulate(kernels, parameters, given, how) {
+export function simulate(kernels, parameters, inputs, how) {
   const { most_halvings, most_steps_to_repeat } = kernels.layout;
   let step = Number(parameters.step ?? 0);
   for (let halvings = 0; ; halvings += 1) {
-    const { run, problem } = begin(kernels, { ...parameters, step }, given.stretches);
+    const { run, problem } = begin(kernels, { ...parameters, step }, inputs.stretches);
     if (problem !== "fine") throw new Error(problem);
-    const found = integrate(kernels, { ...given, run }, how);
+    const end = integrate(kernels, { ...inputs, run }, how);
     const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
     const closes = kernels.get(run, "state.ledger_error") <= allowed;
     const steps = kernels.get(run, "state.total_steps");
-    if (closes || how.piece === "clamp" || found.status !== "complete"
+    if (closes || how.piece === "clamp" || end.status !== "complete"
       || halvings === most_halvings || steps > most_steps_to_repeat) {
-      return { ...found, run, halvings, closes };
+      return { ...end, run, halvings, closes };
     }
     step = 0.5 * kernels.get(run, "settings.step");
     kernels.release(run);
@@ -129,13 +129,13 @@ export function simulate(kernels, parameters, given, how) {
  * @param {Float64Array[]} parts
  */
 function joined(parts) {
-  const found = new Float64Array(parts.reduce((size, part) => size + part.length, 0));
+  const whole = new Float64Array(parts.reduce((size, part) => size + part.length, 0));
   let at = 0;
   for (const part of parts) {
-    found.set(part, at);
+    whole.set(part, at);
     at += part.length;
   }
-  return found;
+  return whole;
 }
 
 /**

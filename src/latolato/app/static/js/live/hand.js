@@ -28,13 +28,13 @@ export function followHand(canvas, scene, motion, drag) {
     const [x, y] = point(event);
     const ratio = window.devicePixelRatio || 1;
     const { size } = scene.scale();
-    let found = null;
+    let nearest = null;
     let least = Infinity;
     scene.drawn.forEach((ball, k) => {
       const far = Math.hypot(ball.x - x, ball.y - y) - now.radius(now.balls[k]) * size;
-      if (far < REACH * ratio && far < least) [found, least] = [k, far];
+      if (far < REACH * ratio && far < least) [nearest, least] = [k, far];
     });
-    return found;
+    return nearest;
   };
   const lead = (/** @type {PointerEvent} */ event) => {
     const now = motion();
@@ -42,11 +42,11 @@ export function followHand(canvas, scene, motion, drag) {
     const ball = now.balls[held];
     const [x, y] = point(event);
     const [px, py] = scene.place(0, now.toy.pivot.height);
-    const shown = Math.atan2(x - px, y - py);
+    const pointer = Math.atan2(x - px, y - py);
     // Of all turns the one that is next to where the ball is.
     const before = now.angle(ball);
-    const turn = 2 * Math.PI * Math.round((before - shown) / (2 * Math.PI));
-    drag({ ball: ball.row, angle: ball.sign * (shown + turn) });
+    const turn = 2 * Math.PI * Math.round((before - pointer) / (2 * Math.PI));
+    drag({ ball: ball.row, angle: ball.sign * (pointer + turn) });
   };
   canvas.addEventListener("pointerdown", (event) => {
     held = nearest(event);

@@ -127,9 +127,9 @@ export class LiveMotion {
   rise(largest) {
     const side = this.longest + Math.max(...this.balls.map((b) => this.radius(b)));
     const above = Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2);
-    const wanted = side * Math.sin(above) + this.reach;
+    const needed = side * Math.sin(above) + this.reach;
     const before = this.top;
-    this.top += (wanted > before ? GROW : SHRINK) * (wanted - before);
+    this.top += (needed > before ? GROW : SHRINK) * (needed - before);
     return Math.abs(this.top - before) > 1e-5 * side;
   }
 

@@ -41,10 +41,10 @@ export class Strip {
   /** Return the colours of the style sheet, read once for each theme. */
   readColours() {
     /** @type {Record<string, string>} */
-    const found = {};
+    const colours = {};
     for (const name of ["soft", "grid", "flash", ...this.curves.map((c) => c.paint)])
-      found[name] = colour(name, this.canvas);
-    return found;
+      colours[name] = colour(name, this.canvas);
+    return colours;
   }
 
   /** Return the part of the canvas that the curves fill, in its own pixels. */
@@ -63,12 +63,12 @@ export class Strip {
     const { history, curves, least, limits } = this;
     if (!history) return;
     const [low, high] = history.range(curves.map((c) => c.name));
-    const wanted = axisLimits(Math.min(least[0], low), Math.max(least[1], high));
-    const margin = 0.05 * (wanted[1] - wanted[0]);
-    if (low < least[0]) wanted[0] -= margin;
-    if (high > least[1]) wanted[1] += margin;
-    limits[0] = wanted[0] < limits[0] ? wanted[0] : limits[0] + EASE * (wanted[0] - limits[0]);
-    limits[1] = wanted[1] > limits[1] ? wanted[1] : limits[1] + EASE * (wanted[1] - limits[1]);
+    const aim = axisLimits(Math.min(least[0], low), Math.max(least[1], high));
+    const margin = 0.05 * (aim[1] - aim[0]);
+    if (low < least[0]) aim[0] -= margin;
+    if (high > least[1]) aim[1] += margin;
+    limits[0] = aim[0] < limits[0] ? aim[0] : limits[0] + EASE * (aim[0] - limits[0]);
+    limits[1] = aim[1] > limits[1] ? aim[1] : limits[1] + EASE * (aim[1] - limits[1]);
   }
 
   /** Draw the last seconds; the newest instant is at the right end. */

@@ -325,8 +325,8 @@ export class Toy {
     // It presses the ball where it is wanted.
     if (angles === 1 && this.walls.includes(target) && fall * (target - Math.PI / 2) > 0) fall = 0;
     const fastest = HAND_SPEED / length;
-    const wanted = Math.min(Math.max((HAND_GAIN * away) / span, -fastest), fastest);
-    kick[ball] += wanted - 0.5 * fall * span - velocity;
+    const speed = Math.min(Math.max((HAND_GAIN * away) / span, -fastest), fastest);
+    kick[ball] += speed - 0.5 * fall * span - velocity;
     return kick;
   }
 

@@ -60,9 +60,9 @@ export function requestOf(registry, state) {
   }
   const axis = (/** @type {"x" | "y"} */ which) => {
     const log = get(`${which}log`);
-    const given = Object.entries({ name: get(which), low: number(`${which}low`),
+    const entries = Object.entries({ name: get(which), low: number(`${which}low`),
       high: number(`${which}high`), log: log === null ? null : log === "1" });
-    const said = given.filter(([, value]) => value !== null);
+    const said = entries.filter(([, value]) => value !== null);
     return said.length ? Object.fromEntries(said) : null;
   };
   const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));

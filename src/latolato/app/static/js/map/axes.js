@@ -100,12 +100,12 @@ export function drawAxes(chart, context, ratio) {
  * @param {number} high
  */
 function decades(low, high) {
-  const found = [];
+  const ticks = [];
   const few = high / low < 1000;
   for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
     for (const digit of few ? [1, 2, 5] : [1])
-      if (digit * 10 ** k >= low && digit * 10 ** k <= high) found.push(digit * 10 ** k);
-  return found;
+      if (digit * 10 ** k >= low && digit * 10 ** k <= high) ticks.push(digit * 10 ** k);
+  return ticks;
 }
 
 /**
@@ -114,12 +114,12 @@ function decades(low, high) {
  * @param {number} high
  */
 function tenths(low, high) {
-  const found = [];
+  const ticks = [];
   if (high / low > 1e4) return [];
   for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
     for (let digit = 1; digit < 10; digit += 1)
-      if (digit * 10 ** k >= low && digit * 10 ** k <= high) found.push(digit * 10 ** k);
-  return found;
+      if (digit * 10 ** k >= low && digit * 10 ** k <= high) ticks.push(digit * 10 ** k);
+  return ticks;
 }
 
 /**

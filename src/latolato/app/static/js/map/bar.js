@@ -74,7 +74,7 @@ function powers(low, high) {
   const first = Math.ceil(Math.log10(low) - 1e-9);
   const last = Math.floor(Math.log10(high) + 1e-9);
   const step = Math.max(1, Math.round((last - first) / 6));
-  const found = [];
-  for (let k = first; k <= last; k += step) found.push(10 ** k);
-  return found.length > 1 ? found : [low, high];
+  const ticks = [];
+  for (let k = first; k <= last; k += step) ticks.push(10 ** k);
+  return ticks.length > 1 ? ticks : [low, high];
 }

@@ -179,19 +179,19 @@ export class MapChart {
       pixelOf(this.paints?.faint ?? "#999999"), pixelOf(this.paints?.paper ?? "#ffffff")];
     const [low, high] = log ? limits.map((v) => Math.log(Math.max(v, 1e-300))) : limits;
     const factor = 255 / (high - low || 1);
-    const found = new Uint32Array(values.length);
+    const pixels = new Uint32Array(values.length);
     for (let i = 0; i < values.length; i += 1) {
       const value = values[i];
-      if (status[i] === NOT_YET) found[i] = notYet;
-      else if (Number.isNaN(value)) found[i] = none;
-      else if (log && value <= 0) found[i] = zero;
-      else if (classes.length) found[i] = classes[Math.round(value)] ?? none;
+      if (status[i] === NOT_YET) pixels[i] = notYet;
+      else if (Number.isNaN(value)) pixels[i] = none;
+      else if (log && value <= 0) pixels[i] = zero;
+      else if (classes.length) pixels[i] = classes[Math.round(value)] ?? none;
       else {
         const place = ((log ? Math.log(value) : value) - low) * factor;
-        found[i] = table[place > 0 ? Math.min(255, Math.round(place)) : 0];
+        pixels[i] = table[place > 0 ? Math.min(255, Math.round(place)) : 0];
       }
     }
-    return found;
+    return pixels;
   }
 
   draw() {

@@ -109,14 +109,14 @@ export function spansOf(registry, origin, asked) {
  * @param {Registry} registry
  * @param {Origin} origin
  * @param {string} name
- * @param {Omit<NonNullable<Asked>, "name">} given
+ * @param {Omit<NonNullable<Asked>, "name">} ends
  * @returns {Span}
  */
-function spanOf(registry, origin, name, given) {
+function spanOf(registry, origin, name, ends) {
   const [least, most] = suggestedRange(registry, origin, name);
-  const high = given.high ?? most;
-  const log = given.log ?? isGeometric(origin.sweep?.axes[name]);
-  const low = given.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
+  const high = ends.high ?? most;
+  const log = ends.log ?? isGeometric(origin.sweep?.axes[name]);
+  const low = ends.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
   return { name, low, high, log };
 }
 

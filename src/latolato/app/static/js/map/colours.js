@@ -45,16 +45,16 @@ export function colourTable(name) {
   const known = Array.from({ length: text.length / 2 }, (_, i) =>
     parseInt(text.slice(2 * i, 2 * i + 2), 16));
   const count = known.length / 3;
-  const found = new Uint32Array(STEPS);
+  const shades = new Uint32Array(STEPS);
   for (let i = 0; i < STEPS; i += 1) {
     const place = (i * (count - 1)) / (STEPS - 1);
     const first = Math.min(Math.floor(place), count - 2);
     const share = place - first;
     const [r, g, b] = [0, 1, 2].map((k) =>
       Math.round((1 - share) * known[3 * first + k] + share * known[3 * first + 3 + k]));
-    found[i] = pixel(r, g, b);
+    shades[i] = pixel(r, g, b);
   }
-  return plain === name ? found : found.reverse();
+  return plain === name ? shades : shades.reverse();
 }
 
 /**
@@ -90,11 +90,11 @@ export function lookOf(grid, extra) {
   const usual = about.log ? "1" : "0";
   const log = (extra["map.log"] ?? usual) === "1" && !about.classes.length;
   const [low, high] = grid.range(variable, log);
-  const given = (/** @type {string} */ key, /** @type {number} */ usual) => {
+  const limit = (/** @type {string} */ key, /** @type {number} */ usual) => {
     const value = Number(extra[key] ?? NaN);
     return Number.isFinite(value) && (!log || value > 0) ? value : usual;
   };
-  const [from, to] = [given("map.low", low), given("map.high", high)];
+  const [from, to] = [limit("map.low", low), limit("map.high", high)];
   return { variable, scale: extra["map.scale"] ?? about.scale ?? SCALES[0], log,
     limits: from < to ? axisLimits(from, to) : [low, high] };
 }

@@ -78,13 +78,13 @@ function drawValues(chart, context, lines, ratio) {
   const { left, top, width, height } = chart.frame();
   const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
     .sort((a, b) => (b.along.at(-1) ?? 0) - (a.along.at(-1) ?? 0));
-  const told = new Set();
+  const written = new Set();
   // Along the lines first; a level whose lines are all too crooked gets its value level.
   for (const [line, level] of [...measured.map((m) => /** @type {const} */ ([m, false])),
     ...measured.map((m) => /** @type {const} */ ([m, true]))]) {
     const { text, points, along } = line;
     const room = context.measureText(text).width;
-    if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && told.has(text))) continue;
+    if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && written.has(text))) continue;
     const half = 0.5 * room + 5 * ratio;
     const inside = (/** @type {Place} */ p) => p.x > left + half && p.x < left + width - half
       && p.y > top + half && p.y < top + height - half;
@@ -93,7 +93,7 @@ function drawValues(chart, context, lines, ratio) {
     const place = PLACES.map((share) => level ? levelAt(points, along, share)
       : placeAt(points, along, share, room)).find((p) => p && inside(p) && apart(p));
     if (!place) continue;
-    told.add(text);
+    written.add(text);
     taken.push({ ...place, half });
     context.save();
     context.translate(place.x, place.y);
@@ -112,11 +112,11 @@ function drawValues(chart, context, lines, ratio) {
  * @param {Float64Array} points
  */
 function lengths(points) {
-  const found = new Float64Array(points.length / 2);
-  for (let i = 1; i < found.length; i += 1)
-    found[i] = found[i - 1]
+  const along = new Float64Array(points.length / 2);
+  for (let i = 1; i < along.length; i += 1)
+    along[i] = along[i - 1]
       + Math.hypot(points[2 * i] - points[2 * i - 2], points[2 * i + 1] - points[2 * i - 1]);
-  return found;
+  return along;
 }
 
 /**

@@ -150,12 +150,12 @@ export function linesAt(values, width, level) {
     const around = [low, low + 1, low + width + 1, low + width]
       .filter((at) => Number.isFinite(values[at]));
     if (around.length < 3) continue;
-    const found = [];
+    const ends = [];
     for (let i = 0, at = around[around.length - 1]; i < around.length; at = around[i], i += 1)
-      if (above[at] !== above[around[i]]) found.push(crossings.between(at, around[i]));
-    const [p, q, r, s] = found;
-    if (found.length === 2) crossings.join(p, q);
-    if (found.length < 4) continue;
+      if (above[at] !== above[around[i]]) ends.push(crossings.between(at, around[i]));
+    const [p, q, r, s] = ends;
+    if (ends.length === 2) crossings.join(p, q);
+    if (ends.length < 4) continue;
     // Of a saddle the middle decides which two corners are one side.
     const middle = around.reduce((sum, at) => sum + values[at], 0) / 4;
     const isCut = (middle > level) === (above[low] === 1);

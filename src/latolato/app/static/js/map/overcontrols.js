@@ -76,9 +76,9 @@ export class OverControls {
     this.levelBox.hidden = this.contourNote.hidden = !this.contours.select.value;
     this.tongue.box.checked = extra["map.tongue"] !== "0";
     this.lift.box.checked = extra["map.lift"] !== "0";
-    const given = extra["map.levels"];
+    const levels = extra["map.levels"];
     if (document.activeElement !== this.levels && this.problem.line.hidden)
-      this.levels.value = given ? this.text(given) : "";
+      this.levels.value = levels ? this.text(levels) : "";
   }
 
   /** @param {string} levels numbers in SI units */
@@ -104,12 +104,12 @@ export class OverControls {
     this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
     const values = (drawn?.levels ?? []).map((v) => short(v / sizeOf(variable), 4)).join(", ");
     this.levels.placeholder = values;
-    const told = [...notes];
-    if (isLater) told.push(t("mapContoursLater"));
-    if (drawn && !drawn.levels.length) told.push(t("mapContoursFlat"));
-    else if (drawn && !drawn.lines) told.push(t("mapContoursNowhere"));
-    if (drawn?.tiny) told.push(t("mapContoursTiny", { count: drawn.tiny }));
-    this.contourNote.textContent = told.join(" ");
+    const sentences = [...notes];
+    if (isLater) sentences.push(t("mapContoursLater"));
+    if (drawn && !drawn.levels.length) sentences.push(t("mapContoursFlat"));
+    else if (drawn && !drawn.lines) sentences.push(t("mapContoursNowhere"));
+    if (drawn?.tiny) sentences.push(t("mapContoursTiny", { count: drawn.tiny }));
+    this.contourNote.textContent = sentences.join(" ");
     if (this.levels.value && document.activeElement !== this.levels && this.problem.line.hidden
       && drawn)
       this.levels.value = values;
@@ -149,11 +149,11 @@ export function levelsOf(text, units) {
   const parts = text.trim() ? text.split(/[,;]/).map((part) => part.trim()) : [];
   const last = parseQuantity(parts[parts.length - 1] ?? "")?.unit ?? "";
   const usual = last || (units[0]?.name ?? "");
-  const found = parts.map((part) => {
+  const levels = parts.map((part) => {
     const parsed = parseQuantity(part);
     if (!parsed) return null;
     return parsed.unit || !usual ? toSi(part, units) : toSi(`${parsed.number} ${usual}`, units);
   });
-  if (found.some((v) => v === null || !Number.isFinite(v))) return null;
-  return [...new Set(/** @type {number[]} */ (found))].sort((a, b) => a - b);
+  if (levels.some((v) => v === null || !Number.isFinite(v))) return null;
+  return [...new Set(/** @type {number[]} */ (levels))].sort((a, b) => a - b);
 }

@@ -54,13 +54,13 @@ export async function questionOf(registry, layout, request) {
   const { scenario, x: askedX, y: askedY } = request;
   const preset = registry.scenarios[scenario ?? ""];
   const sweep = preset?.sweep ?? null;
-  const given = optionsOf(registry, request);
-  checkLaws(registry, layout, given, request.observable);
-  const kernels = await loadKernels(registry.systems[given.system].angles === 2 ? "two" : "one");
-  const system = systemOf(registry, kernels, given.system, partsOf(registry, given).system);
-  const fixed = (given.drive ?? "fixed_pivot") === "fixed_pivot";
-  const named = fixed ? { ...given, ...gentleDrive({ options: { ...system.balls[0], ...given,
-    gravity: system.gravity }, sweep }) } : given;
+  const input = optionsOf(registry, request);
+  checkLaws(registry, layout, input, request.observable);
+  const kernels = await loadKernels(registry.systems[input.system].angles === 2 ? "two" : "one");
+  const system = systemOf(registry, kernels, input.system, partsOf(registry, input).system);
+  const fixed = (input.drive ?? "fixed_pivot") === "fixed_pivot";
+  const named = fixed ? { ...input, ...gentleDrive({ options: { ...system.balls[0], ...input,
+    gravity: system.gravity }, sweep }) } : input;
   const parts = partsOf(registry, named);
   withoutRatios(registry, named.drive, parts.drive, system.naturalFrequency);
   const drive = driveOf(registry, named.drive, parts.drive);

@@ -41,12 +41,12 @@ export function cellText(grid, cell, k) {
   const line = (cell - column) / grid.width;
   const variable = grid.variables[k];
   const { value, why, status, exact } = grid.tell(cell, k);
-  let told = withUnit(variable, value);
-  if (why) told = t(why === "noAnswer" ? "mapNone" : why, { status });
-  else if (variable.classes.length) told = variable.classes[Math.round(value)]?.[0] ?? "";
+  let words = withUnit(variable, value);
+  if (why) words = t(why === "noAnswer" ? "mapNone" : why, { status });
+  else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
   const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
   return [withName(grid.xAxis, grid.x[column]), withName(grid.yAxis, grid.y[line]),
-    `${variable.label}: ${told}${coarse}`].join(" · ");
+    `${variable.label}: ${words}${coarse}`].join(" · ");
 }
 
 /**

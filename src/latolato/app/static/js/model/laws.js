@@ -31,20 +31,20 @@ const ROUNDING = 1e-12;
  * @param {Registry} registry
  * @param {"system" | "drive"} part
  * @param {string} kind
- * @param {Values} given of this part only
+ * @param {Values} input of this part only
  * @returns {Values}
  */
-function numbersOf(registry, part, kind, given) {
+function numbersOf(registry, part, kind, input) {
   const law = registry[`${part}s`][kind];
   const own = law.options;
-  for (const name of Object.keys(given))
+  for (const name of Object.keys(input))
     if (!own.includes(name)) throw foreign(registry, part, kind, name);
   /** @type {Values} */
   const values = {};
   for (const name of own) {
     const option = registry.options[name];
-    const value = given[name] ?? option.default;
-    if (value === null && !(name in given)) throw missing(registry, law.title, name, own, given);
+    const value = input[name] ?? option.default;
+    if (value === null && !(name in input)) throw missing(registry, law.title, name, own, input);
     values[name] = value;
   }
   for (const name of own) {
@@ -87,13 +87,13 @@ export function foreign(registry, part, kind, name, called = name) {
  * @param {string} title of the law
  * @param {string} name
  * @param {string[]} own
- * @param {Values} given
+ * @param {Values} input
  */
-function missing(registry, title, name, own, given) {
+function missing(registry, title, name, own, input) {
   const { path, unit } = registry.options[name];
   const inUnit = unit ? ` [${unit}]` : "";
   if (path.length === 1) return new InputError(`${title} needs '{parameter}'${inUnit}`, { parameter: name });
-  const isWhole = !own.some((each) => each in given && registry.options[each].path[0] === path[0]);
+  const isWhole = !own.some((each) => each in input && registry.options[each].path[0] === path[0]);
   if (isWhole) return new InputError(`${title} needs '{parameter}'`, { parameter: path[0] });
   return new InputError(`Ball needs '{parameter}'${inUnit}`, { parameter: name });
 }
@@ -103,12 +103,12 @@ function missing(registry, title, name, own, given) {
  * @param {Registry} registry
  * @param {Kernels} kernels of the module that has so many balls
  * @param {string} kind
- * @param {Values} given
+ * @param {Values} input
  * @returns {System}
  */
-export function systemOf(registry, kernels, kind, given) {
+export function systemOf(registry, kernels, kind, input) {
   const { angles, contacts } = registry.systems[kind];
-  const values = numbersOf(registry, "system", kind, given);
+  const values = numbersOf(registry, "system", kind, input);
   const prefixes = angles === 2 ? SIDES.map((side) => `${side}_`) : [""];
   const balls = prefixes.map((prefix) => {
     const ball = /** @type {Ball} */ (Object.fromEntries(PARTS.map((part) =>
@@ -184,11 +184,11 @@ function hitBy(ball, other) {
  * Return a drive.
  * @param {Registry} registry
  * @param {string} kind
- * @param {Values} given
+ * @param {Values} input
  * @returns {Drive}
  */
-export function driveOf(registry, kind, given) {
-  const values = numbersOf(registry, "drive", kind, given);
+export function driveOf(registry, kind, input) {
+  const values = numbersOf(registry, "drive", kind, input);
   const lists = Object.keys(values).filter((name) => registry.options[name].several);
   for (const name of lists) values[name] = checkedList(registry, name, values[name]);
   if (kind === "crank_slider") {

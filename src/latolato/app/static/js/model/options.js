@@ -20,14 +20,14 @@ const NUMBER =
 export function toSi(registry, name, value, unit) {
   if (typeof value !== "string") return value;
   const match = NUMBER.exec(value.replace("\u2212", "-"));
-  const given = (match?.[2] ?? "").trim();
+  const unitText = (match?.[2] ?? "").trim();
   const number = match ? numberOf(match[1]) : NaN;
-  if (match && (given === "" || given.replaceAll(" ", "*") === unit)) return number;
-  const [size, powers] = unitOf(registry, given) ?? [NaN, {}];
-  const [wanted, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
+  if (match && (unitText === "" || unitText.replaceAll(" ", "*") === unit)) return number;
+  const [size, powers] = unitOf(registry, unitText) ?? [NaN, {}];
+  const [unitSize, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
   const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
-  if (!match || !isSame || Number.isNaN(size / wanted)) throw notInUnits(name, value, unit);
-  return Number.isFinite(number) ? times(match[1], String(size / wanted)) : number * (size / wanted);
+  if (!match || !isSame || Number.isNaN(size / unitSize)) throw notInUnits(name, value, unit);
+  return Number.isFinite(number) ? times(match[1], String(size / unitSize)) : number * (size / unitSize);
 }
 
 /**
@@ -145,7 +145,7 @@ function valueOf(registry, name, value) {
 export function optionsOf(registry, { scenario = null, options = {} }) {
   const known = Object.keys(registry.options);
   /** @type {Record<string, any>} */
-  const given = {};
+  const input = {};
   for (const [name, value] of Object.entries(options)) {
     if (!known.includes(name)) throw new InputError(`unknown option '${name}': ${suggest(name, known)}`);
     if (value === null || value === undefined) continue;
@@ -153,24 +153,24 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
       throw new InputError("must be a text or a number", { parameter: name, value });
     if (Array.isArray(value) && value.some((part) => part === null || typeof part === "object"))
       throw new InputError("must be a list of quantities", { parameter: name });
-    given[name] = valueOf(registry, name, value);
+    input[name] = valueOf(registry, name, value);
   }
   const presets = Object.keys(registry.scenarios);
   if (scenario && !presets.includes(scenario))
     throw new InputError(`there is no scenario '${scenario}': ${suggest(scenario, presets)}`);
-  if (!scenario && !("system" in given))
+  if (!scenario && !("system" in input))
     throw new InputError("name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
       + `--from FILE or --system with one of ${Object.keys(registry.systems).join(", ")}`);
   let kept = scenario ? registry.scenarios[scenario].given : {};
   const owned = (/** @type {string} */ name) => registry.options[name].owner === "drive";
-  if (Object.keys(given).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
-    given.drive ??= "harmonic";
-  kept = withoutForeign(registry, kept, given);
+  if (Object.keys(input).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
+    input.drive ??= "harmonic";
+  kept = withoutForeign(registry, kept, input);
   for (const group of registry.alternatives) {
-    const isReplaced = group.some((name) => name in given);
+    const isReplaced = group.some((name) => name in input);
     if (isReplaced) kept = without(kept, (name) => group.includes(name));
   }
-  return { ...kept, ...given };
+  return { ...kept, ...input };
 }
 
 /**
@@ -186,12 +186,12 @@ function without(values, isLeftOut) {
  * not know.
  * @param {Registry} registry
  * @param {Record<string, any>} kept
- * @param {Record<string, any>} given
+ * @param {Record<string, any>} input
  */
-function withoutForeign(registry, kept, given) {
+function withoutForeign(registry, kept, input) {
   let values = kept;
   for (const part of /** @type {const} */ (["system", "drive"])) {
-    const kind = given[part];
+    const kind = input[part];
     if (kind === undefined) continue;
     const laws = registry[`${part}s`];
     if (typeof kind !== "string")
@@ -203,7 +203,7 @@ function withoutForeign(registry, kept, given) {
     values = without(values, (name) => registry.options[name].owner === part && name !== part
       && !own.includes(registry.ratios[name] ?? name));
   }
-  if ("contact" in given && given.contact !== kept.contact) {
+  if ("contact" in input && input.contact !== kept.contact) {
     const ofLaws = Object.values(registry.contact_laws).flatMap((law) => law.options);
     values = without(values, (name) => ofLaws.includes(name));
   }

@@ -104,7 +104,7 @@ function carried(each, mostSamples) {
     natural_frequency: system.naturalFrequency }) : { times: [], sizes: [] };
   const kick_sizes = kernels.take("f8", system.angles, kicks.times.length);
   kernels.numbers(kick_sizes).set(kicks.sizes);
-  const given = { stretches, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
+  const inputs = { stretches, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
     kick_sizes };
   const how = { balls: system.angles, duration, contact_limit: each.contactLimit,
     piece: each.clampStep ? "clamp" : "engine" };
@@ -117,13 +117,13 @@ function carried(each, mostSamples) {
       throw new InputError(`the run would take ${general(duration / step, 3)} steps of `
         + `${general(step, 3)} s, the limit is ${general(MOST_STEPS, 1)}: shorten the duration, loosen the `
         + "tolerance or slow the motion");
-    const result = integrate(kernels, { run: record, ...given }, how);
+    const result = integrate(kernels, { run: record, ...inputs }, how);
     const closes = kernels.get(record, "state.ledger_error") <= kernels.exports.allowed(record.at, tolerance);
     const repeats = !closes && !each.clampStep && result.status === "complete";
     const canRepeat = halvings < layout.most_halvings
       && kernels.get(record, "state.total_steps") <= layout.most_steps_to_repeat;
     if (!repeats || !canRepeat)
-      return finished(each, instants, { run: record, ...given }, result, halvings, repeats);
+      return finished(each, instants, { run: record, ...inputs }, result, halvings, repeats);
     step *= 0.5;
     kernels.release(record);
   }

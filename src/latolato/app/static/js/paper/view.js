@@ -88,8 +88,8 @@ export class PaperView {
    * @param {Plate[]} plates
    */
   want(plates) {
-    const wanted = plates.filter((plate) => !plate.isMade && plate !== this.making);
-    this.queue = [...wanted, ...this.queue.filter((plate) => !wanted.includes(plate))];
+    const open = plates.filter((plate) => !plate.isMade && plate !== this.making);
+    this.queue = [...open, ...this.queue.filter((plate) => !open.includes(plate))];
     if (this.making) this.tellWaiting();
     else void this.work();
   }

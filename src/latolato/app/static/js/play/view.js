@@ -83,12 +83,12 @@ export class PlayView {
     const { store, recordings } = this.page;
     const name = store.state.extra[RECORDING];
     if (name === undefined) return null;
-    const found = recordings && Object.hasOwn(recordings, name) ? recordings[name] : null;
-    if (!found) {
+    const recording = recordings && Object.hasOwn(recordings, name) ? recordings[name] : null;
+    if (!recording) {
       tell(t("recordingGone"));
       store.keep(RECORDING, null);
     }
-    return found;
+    return recording;
   }
 
   /**

@@ -363,14 +363,14 @@ function valueAt(times, values, time) {
  * Return values at other instants, linear between samples, NaN beyond the last.
  * @param {ArrayLike<number>} times
  * @param {ArrayLike<number>} values
- * @param {ArrayLike<number>} wanted
+ * @param {ArrayLike<number>} instants
  */
-function resampled(times, values, wanted) {
-  const result = new Float64Array(wanted.length);
+function resampled(times, values, instants) {
+  const result = new Float64Array(instants.length);
   let i = 0;
-  for (let k = 0; k < wanted.length; k += 1) {
-    while (i < times.length - 2 && times[i + 1] < wanted[k]) i += 1;
-    const share = (wanted[k] - times[i]) / (times[i + 1] - times[i]);
+  for (let k = 0; k < instants.length; k += 1) {
+    while (i < times.length - 2 && times[i + 1] < instants[k]) i += 1;
+    const share = (instants[k] - times[i]) / (times[i + 1] - times[i]);
     result[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
   }
   return result;
