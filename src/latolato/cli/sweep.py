@@ -251,7 +251,7 @@ def plan_of(
 
 
 def _move(tables: dict[str, Any], changed: Changes) -> None:
-    """Let options take the place of what ``[sweep]`` says of the run."""
+    """Let options replace the run of ``[sweep]``."""
     for name in ("duration", "tolerance"):
         if name in changed.get("run", {}):
             tables["sweep"].pop(name, None)

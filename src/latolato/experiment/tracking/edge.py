@@ -25,7 +25,7 @@ _FIRM, _FLAT = 0.03, 1e-3
 _UNSEEN = 0.25
 # Smallest softness, and largest as a share of the radius.
 _SHARP, _SOFT = 0.35, 0.25
-# Part of the ball's radius beyond which the rod is left out, and half-width of what is left out.
+# Part of the ball's radius beyond which the rod is left out, and the half-width left out there.
 _ROD_BEGINS, _ROD_HALF_WIDTH = 0.5, 0.3
 
 

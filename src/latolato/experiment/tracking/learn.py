@@ -33,7 +33,7 @@ from latolato.experiment.video import Frame, Video
 _NOISE, _BLUR = 0.03, 0.8
 # In poor light the noise is less: a share of the contrast, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
-# How often balls are fitted and their look is learned anew.
+# How often balls are fitted and their look is learned again.
 _ROUNDS = 3
 # How much more a paint that turns must explain than one that stays.
 _TURNS = 1.05

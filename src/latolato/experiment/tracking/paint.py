@@ -76,7 +76,7 @@ def painted(
 def learn_background(
     look: Appearance, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
 ) -> None:
-    """Learn the background anew where balls hid it in much of the sample, from other frames."""
+    """Learn the background again where balls hid it in much of the sample, from other frames."""
     height, width = look.behind.shape[:2]
     hidden = np.zeros((len(frames), height, width), bool)
     reach = 1.3 * look.radius + 2.0

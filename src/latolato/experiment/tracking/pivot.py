@@ -141,7 +141,7 @@ class PivotTracker:
                 self.enlarged * np.array([_ASIDE, _ROOM]) + np.array([_TILT, 1.0]) * room
             )
             low, high = near - around, near + around
-        # In an enlarged picture the template's details are too: what is left between is refined.
+        # In an enlarged picture the template's details are too; the rest is refined below.
         step = 1 if guess is not None else round(self.enlarged)
         columns = np.arange(low[0], high[0] + step, step)
         rows = np.arange(low[1], high[1] + step, step)
@@ -179,7 +179,7 @@ def learn_pivot(
         raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
     tracker = _distinct(frames, behind, click.astype(float), arm, room)
     shifts = _first_shifts(tracker, frames, arm)
-    # What rests is not learned anew: rods that swing about it would join.
+    # A pivot at rest is not learned again: rods that swing about it would join.
     rounds = 0 if _is_resting(shifts) else 4
     for round_ in range(rounds):
         shifts = locate_all(tracker, frames, shifts)
@@ -260,7 +260,7 @@ def learn_template(
     behind: np.ndarray,
     shifts: np.ndarray,
 ) -> None:
-    """Make template and weight anew from the slower frames, moved onto each other."""
+    """Make template and weight again from the slower frames, moved onto each other."""
     speed = np.hypot(*velocities(frames, shifts).T)
     slow = (
         speed <= max(1.0, float(np.nanquantile(speed, 0.4)))

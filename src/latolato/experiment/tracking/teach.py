@@ -55,7 +55,7 @@ class Sighting:
 def learn_look(
     look: Appearance, frames: list[Frame], sightings: list[Sighting], is_first: bool
 ) -> float:
-    """Learn radius, softness, colours and noise anew from the balls found; return their arm."""
+    """Learn radius, softness, colours and noise again from the balls; return their arm."""
     good = [one for one in sightings if one.explained > _TEACHES] or sightings
     arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))

@@ -49,7 +49,7 @@ export function makeParts(ratios, actions) {
  * Return the page of a live toy.
  * @param {ReturnType<typeof makeParts>} parts
  * @param {HTMLElement} record button that begins and ends a recording
- * @param {HTMLElement} recorded what is told of the last one
+ * @param {HTMLElement} recorded the line about the last one
  * @param {HTMLElement} preset
  */
 export function layOut(parts, record, recorded, preset) {

@@ -15,7 +15,7 @@ import { questionOf } from "./question.js";
 /**
  * What becomes of a map: what it may be made of, what it is of, its cells as they come, and its end
  * or what is wrong with it. A map that takes long `asks` first, and `start` begins it; `restarted`
- * is told of a worker that died.
+ * is called when a worker has died.
  * @typedef {{choices: (choices: import("./about.js").Choices) => void,
  *   begin: (begin: import("./grid.js").Begin) => void, asks: (seconds: number) => void,
  *   cells: (cells: import("./grid.js").Cells, progress: Progress) => void,

@@ -143,9 +143,9 @@ function timesOf(registry, request, options, sweep) {
   if (!(duration > 0))
     throw new InputError(`each run must last longer than 0 s, got ${general(duration)} s`);
   if (!(transient >= 0))
-    throw new InputError(`what is left out must be at least 0 s, got ${general(transient)} s`);
+    throw new InputError(`the transient must be at least 0 s, got ${general(transient)} s`);
   if (transient >= duration)
-    throw new InputError(`what is left out must be shorter than a run of ${general(duration)} s, got `
+    throw new InputError(`the transient must be shorter than a run of ${general(duration)} s, got `
       + `${general(transient)} s`);
   checkedNumber(registry.options.duration, "duration", duration);
   return { duration, transient,

@@ -313,7 +313,7 @@ export class MapView {
     }
   }
 
-  /** Colour the cells anew, and what explains the colours. */
+  /** Colour the cells again, and what explains the colours. */
   repaint() {
     const { grid, chart } = this;
     if (!grid) return;

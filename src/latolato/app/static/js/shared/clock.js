@@ -1,4 +1,4 @@
-/** The clock of a player: it alone knows the instant; others are told. */
+/** The clock of a player: the one place that keeps the instant; others subscribe. */
 
 // After a pause of the browser, such as a background tab, the clock goes on where it was.
 const LONGEST_FRAME = 0.1; // s
