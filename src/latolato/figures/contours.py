@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from latolato.figures.map import Drawing
+    from latolato.figures.sides import Side
 
     Floats = NDArray[np.float64]
 
@@ -36,14 +36,19 @@ class Line:
     y: Floats
 
 
-def lines_of(drawing: Drawing, levels: Sequence[float]) -> list[Line]:
+def lines_of(
+    values: Floats, status: Any, *, sides: Sequence[Side], levels: Sequence[float]
+) -> list[Line]:
     """Return the lines of a map at these levels.
 
     Parameters
     ----------
-    drawing : Drawing
-        A map over two parameters. Where only every second, fourth, ... row and column is complete,
-        lines are those of that coarser map; they end at points without an answer.
+    values, status : ndarray
+        Of shape (y, x); a status below 0 marks a point that is not computed. Where only every
+        second, fourth, ... row and column is complete, lines are those of that coarser map; they
+        end at points without an answer.
+    sides : sequence of Side
+        The parameters upwards and to the right.
     levels : sequence of float
         Values in the unit of the variable.
 
@@ -54,9 +59,9 @@ def lines_of(drawing: Drawing, levels: Sequence[float]) -> list[Line]:
         Lines that stay within two cells, as single points of chaos have them, are left out; small
         maps keep them.
     """
-    y, x = drawing.sides
-    stride = _complete(drawing.status)
-    values = drawing.values[::stride, ::stride]
+    y, x = sides
+    stride = _complete(status)
+    values = values[::stride, ::stride]
     along_x, along_y = (_to_scale(side.values, side.is_log)[::stride] for side in (x, y))
     if min(values.shape) < 2:
         return []

@@ -283,9 +283,10 @@ def _look(page_map: PageMap) -> Look:
         raise InputError(f"{over.name} has classes, not a scale: it has no contour lines")
     attributes = over.data.attrs
     unit = units_of(quantity_of(over.name, str(attributes.get("units", "1"))))[0]
+    levels = sorted(set(map(float, contours["levels"])))
     return Look(
         **colours,
-        lines=lines_of(over, sorted(set(map(float, contours["levels"])))),
+        lines=lines_of(over.values, over.status, sides=over.sides, levels=levels),
         unit=(unit["name"], unit["size"]),
         label=str(attributes.get("long_name", over.name)),
     )
