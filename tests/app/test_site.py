@@ -242,6 +242,7 @@ BROKEN = {
     "view=play&scenario=toy&length=3 constructor": "must be given in m",
     "view=play&scenario=toy&duration=1e999 s": "must be finite",
     f"view=play&scenario={'x' * 5000}": "there is no scenario 'xxx",
+    "view=map&format=99": "made by a newer latolato",
     "view=live&scenario=constructor": "there is no scenario 'constructor'",
     "view=live&scenario=toy&radius=NaN": "must be finite",
 }

@@ -17,7 +17,7 @@ from typing import Any
 from latolato.app.run_request import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.versions import version_of
+from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
 from latolato.figures.grids import SCALES
 from latolato.figures.map import CLASSES
@@ -58,6 +58,7 @@ def registry() -> dict[str, Any]:
 def _registry() -> dict[str, Any]:
     results = {
         "version": version_of(),
+        "format": FORMAT,
         "systems": {
             name: _law(law, "system")
             | {"axes": [p.name for p in _varied(law, FixedPivot, "system", "run")]}

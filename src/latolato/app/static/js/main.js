@@ -2,7 +2,7 @@
 
 import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
-import { AddressStore, format } from "./shared/state.js";
+import { AddressStore, format, isReadable, parse } from "./shared/state.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./shared/state.js").Page} Page */
@@ -141,5 +141,9 @@ const store = new AddressStore(window);
 // The first view's modules come while the server makes the registry.
 if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
+if (!isReadable(location.search, registry.format)) {
+  tell(t("newerAddress"));
+  store.state = parse("");
+}
 startViews({ registry, store });
 if (!registry.server) keepOffline();

@@ -18,6 +18,7 @@ export const STRINGS = {
   view_experiment: "Experiment",
   view_analyse: "Analyse",
   unknownView: "There is no view “{name}”.",
+  newerAddress: "This link was made by a newer latolato, so it was not opened.",
   offline: "The server does not answer. The page tries again by itself.",
   // forms
   preset: "Begin with",

@@ -32,7 +32,7 @@
  * @typedef {{title: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset
  *
- * @typedef {{version: string, systems: Record<string, Law>, drives: Record<string, Law>,
+ * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, Law>,
  *   contact_laws: Record<string, Law>, options: Record<string, Option>,
  *   quantities: Record<string, {unit: string, symbol: string, label: string}>,
  *   axes: Record<string, Varied>, noise_axes: string[], observables: Record<string, Observable>,

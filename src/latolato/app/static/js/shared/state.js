@@ -14,7 +14,7 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
-const KEPT = ["view", "scenario", "token", "embed"];
+const KEPT = ["view", "scenario", "token", "embed", "format"];
 
 /**
  * Return the state that an address holds.
@@ -51,6 +51,16 @@ export function format(state) {
   for (const part of [state.options, state.extra])
     for (const name of Object.keys(part).sort()) query.set(name, part[name]);
   return `?${query}`;
+}
+
+/**
+ * Return whether this version reads an address: one without a format is of format 1.
+ * @param {string} search
+ * @param {number} newest format that this version knows
+ */
+export function isReadable(search, newest) {
+  const number = Number(new URLSearchParams(search).get("format") ?? 1);
+  return Number.isInteger(number) && number >= 1 && number <= newest;
 }
 
 /** A state that others may listen to. */
