@@ -57,7 +57,9 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
         raise NotADirectoryError(ENOTDIR, "a site needs a folder, and this is a file", str(folder))
     shutil.copytree(STATIC, folder, dirs_exist_ok=True)
     about = registry() | {"server": False, "docs": docs is not None}
-    (folder / "registry.json").write_text(json.dumps(about), encoding="utf-8")
+    (folder / "registry.json").write_text(
+        json.dumps(about, separators=(",", ":")), encoding="utf-8"
+    )
     for name, source in (("report", report), ("docs", docs)):
         if source is not None and source.resolve() != (folder / name).resolve():
             shutil.copytree(source, folder / name, dirs_exist_ok=True)
