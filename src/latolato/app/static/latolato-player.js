@@ -20,6 +20,8 @@ class LatolatoPlayer extends HTMLElement {
     super();
     /** @type {Inset | null} */
     this.inset = null;
+    /** Counts what was asked for: an older run may be shown on the way, but is not announced. */
+    this.turn = 0;
     this.observer = new MutationObserver(() => void this.compute());
   }
 
@@ -50,12 +52,15 @@ class LatolatoPlayer extends HTMLElement {
 
   async compute() {
     const { inset } = this;
+    this.turn += 1;
+    const { turn } = this;
     try {
       await inset?.load();
       // It may have left the page, or come back as another one.
       if (!inset || inset !== this.inset) return;
-      if (!(await inset.compute(this.request))) return;
+      if (!(await inset.compute(this.request)) || turn !== this.turn) return;
     } catch (error) {
+      if (turn !== this.turn) return;
       inset?.refuse(/** @type {Error} */ (error).message);
     }
     this.dispatchEvent(new Event("computed"));
