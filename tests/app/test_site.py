@@ -353,6 +353,25 @@ def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, we
     assert "embed=1" in visit.url
 
 
+def test_an_embedded_page_opens_other_views_in_a_new_tab(visit, web):
+    for query, role, name in (
+        ("view=paper", "link", "Open in Play: Resonance at 6 rad/s"),
+        ("view=map&map.size=5", "button", "Open in Play"),
+    ):
+        visit.goto(f"{web[0]}?{query}&embed=1")
+        way = visit.get_by_role(role, name=name)
+        way.wait_for()
+        with visit.context.expect_page() as opened:
+            way.click(timeout=PATIENCE)
+        other = opened.value
+        other.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        assert "view=play" in other.url
+        assert "embed" not in other.url
+        assert other.evaluate("() => window.opener") is None
+        assert query.partition("&")[0] in visit.url
+        other.close()
+
+
 def test_the_player_is_an_element_of_any_page(visit, web):
     visit.goto(f"{web[0]}mine.html")
     player = visit.locator("latolato-player")

@@ -1,6 +1,7 @@
 /** What the address of the page says of a map: what is asked for, its axes, and what cannot be read. */
 
 import { el } from "../shared/dom.js";
+import { openState } from "../shared/links.js";
 import { FIRST } from "../shared/state.js";
 import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
@@ -84,11 +85,12 @@ export function sameBut(request) {
  * @param {import("../shared/state.js").Page} page
  * @param {Record<string, string>} options
  */
-export function openInPlay({ registry, store }, options) {
+export function openInPlay(page, options) {
+  const { registry, store } = page;
   const { scenario } = sourceOf(registry, store.state);
   const extra = { ...store.state.extra };
   if (scenario) extra["map.scenario"] = scenario;
-  store.set({ view: "play", scenario: null, options, extra }, "view");
+  openState(page, { view: "play", scenario: null, options, extra });
 }
 
 /**
