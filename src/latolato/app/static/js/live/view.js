@@ -114,6 +114,7 @@ export class LiveView {
     const { signature } = this;
     this.keeper.finish();
     this.toy = null;
+    this.parts.error.hidden = true;
     this.parts.notice.textContent = t("loading");
     try {
       const each = await specify(this.page.registry, this.request());
@@ -164,7 +165,18 @@ export class LiveView {
     this.rescale();
     this.pace.rest();
     this.dirty = true;
+    this.allow(true);
     this.root.dataset.ready = "true";
+  }
+
+  /**
+   * Let the buttons that move a toy be pressed, or not.
+   * @param {boolean} hasToy
+   */
+  allow(hasToy) {
+    const { toggle, push, restart, high, low } = this.parts;
+    for (const button of [toggle, push, restart, high, low, this.keeper.button])
+      button.disabled = !hasToy;
   }
 
   /** Begin again, with the controls as they are. */
@@ -312,6 +324,9 @@ export class LiveView {
     const [message, field] = inPagesWords(this.page.registry, error);
     const knob = this.knobs[field ?? ""];
     if (knob) knob.error(message);
-    this.parts.notice.textContent = knob ? "" : message;
+    this.parts.notice.textContent = "";
+    this.parts.error.hidden = Boolean(knob);
+    this.parts.error.textContent = knob ? "" : message;
+    this.allow(false);
   }
 }
