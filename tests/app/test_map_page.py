@@ -86,7 +86,7 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
     page.mouse.click(x, y)
     page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
     amplitude, number = 0.5 * 18 / 23, 5.0 * 12 / 23
-    page.get_by_text(re.compile(rf"A₀ = {1e3 * amplitude:.4g} mm")).first.wait_for()
+    page.get_by_text(f"A₀ = {1e3 * amplitude:.4g} mm").first.wait_for()
     assert page.get_by_role("img", name="angle [°]").count() == 1
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)

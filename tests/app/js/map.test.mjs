@@ -207,7 +207,7 @@ test("contour lines bear their values, those of the address in order and each on
   Object.assign(map.variables[0], { units: [{ name: "mm", size: 1e-3 }], classes: [] });
   const { chart, drawn } = contoursOn(map, { "map.levels": "1.5,0.5,1.5" });
   assert.deepEqual(drawn.levels, [0.5, 1.5]);
-  assert.deepEqual(chart.contours.map(({ text }) => text), ["500 mm", "1500 mm"]);
+  assert.deepEqual(chart.contours.map(({ text }) => text), ["500\u00a0mm", "1500\u00a0mm"]);
   const later = contoursOn(map, {}, true);
   assert.deepEqual([later.chart.contours, later.drawn, later.isLater], [[], null, true]);
 });
