@@ -48,6 +48,7 @@ export class MapControls {
       set({ observable: v, low: null, high: null }));
     this.meaning = el("p", { class: "hint" });
     this.ball = choice(t("mapBall"), (v) => set({ ball: v }));
+    this.ball.root.hidden = true;
     this.select = el("div", { class: "fields" });
     this.size = choice(t("mapSize"), (v) => set({ size: v === String(USUAL_SIZE) ? null : v }));
     this.duration = number("mapDuration", "duration");
