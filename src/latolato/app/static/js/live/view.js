@@ -4,7 +4,7 @@ import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { withLaws } from "../shared/laws.js";
+import { textOf, withLaws } from "../shared/laws.js";
 import { withControls } from "../live/address.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { followHand } from "../live/hand.js";
@@ -199,11 +199,16 @@ export class LiveView {
    * @param {number} value in SI units
    */
   set(name, value) {
-    if (!this.toy) return;
+    const { registry, store } = this.page;
+    if (!this.toy) {
+      // The value before made no toy; this one may.
+      const option = registry.options[name];
+      if (option) store.option(name, textOf(option, value));
+      return;
+    }
     this.toy.set({ [name]: value });
     this.dirty = true;
     if (name === "drive_amplitude") this.rescale();
-    const { registry, store } = this.page;
     const options = withControls(registry, store.state.options, this.toy.system.kind,
       this.toy.controls, name);
     const scenario = store.state.scenario ?? (options.system ? null : FIRST);
