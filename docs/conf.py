@@ -53,6 +53,7 @@ copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 
 html_theme = "furo"
+html_favicon = "../src/latolato/app/static/icon.svg"
 html_title = f"latolato {release}"
 html_static_path = ["_static"]
 html_css_files = ["latolato.css"]

@@ -276,8 +276,37 @@ def test_a_motion_that_cannot_be_followed_begins_again(page):
 )
 def test_an_address_that_makes_no_toy_says_why(page, query, fault):
     page.goto(f"/?view=live{query}")
-    notice = page.locator(".live .notes")
-    notice.get_by_text(fault).wait_for()
+    page.get_by_role("alert").get_by_text(fault).wait_for()
+
+
+def test_a_refused_control_is_mended_in_its_field(page):
+    open_live(page)
+    page.get_by_role("link", name="Play").click()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field.fill("2")
+    field.press("Enter")
+    page.get_by_text("must lie in [0, 1]").first.wait_for()
+    page.get_by_role("link", name="Live").click()
+    page.locator(".live").get_by_text("must lie in [0, 1]").wait_for()
+    knob = page.locator(".live").get_by_label("coefficient of restitution", exact=False).first
+    knob.fill("0.5")
+    knob.press("Enter")
+    wait_for_toy(page, "toy?.controls.restitution === 0.5")
+
+
+def test_an_unknown_scenario_is_refused_and_a_preset_leads_on(page):
+    page.goto("/?view=live&scenario=nothing")
+    refusal = page.get_by_role("alert").get_by_text("there is no scenario 'nothing'")
+    refusal.wait_for()
+    assert page.get_by_role("button", name="Pause").is_disabled()
+    presets = page.get_by_label("Begin with")
+    assert presets.input_value() == ""
+    assert presets.locator("option:checked").count() == 1
+    presets.select_option("fig12")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    assert not refusal.is_visible()
+    assert page.get_by_role("button", name="Pause").is_enabled()
 
 
 def test_a_value_out_of_range_is_explained_next_to_its_field(page):

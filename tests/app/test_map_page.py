@@ -86,7 +86,7 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
     page.mouse.click(x, y)
     page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
     amplitude, number = 0.5 * 18 / 23, 5.0 * 12 / 23
-    page.get_by_text(re.compile(rf"A₀ = {1e3 * amplitude:.4g} mm")).first.wait_for()
+    page.get_by_text(f"A₀ = {1e3 * amplitude:.4g} mm").first.wait_for()
     assert page.get_by_role("img", name="angle [°]").count() == 1
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
@@ -507,9 +507,9 @@ def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):
 
 def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     small = QUERY.replace("size=24", "size=8")
-    open_map(page, f"{small}&map.xlow=abc&map.levels=abc&map.ylow=0.1&map.xlog=1")
+    open_map(page, f"{small}&map.xlow=abc&map.levels=abc&map.ylow=0.1&map.xlog=1&map.sise=9")
     page.get_by_role("alert").get_by_text(
-        "Ignored in the address, as it could not be read: map.levels=abc, map.xlow=abc."
+        "as it could not be read: map.levels=abc, map.sise=9, map.xlow=abc."
     ).wait_for()
     page.wait_for_function("() => !location.search.includes('abc')")
     # The others are about the axes on show.
@@ -524,6 +524,20 @@ def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     page.get_by_label("Scale").evaluate("(e) => { e.closest('details').open = true; }")
     page.get_by_label("Scale").select_option("magma")
     page.get_by_text("Ignored in the address").wait_for(state="hidden")
+
+
+def test_an_unusual_number_of_points_is_shown_and_too_many_are_refused(page):
+    small = QUERY.replace("size=24", "size=501")
+    page.goto(f"/?view=map{small}")
+    alert = page.get_by_role("alert").filter(visible=True)
+    alert.get_by_text("a map has at most 250000 points, got 501 x 501").wait_for()
+    points = page.get_by_label("Points")
+    assert points.input_value() == "501"
+    assert "(251001)" in points.locator("option:checked").inner_text()
+    points.select_option("25")
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    assert alert.count() == 0
+    assert points.locator("option").count() == 5
 
 
 def test_ends_in_the_wrong_order_in_an_address_are_told(page):

@@ -146,6 +146,25 @@ COLUMNS = """async ([address, scenario, options]) => {
 }"""
 
 
+def test_a_figure_that_cannot_be_loaded_says_so_and_is_asked_for_again(visit, web):
+    contents = json.loads((web[1] / "paper" / "contents.json").read_text())
+    for figure in contents:
+        figure["stored"] = not figure["video"]
+    asked = []
+    visit.route("**/paper/contents.json", lambda route: route.fulfill(json=contents))
+    visit.route("**/*.block", lambda route: route.abort())
+    visit.on("request", lambda request: asked.append(request.url))
+    visit.goto(f"{web[0]}?view=paper&paper.figure=fig13")
+    said = visit.locator("#paper-fig13").get_by_role("alert")
+    said.get_by_text("This figure could not be loaded").wait_for()
+    assert visit.locator("#paper-fig13").get_by_text("Waiting").is_hidden()
+    visit.get_by_role("button", name="Judge everything now").click()
+    last = visit.locator("#paper-text_model").get_by_role("alert")
+    last.get_by_text("This figure could not be loaded").wait_for()
+    assert sum(url.endswith("fig13.block") for url in asked) == 2
+    assert all(fault.startswith("Failed to load resource") for fault in visit.faults)
+
+
 def test_numbers_of_a_browser_are_those_of_python(visit, web):
     visit.goto(f"{web[0]}mine.html")
     for name in RUNS:
@@ -333,6 +352,25 @@ def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, we
     field.press("Enter")
     visit.wait_for_function("() => location.search.includes('drive_amplitude=31')")
     assert "embed=1" in visit.url
+
+
+def test_an_embedded_page_opens_other_views_in_a_new_tab(visit, web):
+    for query, role, name in (
+        ("view=paper", "link", "Open in Play: Resonance at 6 rad/s"),
+        ("view=map&map.size=5", "button", "Open in Play"),
+    ):
+        visit.goto(f"{web[0]}?{query}&embed=1")
+        way = visit.get_by_role(role, name=name)
+        way.wait_for()
+        with visit.context.expect_page() as opened:
+            way.click(timeout=PATIENCE)
+        other = opened.value
+        other.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        assert "view=play" in other.url
+        assert "embed" not in other.url
+        assert other.evaluate("() => window.opener") is None
+        assert query.partition("&")[0] in visit.url
+        other.close()
 
 
 def test_the_player_is_an_element_of_any_page(visit, web):

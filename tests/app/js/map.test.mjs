@@ -132,7 +132,9 @@ test("an axis is changed from what the address says, not from what was on show",
 test("parts of an address that cannot be read are found", () => {
   assert.deepEqual(misread({ "map.xlow": "abc", "map.levels": "1,,2", "map.ylog": "yes",
     "map.scale": "rainbow", "map.size": "25", "map.high": "1e3", "map.x": "length",
-    "play.time": "abc" }), ["map.levels", "map.scale", "map.xlow", "map.ylog"]);
+    "play.time": "abc", "map.at_ball": "1", "map.sise": "25", "map.at": "1,2" }),
+  ["map.levels", "map.scale", "map.sise", "map.xlow", "map.ylog"]);
+  assert.deepEqual(misread({ "map.size": "1" }), ["map.size"]);
 });
 
 /** Return a map on which a function of the numbers of column and row has been computed. */
@@ -205,7 +207,7 @@ test("contour lines bear their values, those of the address in order and each on
   Object.assign(map.variables[0], { units: [{ name: "mm", size: 1e-3 }], classes: [] });
   const { chart, drawn } = contoursOn(map, { "map.levels": "1.5,0.5,1.5" });
   assert.deepEqual(drawn.levels, [0.5, 1.5]);
-  assert.deepEqual(chart.contours.map(({ text }) => text), ["500 mm", "1500 mm"]);
+  assert.deepEqual(chart.contours.map(({ text }) => text), ["500\u00a0mm", "1500\u00a0mm"]);
   const later = contoursOn(map, {}, true);
   assert.deepEqual([later.chart.contours, later.drawn, later.isLater], [[], null, true]);
 });

@@ -280,6 +280,8 @@ export const STRINGS = {
   paperOpen: "{count} of {total} not judged yet",
   paperUnjudged: "Not judged yet.",
   paperFilm: "Make this figure",
+  paperUnread: "This figure could not be loaded, and this browser has not kept it. Come back to it when "
+    + "there is a network.",
   paperTurn: "Waiting for its turn …",
   paperWaits: "Waiting for {name} …",
   paperFilmHint: "This makes and evaluates a synthetic experiment, in up to some tens of seconds. " +

@@ -3,6 +3,7 @@
 import { Curves } from "../shared/curves.js";
 import { el, refresh } from "../shared/dom.js";
 import { textOf } from "../shared/laws.js";
+import { openState } from "../shared/links.js";
 import { short } from "../shared/units.js";
 import { t } from "../strings.js";
 import { dropCard, exportsCard, clipList } from "./cards.js";
@@ -273,6 +274,6 @@ export class ExperimentView {
     const texts = Object.fromEntries(Object.entries(options)
       .filter(([name, value]) => value !== known[name]?.default)
       .map(([name, value]) => [name, textOf(known[name], value)]));
-    this.page.store.set({ view: "play", scenario: null, options: texts }, "view");
+    openState(this.page, { view: "play", scenario: null, options: texts });
   }
 }

@@ -3,6 +3,7 @@
 import { el } from "../shared/dom.js";
 import { saveFile } from "../shared/jobs.js";
 import { textOf } from "../shared/laws.js";
+import { openState } from "../shared/links.js";
 import { columnsTable, contactsTable } from "../model/files.js";
 import { t } from "../strings.js";
 import { SAME } from "./recording.js";
@@ -88,9 +89,10 @@ export class Keeper {
     const options = Object.fromEntries(Object.entries(recording.options())
       .map(([name, value]) => [name, textOf(registry.options[name], value)]));
     if (reproduces && new URLSearchParams(options).toString().length < LONGEST_ADDRESS) {
-      store.set({ view: "play", scenario: null, options }, "view");
+      openState(this.page, { view: "play", scenario: null, options });
       return;
     }
+    // This page alone has it, so an embedded one opens it itself.
     this.kept += 1;
     const name = String(this.kept);
     this.page.recordings = { ...this.page.recordings, [name]: recording.block(again) };

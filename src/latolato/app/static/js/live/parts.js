@@ -38,6 +38,7 @@ export function makeParts(ratios, actions) {
     sound: el("input", { type: "checkbox", on: { change: (/** @type {Event} */ event) =>
       actions.sound(/** @type {HTMLInputElement} */ (event.target).checked) } }),
     notice: el("p", { class: "notes", role: "status" }),
+    error: el("p", { class: "error", role: "alert", hidden: true }),
     status: el("p", { class: "readout" }),
     knobs: el("div", { class: "fields" }),
     angle,
@@ -58,7 +59,7 @@ export function layOut(parts, record, recorded, preset) {
       el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
         el("label", { for: parts.speed.id }, t("speed")), parts.speed,
         el("label", { class: "check" }, parts.sound, t("sound"))),
-      recorded, parts.notice),
+      recorded, parts.notice, parts.error),
     el("div", { class: "side" },
       el("section", { class: "card trick" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),
         el("ol", {}, el("li", {}, t("liveStep1"), " ", parts.high),

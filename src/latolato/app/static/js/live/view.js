@@ -4,7 +4,7 @@ import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { withLaws } from "../shared/laws.js";
+import { textOf, withLaws } from "../shared/laws.js";
 import { withControls } from "../live/address.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { followHand } from "../live/hand.js";
@@ -114,6 +114,7 @@ export class LiveView {
     const { signature } = this;
     this.keeper.finish();
     this.toy = null;
+    this.parts.error.hidden = true;
     this.parts.notice.textContent = t("loading");
     try {
       const each = await specify(this.page.registry, this.request());
@@ -164,7 +165,18 @@ export class LiveView {
     this.rescale();
     this.pace.rest();
     this.dirty = true;
+    this.allow(true);
     this.root.dataset.ready = "true";
+  }
+
+  /**
+   * Let the buttons that move a toy be pressed, or not.
+   * @param {boolean} hasToy
+   */
+  allow(hasToy) {
+    const { toggle, push, restart, high, low } = this.parts;
+    for (const button of [toggle, push, restart, high, low, this.keeper.button])
+      button.disabled = !hasToy;
   }
 
   /** Begin again, with the controls as they are. */
@@ -187,11 +199,16 @@ export class LiveView {
    * @param {number} value in SI units
    */
   set(name, value) {
-    if (!this.toy) return;
+    const { registry, store } = this.page;
+    if (!this.toy) {
+      // The value before made no toy; this one may.
+      const option = registry.options[name];
+      if (option) store.option(name, textOf(option, value));
+      return;
+    }
     this.toy.set({ [name]: value });
     this.dirty = true;
     if (name === "drive_amplitude") this.rescale();
-    const { registry, store } = this.page;
     const options = withControls(registry, store.state.options, this.toy.system.kind,
       this.toy.controls, name);
     const scenario = store.state.scenario ?? (options.system ? null : FIRST);
@@ -312,6 +329,9 @@ export class LiveView {
     const [message, field] = inPagesWords(this.page.registry, error);
     const knob = this.knobs[field ?? ""];
     if (knob) knob.error(message);
-    this.parts.notice.textContent = knob ? "" : message;
+    this.parts.notice.textContent = "";
+    this.parts.error.hidden = Boolean(knob);
+    this.parts.error.textContent = knob ? "" : message;
+    this.allow(false);
   }
 }

@@ -1,6 +1,7 @@
 /** What the address of the page says of a map: what is asked for, its axes, and what cannot be read. */
 
 import { el } from "../shared/dom.js";
+import { openState } from "../shared/links.js";
 import { FIRST } from "../shared/state.js";
 import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
@@ -14,11 +15,13 @@ import { SCALES } from "./colours.js";
 /** The shipped sweep that is shown where the address names nothing. */
 const FIRST_MAP = "fig05_push";
 export const USUAL_SIZE = 200;
+const LEAST_SIZE = 2;
 /** Stands in the address for the parameters of the page. */
 export const PAGE = "page";
 const TAKEN = "map.at_";
-const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "size", "duration", "transient", "low", "high"];
+const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "duration", "transient", "low", "high"];
 const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];
+const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored", "at"];
 
 /**
  * Return where the parameters of a map come from: a stored map, a shipped sweep, or the page.
@@ -65,7 +68,7 @@ export function requestOf(registry, state) {
     const said = entries.filter(([, value]) => value !== null);
     return said.length ? Object.fromEntries(said) : null;
   };
-  const size = Math.max(2, Math.round(number("size") ?? USUAL_SIZE));
+  const size = number("size") ?? USUAL_SIZE;
   const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);
   return { scenario: base, options: state.options, x: axis("x"), y: axis("y"), observable,
     width: size, height: size, duration: number("duration"), transient: number("transient") };
@@ -84,11 +87,12 @@ export function sameBut(request) {
  * @param {import("../shared/state.js").Page} page
  * @param {Record<string, string>} options
  */
-export function openInPlay({ registry, store }, options) {
+export function openInPlay(page, options) {
+  const { registry, store } = page;
   const { scenario } = sourceOf(registry, store.state);
   const extra = { ...store.state.extra };
   if (scenario) extra["map.scenario"] = scenario;
-  store.set({ view: "play", scenario: null, options, extra }, "view");
+  openState(page, { view: "play", scenario: null, options, extra });
 }
 
 /**
@@ -155,17 +159,19 @@ export function turned(axes, which, name) {
 }
 
 /**
- * Return which keys of the address hold no value of their kind.
+ * Return which keys of the address are unknown or hold no value of their kind.
  * @param {Record<string, string>} extra
  */
 export function misread(extra) {
   const bad = (/** @type {string} */ name, /** @type {string} */ text) => {
     const isNumber = (/** @type {string} */ part) => part.trim() !== ""
       && Number.isFinite(Number(part));
+    if (name === "size") return !(Number.isInteger(Number(text)) && Number(text) >= LEAST_SIZE);
     if (NUMBERS.includes(name)) return !isNumber(text);
     if (SWITCHES.includes(name)) return !["0", "1"].includes(text);
     if (name === "levels") return !text.split(",").every(isNumber);
-    return name === "scale" && !SCALES.includes(text);
+    if (name === "scale") return !SCALES.includes(text);
+    return !TEXTS.includes(name) && !`map.${name}`.startsWith(TAKEN);
   };
   return Object.keys(extra).filter((key) => key.startsWith("map.")
     && bad(key.slice("map.".length), extra[key])).sort();

@@ -48,6 +48,7 @@ export class MapControls {
       set({ observable: v, low: null, high: null }));
     this.meaning = el("p", { class: "hint" });
     this.ball = choice(t("mapBall"), (v) => set({ ball: v }));
+    this.ball.root.hidden = true;
     this.select = el("div", { class: "fields" });
     this.size = choice(t("mapSize"), (v) => set({ size: v === String(USUAL_SIZE) ? null : v }));
     this.duration = number("mapDuration", "duration");
@@ -151,6 +152,14 @@ export class MapControls {
       this.about.textContent = this.registry.scenarios[scenario ?? ""]?.description ?? "";
   }
 
+  /** Show how many points the address asks for, also where they are none of the usual numbers. */
+  showSize() {
+    const size = Number(this.store.state.extra["map.size"] ?? USUAL_SIZE);
+    const sizes = [...new Set([...SIZES, size])].sort((a, b) => a - b);
+    this.size.show(sizes.map((n) => ({ value: String(n),
+      text: t("mapSizeText", { n, points: n * n }) })), String(size));
+  }
+
   /**
    * Show what a computed map may be made of.
    * @param {import("./about.js").Choices} choices
@@ -177,9 +186,6 @@ export class MapControls {
     const seconds = [{ name: "s", size: 1 }, { name: "min", size: 60 }];
     this.duration.show(choices.duration, seconds);
     this.transient.show(choices.transient, seconds);
-    const sizes = SIZES.map((n) => ({ value: String(n),
-      text: t("mapSizeText", { n, points: n * n }) }));
-    this.size.show(sizes, this.store.state.extra["map.size"] ?? String(USUAL_SIZE));
     this.parts(true);
   }
 

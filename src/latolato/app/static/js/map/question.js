@@ -27,7 +27,6 @@ import { gentleDrive, spansOf, watchedOf } from "./choices.js";
  */
 
 const MOST_CELLS = 250_000;
-const MOST_ALONG = 1000;
 const MOST_STREAMS = 2 ** 53;
 const USUAL_DURATION = 60; // s
 const SIDES = ["_right", "_left"];
@@ -101,11 +100,8 @@ export async function questionOf(registry, layout, request) {
 
 /** @param {Request} request */
 function checkSize({ width, height }) {
-  for (const [parameter, value] of Object.entries({ width, height }))
-    if (value > MOST_ALONG)
-      throw new InputError(`must not exceed ${MOST_ALONG}`, { parameter, value });
   if (width * height > MOST_CELLS)
-    throw new InputError(`width x height must not exceed ${MOST_CELLS} cells, got ${width * height}`);
+    throw new InputError(`a map has at most ${MOST_CELLS} points, got ${width} x ${height}: choose fewer`);
 }
 
 /**

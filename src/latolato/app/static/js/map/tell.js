@@ -10,6 +10,9 @@ import { sizeOf } from "./axes.js";
 
 const TRIALS = { none: "●", weak: "▲", strong: "◆" };
 
+// Lines do not break here.
+const GAP = "\u00a0";
+
 /**
  * Return a value with the unit in which it is shown.
  * @param {{units: {name: string, size: number}[]}} about
@@ -17,7 +20,7 @@ const TRIALS = { none: "●", weak: "▲", strong: "◆" };
  */
 export function withUnit(about, value) {
   const unit = shownUnit(about.units[0]?.name ?? "");
-  const gap = unit && !unit.startsWith("°") ? " " : "";
+  const gap = unit && !unit.startsWith("°") ? GAP : "";
   return `${short(value / sizeOf(about), 4)}${gap}${unit}`;
 }
 
@@ -27,7 +30,7 @@ export function withUnit(about, value) {
  * @param {number} value in SI units
  */
 export function withName(axis, value) {
-  return `${plainSymbol(axis.symbol) || axis.label} = ${withUnit(axis, value)}`;
+  return `${plainSymbol(axis.symbol) || axis.label}${GAP}=${GAP}${withUnit(axis, value)}`;
 }
 
 /**

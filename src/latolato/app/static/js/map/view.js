@@ -143,6 +143,7 @@ export class MapView {
     this.misread.heed(store);
     const source = sourceOf(registry, store.state);
     this.controls.showSource(source);
+    this.controls.showSize();
     this.parameters.hidden = source.stored !== null;
     this.tools.show(source.stored !== null);
     const request = requestOf(registry, store.state);

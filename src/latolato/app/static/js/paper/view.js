@@ -1,6 +1,6 @@
 /** Paper: what the paper says, figure by figure, beside what an accurate calculation gives. */
 
-import { askBlock, askJson } from "../shared/api.js";
+import { askBlock, askJson, Offline, Refusal } from "../shared/api.js";
 import { el, freshId } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { openLink, openState, textsOf } from "../shared/links.js";
@@ -219,13 +219,26 @@ class Plate {
     this.start.disabled = this.entry.missing !== "";
   }
 
+  /** Return the figure, computed by the program or stored in the site; null without one. */
+  async block() {
+    const { name, stored } = this.entry;
+    if (stored === undefined) return this.job.run("ws/paper", { figure: name });
+    if (!stored) return null;
+    this.job.clear();
+    try {
+      return await askBlock(`paper/${name}.block`);
+    } catch (error) {
+      if (!(error instanceof Offline || error instanceof Refusal)) throw error;
+      this.job.refuse(t("paperUnread"));
+      return null;
+    }
+  }
+
   /** Compute, draw and judge. */
   async make() {
     if (this.entry.caption) this.picture.classList.add("waiting");
     this.start.disabled = true;
-    const { name, stored } = this.entry;
-    const block = await (stored === undefined ? this.job.run("ws/paper", { figure: name })
-      : stored ? askBlock(`paper/${name}.block`) : null);
+    const block = await this.block();
     this.picture.classList.remove("waiting");
     if (!block) {
       this.release();

@@ -99,10 +99,9 @@ export class JobLine {
   async run(path, request, expected) {
     this.running?.abort();
     const own = this.running = new AbortController();
-    this.leave = null;
+    this.clear();
     this.text.ariaLive = "polite";
     this.bar.hidden = false;
-    this.error.hidden = true;
     this.line.hidden = false;
     this.line.dataset.status = "";
     this.expected = expected ?? 0;
@@ -121,6 +120,13 @@ export class JobLine {
         this.line.hidden = true;
       }
     }
+  }
+
+  /** Show nothing. */
+  clear() {
+    this.leave = null;
+    this.line.hidden = true;
+    this.error.hidden = true;
   }
 
   /** @param {string} text */

@@ -5,30 +5,45 @@ import { textOf } from "./laws.js";
 import { format } from "./state.js";
 
 /** @typedef {import("./state.js").Page} Page */
+/** @typedef {{view: string, scenario: string | null, options: Record<string, string>,
+ *   extra?: Record<string, string>}} Target */
 
 /**
- * Return a link that opens a state of the page; it can be opened in a new tab too.
+ * Return a link that opens a state of the page; it can be opened in a new tab too, and a page that
+ * is embedded always does that.
  * @param {Page} page
- * @param {{view: string, scenario: string | null, options: Record<string, string>}} target
+ * @param {Target} target
  * @param {string} text
  * @param {string} [title]
  * @returns {HTMLAnchorElement}
  */
 export function openLink(page, target, text, title) {
-  return el("a", { href: format({ ...target, extra: {} }), class: "open", title, on: {
-    click: (/** @type {MouseEvent} */ event) => {
-      if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-      event.preventDefault();
-      openState(page, target);
-    } } }, text);
+  const { embed } = page.store.state;
+  return el("a", { href: addressOf(target), class: "open", title,
+    target: embed && "_blank", rel: embed && "noopener", on: {
+      click: (/** @type {MouseEvent} */ event) => {
+        if (embed || event.ctrlKey || event.metaKey || event.shiftKey) return;
+        event.preventDefault();
+        openState(page, target);
+      } } }, text);
+}
+
+/** @param {Target} target */
+function addressOf(target) {
+  return format({ extra: {}, ...target });
 }
 
 /**
- * Return nothing; the page shows another view, with these parameters.
+ * Return nothing; the page shows another view, with these parameters. A page that is embedded keeps
+ * its one view and opens the other in a new tab.
  * @param {Page} page
- * @param {{view: string, scenario: string | null, options: Record<string, string>}} target
+ * @param {Target} target
  */
 export function openState(page, target) {
+  if (page.store.state.embed) {
+    window.open(addressOf(target), "_blank", "noopener");
+    return;
+  }
   page.store.set(target, "view");
   window.scrollTo(0, 0);
 }

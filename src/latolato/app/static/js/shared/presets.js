@@ -24,7 +24,7 @@ export function presetField(page) {
   const field = el("div", { class: "field preset" },
     el("label", { for: id }, t("preset")), select, about);
   const show = (/** @type {string | null} */ name) => {
-    select.value = name ?? "";
+    select.value = runs.some(([each]) => each === name) ? name ?? "" : "";
     about.textContent = name && Object.hasOwn(page.registry.scenarios, name)
       ? page.registry.scenarios[name].description : "";
   };
