@@ -178,7 +178,7 @@ def test_the_address_brings_the_same_run_back(page):
 
 
 def test_a_run_that_does_not_come_at_once_says_so(page):
-    page.goto("/?scenario=chaos&duration=25000 s")
+    page.goto("/?scenario=chaos&duration=80000 s")
     page.get_by_role("status").filter(has_text="Computing").wait_for()
     page.wait_for_selector("[data-runs]")
     assert page.get_by_text("Computing").count() == 0
