@@ -1,4 +1,4 @@
-/** What the address of the page says of a map: what is asked for, its axes, and what cannot be read. */
+/** How an address describes a map: what it asks for, its axes, and the parts that cannot be read. */
 
 import { el } from "../shared/dom.js";
 import { openState } from "../shared/links.js";
