@@ -123,9 +123,8 @@ export class Runner {
     const { waiting, running } = this;
     if (!waiting) return;
     if (running) {
-      const rest = this.busySince + PATIENCE - performance.now();
-      if (!this.isReady || rest > 0) {
-        setTimeout(() => this.next(), Math.max(rest, PATIENCE));
+      if (!this.isReady || performance.now() - this.busySince < PATIENCE) {
+        setTimeout(() => this.next(), PATIENCE);
         return;
       }
       running.reject(aborted());
