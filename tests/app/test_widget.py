@@ -16,9 +16,9 @@ from latolato.app.blocks import unpack
 from latolato.app.widget import bundle, modules
 
 # What anywidget is to a widget: a model that holds its values.
-PAGE = """async ({ source, block }) => {
+PAGE = """async ({ source, block, language }) => {
   const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-  const values = { block: new DataView(bytes.buffer) };
+  const values = { block: new DataView(bytes.buffer), language };
   const model = { get: (name) => values[name], on() {}, off() {} };
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const { default: widget } = await import(url);
@@ -40,8 +40,8 @@ def run():
 
 def show(page, widget):
     """Show a widget on a page as anywidget would."""
-    given = {"source": bundle(), "block": base64.b64encode(widget.block).decode()}
-    page.evaluate(PAGE, given)
+    block = base64.b64encode(widget.block).decode()
+    page.evaluate(PAGE, {"source": bundle(), "block": block, "language": widget.language})
 
 
 @pytest.fixture

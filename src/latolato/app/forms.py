@@ -6,6 +6,7 @@ observable or scenario appears in the forms by itself.
 
 from __future__ import annotations
 
+import json
 import math
 import threading
 from collections.abc import Iterator
@@ -14,6 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from latolato.app import STATIC
 from latolato.app.run_request import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
@@ -83,11 +85,21 @@ def _registry() -> dict[str, Any]:
         "scenarios": {name: _scenario(path) for name, path in shipped().items()},
         "ratios": RATIOS,
         "alternatives": [sorted(group) for group in ALTERNATIVES],
+        "languages": _languages(),
         "trials": {"columns": COLUMN_UNITS, **asdict(MotionClass())},
         **unit_table(),
     }
     result: dict[str, Any] = plain(results)
     return result
+
+
+def _languages() -> dict[str, Any]:
+    """Return the languages of the pages by their codes: English, and each that has a file."""
+    languages = {"en": {"name": "English", "beta": False}}
+    for path in sorted((STATIC / "languages").glob("*.json")):
+        table = json.loads(path.read_text(encoding="utf-8"))
+        languages[path.stem] = {"name": table["name"], "beta": table.get("beta", False)}
+    return languages
 
 
 def _law(law: type, table: str) -> dict[str, Any]:

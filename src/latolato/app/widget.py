@@ -45,7 +45,7 @@ _NAMED = re.compile(
 )
 
 
-def play(run: xr.Dataset) -> Any:
+def play(run: xr.Dataset, *, language: str = "en") -> Any:
     """Return a widget that plays a run: animation, curves, phase portrait, contacts, energies.
 
     Parameters
@@ -53,6 +53,8 @@ def play(run: xr.Dataset) -> Any:
     run : xarray.Dataset
         What `latolato.simulate` or `latolato.load` returned; of more than 200000 samples every
         second, third, ... is shown.
+    language : str
+        Code of the language of the player, such as ``id``; a notebook has one.
 
     Returns
     -------
@@ -63,10 +65,13 @@ def play(run: xr.Dataset) -> Any:
     Raises
     ------
     InputError
-        If the dataset is no run.
+        If the dataset is no run, or pages do not have the language.
         Without the extra `notebook`.
     """
-    return _widget_class()(run)
+    known = registry()["languages"]
+    if language not in known:
+        raise InputError(f"must be one of {', '.join(known)}", parameter="language", value=language)
+    return _widget_class()(run, language)
 
 
 def block_of(run: xr.Dataset) -> bytes:
@@ -109,10 +114,11 @@ def _widget_class() -> Any:
 
         _esm = bundle()
         block = traitlets.Bytes().tag(sync=True)
+        language = traitlets.Unicode().tag(sync=True)
 
-        def __init__(self, run: xr.Dataset) -> None:
+        def __init__(self, run: xr.Dataset, language: str) -> None:
             self._run = run
-            super().__init__(block=block_of(run))
+            super().__init__(block=block_of(run), language=language)
 
         @property
         def run(self) -> xr.Dataset:
@@ -203,7 +209,9 @@ def _content() -> str:
     kernels = STATIC / "kernels"
     files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}
     held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
-    held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}
+    languages = [path.relative_to(STATIC).as_posix() for path in STATIC.glob("languages/*.json")]
+    for path in (*SHEETS, *sorted(languages)):
+        held[path] = _letters((STATIC / path).read_text("utf-8"))
     held["kernels/layout.json"] = (kernels / "layout.json").read_text("utf-8")
     held["registry.json"] = _letters(json.dumps(_registry()))
     return f"""const FILES = {json.dumps(held, ensure_ascii=False)};
@@ -225,5 +233,6 @@ def _registry() -> dict[str, Any]:
         part: {name: law for name, law in whole[part].items() if law["compiled"]}
         for part in ("systems", "drives", "contact_laws")
     }
-    names = ("version", "options", "ratios", "alternatives", "units", "prefixes")
-    return {**{name: whole[name] for name in names}, **laws, "scenarios": {}, "server": False}
+    names = ("version", "options", "ratios", "alternatives", "units", "prefixes", "languages")
+    empty: dict[str, Any] = {"axes": {}, "observables": {}, "scenarios": {}}
+    return {**{name: whole[name] for name in names}, **laws, **empty, "server": False}

@@ -5,12 +5,17 @@
  *     <latolato-player scenario="fig04a_push" duration="20 s"></latolato-player>
  *
  * Its attributes are the options of the command line, with dashes, and `scenario`; the run is computed
- * again when one changes. It sends no message and asks no other site for anything.
+ * again when one changes. It speaks the language that `lang` names, on itself or around it; a page
+ * whose elements ask for several gets the first that is not English. It sends no message and asks no other site for anything.
  *
  * @module
  */
 
+import { loadRegistry } from "./js/model/registry.js";
+import { inLanguage } from "./js/model/words.js";
 import { Inset } from "./js/shared/inset.js";
+import { firstOf, speak } from "./js/shared/language.js";
+import { ENGLISH } from "./js/strings.js";
 
 // Attributes of all elements, which are no options.
 const OF_ELEMENTS = /^(id|class|style|slot|title|lang|dir|hidden|tabindex|role|part|data-.*|aria-.*)$/;
@@ -25,10 +30,19 @@ class LatolatoPlayer extends HTMLElement {
     this.observer = new MutationObserver(() => void this.compute());
   }
 
-  connectedCallback() {
+  async connectedCallback() {
+    await this.speak().catch((error) => console.warn(error));
+    if (!this.isConnected || this.inset) return;
     this.inset = new Inset(this);
     this.observer.observe(this, { attributes: true });
     void this.compute();
+  }
+
+  /** Let the page speak the language of the element. */
+  async speak() {
+    const tag = this.closest("[lang]")?.getAttribute("lang") ?? ENGLISH;
+    const registry = await loadRegistry();
+    await speak(registry, firstOf(registry.languages, [tag]));
   }
 
   disconnectedCallback() {
@@ -61,7 +75,7 @@ class LatolatoPlayer extends HTMLElement {
       if (!(await inset.compute(this.request)) || turn !== this.turn) return;
     } catch (error) {
       if (turn !== this.turn) return;
-      inset?.refuse(/** @type {Error} */ (error).message);
+      inset?.refuse(inLanguage(/** @type {Error} */ (error)));
     }
     this.dispatchEvent(new Event("computed"));
   }

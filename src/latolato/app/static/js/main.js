@@ -2,6 +2,7 @@
 
 import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
+import { speakInPage } from "./shared/language.js";
 import { AddressStore, format, isReadable, parse } from "./shared/state.js";
 import { t } from "./strings.js";
 
@@ -37,7 +38,7 @@ function applyTheme(/** @type {string} */ theme) {
 }
 
 function startTheme() {
-  let theme = localStorage.getItem("latolato.theme") ?? "auto";
+  let theme = document.documentElement.dataset.theme ?? "auto";
   applyTheme(theme);
   document.getElementById("theme")?.addEventListener("click", () => {
     theme = THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length];
@@ -51,6 +52,7 @@ function startTheme() {
 function startViews(page) {
   const main = /** @type {HTMLElement} */ (document.getElementById("main"));
   const nav = /** @type {HTMLElement} */ (document.getElementById("views"));
+  nav.setAttribute("aria-label", t("views"));
   /** @type {Record<string, any>} */
   const made = {};
   /** @type {string | null} */
@@ -136,14 +138,18 @@ function keepOffline() {
   void navigator.serviceWorker.register("offline.js").catch(() => {});
 }
 
-startTheme();
+document.documentElement.dataset.theme = localStorage.getItem("latolato.theme") ?? "auto";
 const store = new AddressStore(window);
 // The first view's modules come while the server makes the registry.
 if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
+const page = { registry, store };
+await speakInPage(page);
 if (!isReadable(location.search, registry.format)) {
   tell(t("newerAddress"));
   store.state = parse("");
 }
-startViews({ registry, store });
+/** @type {HTMLElement} */ (document.querySelector(".skip")).textContent = t("skip");
+startTheme();
+startViews(page);
 if (!registry.server) keepOffline();

@@ -2,15 +2,17 @@
 
 import { commandLine, pythonLines } from "./model/lines.js";
 import { optionsOf } from "./model/options.js";
+import { loadRegistry } from "./model/registry.js";
 import { inPagesWords } from "./model/words.js";
 import { unpack } from "./shared/block.js";
 import { codeBlocks } from "./shared/code.js";
 import { el } from "./shared/dom.js";
 import { Form } from "./shared/form.js";
 import { Inset } from "./shared/inset.js";
+import { firstOf, speak } from "./shared/language.js";
 import { withLaws } from "./shared/laws.js";
 import { Store } from "./shared/state.js";
-import { t } from "./strings.js";
+import { t, tr } from "./strings.js";
 
 /** @typedef {import("./model/registry.js").Registry} Registry */
 /** @typedef {import("./shared/block.js").Block} Block */
@@ -70,7 +72,8 @@ class Controls {
   show({ options, warnings = [] }) {
     const { registry, form } = this;
     form.show(options);
-    this.notes.textContent = warnings.map((/** @type {string} */ text) => t("warning", { text })).join(" ");
+    this.notes.textContent = warnings.map((/** @type {string} */ text) =>
+      t("warning", { text: tr(text) })).join(" ");
     this.code.replaceChildren(...codeBlocks([pythonLines, commandLine].map((lines) => lines(registry, options))));
     this.back.disabled = Object.keys(form.store.state.options).length === 0;
   }
@@ -115,6 +118,8 @@ function lawBeyondPage({ systems, drives, contact_laws: laws }, { system, drive,
  * @param {{model: any, el: HTMLElement}} cell
  */
 export async function render({ model, el: cell }) {
+  const registry = await loadRegistry();
+  await speak(registry, firstOf(registry.languages, [model.get("language")]));
   const host = el("div", {});
   cell.append(host);
   // Some of the player's keys delete cells in notebooks.
@@ -126,7 +131,7 @@ export async function render({ model, el: cell }) {
   // Where one sees the balls while a slider moves.
   const below = el("div", { class: "controls" });
   inset.player.cards.before(below);
-  const registry = await inset.load();
+  await inset.load();
   const show = () => {
     const { buffer, byteOffset, byteLength } = /** @type {DataView} */ (model.get("block"));
     const block = unpack(

@@ -1,10 +1,26 @@
-/** Every text of the pages, by name; another language is another table of the same names. */
+/**
+ * Every text of the pages, by name, in English; another language is a table in `languages`.
+ *
+ * A text is a string with gaps, or one for each plural form of its gap `count`.
+ * @typedef {string | Record<string, string>} Text
+ *
+ * A language: its own name, the texts of the pages by their names, and texts that are born as data
+ * (titles of presets, labels of parameters, rules of refusals) by the English ones. There a gap
+ * stands for whatever the English text has in its place.
+ * @typedef {{name: string, beta?: boolean, strings: Record<string, Text>, texts: Record<string, string>}} Language
+ */
 
 export const STRINGS = {
   themeLight: "Light",
   themeDark: "Dark",
   themeAuto: "Auto",
   themeLabel: "Colours: {name}. Change them.",
+  skip: "Skip to the content",
+  views: "Views",
+  language: "Language",
+  languageBeta: "{name} (beta)",
+  languageUnknown: "The link asks for the language “{name}”, which is not here. The page is in {spoken}.",
+  languageUnread: "The texts in {name} could not be loaded, so the page is in English.",
   warning: "Note: {text}",
   program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
     + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",
@@ -177,7 +193,10 @@ export const STRINGS = {
   tooManyLevels: "At most {most} values at a time, got {count}.",
   mapTrials: "Trial table",
   mapTrialsHint: "A CSV as “latolato trials” writes it: drive_amplitude, frequency, class.",
-  mapTrialCount: "{count} trials, {outside} of them outside the map.",
+  mapTrialCount: {
+    one: "{count} trial, {outside} of them outside the map.",
+    other: "{count} trials, {outside} of them outside the map.",
+  },
   mapParameters: "Parameters that do not vary",
   mapVaries: "varies over the map",
   mapBar: "Colour bar",
@@ -439,6 +458,41 @@ export const STRINGS = {
   megapixels: "{count} megapixels",
 };
 
+export const ENGLISH = "en";
+const GAP = /\{(\w+)\}/g;
+
+/** What the page speaks. */
+const spoken = {
+  code: ENGLISH,
+  /** @type {Record<string, Text>} */
+  strings: STRINGS,
+  /** @type {Map<string, string>} */
+  texts: new Map(),
+  /** Texts with gaps, those with most letters first. @type {{shape: RegExp, gaps: string[], text: string}[]} */
+  shapes: [],
+};
+
+/** Return the code of the language of the page. */
+export function languageCode() {
+  return spoken.code;
+}
+
+/**
+ * Speak a language from now on; what is on the page stays as it is.
+ * @param {string} code
+ * @param {Language} language
+ */
+export function setLanguage(code, { strings, texts }) {
+  const letters = (/** @type {string} */ text) => text.replace(GAP, "").length;
+  const shapes = Object.keys(texts).filter((text) => text.search(GAP) >= 0)
+    .sort((a, b) => letters(b) - letters(a)).map((text) => ({ text: texts[text],
+      gaps: Array.from(text.matchAll(GAP), ([, gap]) => gap),
+      shape: new RegExp(`^${text.split(GAP).map((part, i) =>
+        (i % 2 ? "(.+?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
+  Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
+    shapes });
+}
+
 /**
  * Return a text with its gaps filled.
  * @param {keyof typeof STRINGS | string} name
@@ -446,7 +500,33 @@ export const STRINGS = {
  * @returns {string}
  */
 export function t(name, values = {}) {
-  const text = /** @type {Record<string, string>} */ (STRINGS)[name];
+  const text = spoken.strings[name];
   if (text === undefined) throw new Error(`there is no text '${name}'`);
-  return text.replace(/\{(\w+)\}/g, (_, key) => String(values[key]));
+  if (typeof text === "string") return filled(text, values);
+  const form = new Intl.PluralRules(spoken.code).select(Number(values.count));
+  return filled(text[form] ?? text.other, values);
+}
+
+/**
+ * Return a text that was born as data in the language of the page; as it is where that has none.
+ * @param {string} text in English
+ * @returns {string}
+ */
+export function tr(text) {
+  const line = text.replace(/\s+/g, " ").trim();
+  const known = spoken.texts.get(line);
+  if (known !== undefined) return known;
+  for (const { shape, gaps, text: other } of spoken.shapes) {
+    const parts = shape.exec(line);
+    if (parts) return filled(other, Object.fromEntries(gaps.map((gap, i) => [gap, tr(parts[i + 1])])));
+  }
+  return text;
+}
+
+/**
+ * @param {string} text
+ * @param {Record<string, string | number>} values
+ */
+function filled(text, values) {
+  return text.replace(GAP, (_, gap) => String(values[gap]));
 }

@@ -19,7 +19,7 @@ import { specify } from "../model/case.js";
 import { inPagesWords } from "../model/words.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
 
@@ -244,7 +244,7 @@ export class LiveView {
       if (!(error instanceof Error)) throw error;
       // The memory that it computed in may be spoiled: begin in a new one.
       void this.begin().then(() => {
-        this.parts.notice.textContent = t("liveFault", { text: error.message });
+        this.parts.notice.textContent = t("liveFault", { text: tr(error.message) });
       });
     }
   }

@@ -40,10 +40,35 @@
  *   ratios: Record<string, string>, alternatives: string[][],
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
- *   server: boolean, docs?: boolean}} Registry
+ *   languages: Record<string, {name: string, beta: boolean}>, server: boolean, docs?: boolean}} Registry
  */
 
 import { loadJson } from "../kernels/load.js";
+
+/**
+ * Put the texts of a registry, which are English, in another language. What Python calls a law
+ * (`title`) and what files are written with (`quantities`) stay.
+ * @param {Registry} registry
+ * @param {(text: string) => string} translated
+ */
+export function translateRegistry({ systems, drives, contact_laws: laws, options, axes, observables,
+  scenarios }, translated) {
+  const put = (/** @type {any} */ entry, /** @type {string[]} */ ...keys) => {
+    for (const key of keys) entry[key] = translated(entry[key]);
+  };
+  for (const part of [systems, drives, laws])
+    for (const law of Object.values(part)) put(law, "description");
+  for (const option of Object.values(options)) put(option, "label", "description");
+  for (const axis of Object.values(axes)) put(axis, "label");
+  for (const observable of Object.values(observables)) {
+    put(observable, "description");
+    for (const variable of Object.values(observable.variables)) {
+      put(variable, "label");
+      for (const named of variable.classes) named[0] = translated(named[0]);
+    }
+  }
+  for (const scenario of Object.values(scenarios)) put(scenario, "title", "description");
+}
 
 /**
  * Return the registry of this site; it is loaded once.

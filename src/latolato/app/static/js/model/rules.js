@@ -20,9 +20,10 @@ export class InputError extends Error {
   /**
    * Return the whole text with another name for the parameter.
    * @param {string} name
+   * @param {(text: string) => string} [translated] each of its parts
    */
-  worded(name) {
-    return worded(this.rule, this.about, name);
+  worded(name, translated) {
+    return worded(this.rule, this.about, name, translated);
   }
 }
 
@@ -41,13 +42,14 @@ export class BeyondPageError extends InputError {
  * @param {string} rule
  * @param {{parameter?: string, value?: any, wayOut?: string}} about
  * @param {string} [name]
+ * @param {(text: string) => string} [translated]
  */
-function worded(rule, about, name) {
-  let text = rule;
+function worded(rule, about, name, translated = (text) => text) {
+  let text = translated(rule);
   if (about.parameter !== undefined)
-    text = rule.includes("{parameter}") ? rule.replaceAll("{parameter}", String(name)) : `${name} ${rule}`;
-  if ("value" in about) text += `, got ${literal(about.value)}`;
-  if (about.wayOut !== undefined) text += `; ${about.wayOut}`;
+    text = text.includes("{parameter}") ? text.replaceAll("{parameter}", String(name)) : `${name} ${text}`;
+  if ("value" in about) text += `, ${translated("got")} ${literal(about.value)}`;
+  if (about.wayOut !== undefined) text += `; ${translated(about.wayOut)}`;
   return text.replace(/\s+/g, " ").trim();
 }
 

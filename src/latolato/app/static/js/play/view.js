@@ -12,7 +12,7 @@ import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
 import { presetField } from "../shared/presets.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 
@@ -143,7 +143,7 @@ export class PlayView {
       this.form.show(block.about.options);
       this.player.show(motion);
       const { warnings, note } = block.about;
-      this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text })).join(" "));
+      this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text: tr(text) })).join(" "));
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);

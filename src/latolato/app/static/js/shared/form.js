@@ -1,6 +1,6 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { habit, keepHabit } from "./habits.js";
 import { heldOptions, START, textOf, withLaws } from "./laws.js";
@@ -141,7 +141,7 @@ export class Form {
       kinds.drive) });
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
-        /** @type {any} */ (law).title)));
+        tr(/** @type {any} */ (law).title))));
     select.value = this.kinds[part];
     this.fields.set(part, { read: () => { select.value = this.kinds[part]; }, error: () => {} });
     return el("div", { class: "field choice" }, el("label", { for: id }, t(part)), select);
@@ -296,7 +296,7 @@ export class Form {
   choiceField(name, option, choices) {
     const id = freshId();
     const select = el("select", { id, on: { change: () => this.store.option(name, select.value) } },
-      ...choices.map((each) => el("option", { value: each }, each)));
+      ...choices.map((each) => el("option", { value: each }, tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });
     read(this.text(name));

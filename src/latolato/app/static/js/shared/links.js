@@ -19,7 +19,7 @@ import { format } from "./state.js";
  */
 export function openLink(page, target, text, title) {
   const { embed } = page.store.state;
-  return el("a", { href: addressOf(target), class: "open", title,
+  return el("a", { href: addressOf(page, target), class: "open", title,
     target: embed && "_blank", rel: embed && "noopener", on: {
       click: (/** @type {MouseEvent} */ event) => {
         if (embed || event.ctrlKey || event.metaKey || event.shiftKey) return;
@@ -28,9 +28,12 @@ export function openLink(page, target, text, title) {
       } } }, text);
 }
 
-/** @param {Target} target */
-function addressOf(target) {
-  return format({ extra: {}, ...target });
+/**
+ * @param {Page} page
+ * @param {Target} target
+ */
+function addressOf({ store: { state: { lang } } }, target) {
+  return format({ extra: {}, lang, ...target });
 }
 
 /**
@@ -41,7 +44,7 @@ function addressOf(target) {
  */
 export function openState(page, target) {
   if (page.store.state.embed) {
-    window.open(addressOf(target), "_blank", "noopener");
+    window.open(addressOf(page, target), "_blank", "noopener");
     return;
   }
   page.store.set(target, "view");

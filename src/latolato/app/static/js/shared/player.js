@@ -26,7 +26,7 @@ const SETTLED = 0.2;
 /** @type {import("./curves.js").Panel[]} */
 export const PANELS = [
   {
-    label: t("curveAngle"),
+    get label() { return t("curveAngle"); },
     curves: (motion) => motion.balls.map((ball) => ({
       label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
       paint: ball.name === "left" ? "left" : "right",
@@ -34,7 +34,7 @@ export const PANELS = [
     })),
   },
   {
-    label: t("curveEnergy"),
+    get label() { return t("curveEnergy"); },
     curves: (motion) => [
       { label: t("kinetic"), paint: "kinetic", values: summed(motion, "kinetic_energy") },
       { label: t("potential"), paint: "potential", values: summed(motion, "potential_energy") },
@@ -42,7 +42,7 @@ export const PANELS = [
     ],
   },
   {
-    label: t("curvePower"),
+    get label() { return t("curvePower"); },
     height: 140,
     curves: (motion) => [
       { label: t("drivePower"), paint: "gain", values: summed(motion, "drive_power") },

@@ -2,9 +2,10 @@
 
 /**
  * The address is `?view=play&scenario=fig02&length=24.5 cm&map.x=frequency_ratio`: names without a
- * dot are options of the command line, those with one belong to the view before it.
+ * dot are options of the command line, those with one belong to the view before it. `lang` is the
+ * language that the link asks for.
  * @typedef {{view: string, scenario: string | null, options: Record<string, string>,
- *   extra: Record<string, string>, embed?: boolean}} State
+ *   extra: Record<string, string>, embed?: boolean, lang?: string}} State
  */
 
 /**
@@ -14,7 +15,7 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
-const KEPT = ["view", "scenario", "token", "embed", "format"];
+const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
 /**
  * Return the state that an address holds.
@@ -30,6 +31,7 @@ export function parse(search) {
     if (name === "view") state.view = value;
     else if (name === "scenario") state.scenario = value;
     else if (name === "embed") state.embed = value === "1";
+    else if (name === "lang") state.lang = value;
     else if (!KEPT.includes(name)) others.push([name, value]);
   }
   // As properties of their own, whatever their names are.
@@ -48,6 +50,7 @@ export function format(state) {
   query.set("view", state.view);
   if (state.scenario) query.set("scenario", state.scenario);
   if (state.embed) query.set("embed", "1");
+  if (state.lang) query.set("lang", state.lang);
   for (const part of [state.options, state.extra])
     for (const name of Object.keys(part).sort()) query.set(name, part[name]);
   return `?${query}`;

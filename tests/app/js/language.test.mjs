@@ -1,0 +1,57 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { InputError } from "../../../src/latolato/app/static/js/model/rules.js";
+import { inPagesWords } from "../../../src/latolato/app/static/js/model/words.js";
+import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js";
+import { setLanguage, STRINGS, t, tr } from "../../../src/latolato/app/static/js/strings.js";
+
+const LANGUAGES = { en: { name: "English", beta: false }, id: { name: "Bahasa Indonesia", beta: true } };
+const REGISTRY = /** @type {any} */ ({ options: { length: { label: "duljina" } } });
+
+test("of the languages that a reader wants the first that there is is taken, else English", () => {
+  assert.equal(firstOf(LANGUAGES, ["id"]), "id");
+  assert.equal(firstOf(LANGUAGES, ["de-AT", "id-ID", "en"]), "id");
+  assert.equal(firstOf(LANGUAGES, ["en-GB", "id"]), "en");
+  assert.equal(firstOf(LANGUAGES, ["", "xx", "constructor"]), "en");
+});
+
+test("English has plural forms", () => {
+  assert.match(t("mapTrialCount", { count: 1, outside: 0 }), /^1 trial,/);
+  assert.match(t("mapTrialCount", { count: 2, outside: 0 }), /^2 trials,/);
+});
+
+test("a language has its own plural forms, and data is translated by its English text", () => {
+  assert.equal(tr("The first push"), "The first push");
+  setLanguage("hr", {
+    name: "hrvatski",
+    strings: { play: "Pokreni",
+      mapTrialCount: { one: "{count} pokus", few: "{count} pokusa", other: "{count} pokusā" } },
+    texts: {
+      "The first push": "Prvi zamah",
+      "right ball": "desna kugla",
+      "{name}, right ball": "{name}, desna kugla",
+      "length": "duljina",
+      "must lie in {range}": "mora biti u {range}",
+      "give less than {value}": "zadajte manje od {value}",
+      "give only one of {parameter} and {other}": "zadajte ili {parameter} ili {other}",
+      "got": "zadano je",
+    },
+  });
+  assert.equal(t("play"), "Pokreni");
+  assert.equal(t("pause"), STRINGS.pause, "what is missing is shown in English");
+  assert.deepEqual([1, 3, 5].map((count) => t("mapTrialCount", { count })), ["1 pokus", "3 pokusa", "5 pokusā"]);
+  assert.equal(tr("The first\npush"), "Prvi zamah", "lines are broken anywhere");
+  assert.equal(tr("length, right ball"), "duljina, desna kugla");
+  assert.equal(tr("toString"), "toString");
+});
+
+test("a refusal is translated in its parts, and its English sentence stays", () => {
+  const error = new InputError("must lie in [0, length)",
+    { parameter: "length", value: 0.5, wayOut: "give less than 0.4" });
+  assert.equal(error.message, "length must lie in [0, length), got 0.5; give less than 0.4");
+  assert.deepEqual(inPagesWords(REGISTRY, error),
+    ["“duljina” mora biti u [0, length), zadano je 0.5; zadajte manje od 0.4", "length"]);
+  const two = new InputError("give only one of {parameter} and initial_offset", { parameter: "length" });
+  assert.equal(inPagesWords(REGISTRY, two)[0], "zadajte ili “duljina” ili initial_offset");
+});
