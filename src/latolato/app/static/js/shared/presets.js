@@ -16,9 +16,9 @@ export function presetField(page) {
     el("option", { value: "" }, t("presetNone")),
     ...runs.map(([name, each]) => {
       const scenario = /** @type {any} */ (each);
-      const figure = scenario.figure ? ` (Fig. ${scenario.figure})` : "";
-      return el("option", { value: name, title: scenario.description },
-        `${scenario.title}${figure}`);
+      const { title, description, figure } = scenario;
+      return el("option", { value: name, title: description },
+        figure ? t("mapFigure", { title, figure }) : title);
     }));
   const about = el("p", { class: "hint" });
   const field = el("div", { class: "field preset" },

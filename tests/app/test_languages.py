@@ -1,0 +1,319 @@
+"""Other languages of the pages are complete, and pages in them show no English.
+
+What a language lacks is named as JSON to fill in: see docs/how-to/translate.md.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from latolato.app import STATIC
+from latolato.app.forms import registry
+
+NODE = Path(sys.executable).parent / "node"
+FILES = sorted((STATIC / "languages").glob("*.json"))
+GAP = re.compile(r"\{(\w+)\}")
+# Stands for what a refusal has in a gap.
+FILLED = "7"
+# What refusals are put together from.
+CLAUSES = [
+    "7 and 7", "7 and 7 set the same thing: choose another axis", "a level", "a number",
+    "a number in 7", "above 7", "as a plain number", "at least 7", "at most 7", "below 7",
+    "both axes show the 7: choose another one", "contact", "contact law", "did you mean '7'?",
+    "drive", "failed at t = 7 s: the motion left the range of numbers", "give 7", "got",
+    "in 7 (or a unit that converts to it)", "known are 7", "larger", "leave it out", "left",
+    "longer", "must be 7", "observable", "option", "parameter", "right", "shorter",
+    "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
+    "the contact law 7", "the run 7; later samples are NaN", "use 7",
+]  # fmt: skip
+# Return the texts of a language that are not translated, and its texts that nothing needs.
+_COMPARE = """
+import { setLanguage, tr } from "TABLE";
+const { needed, texts } = JSON.parse(await new Response(process.stdin).text());
+const GAP = /\\{(\\w+)\\}/g;
+const used = new Set();
+const marked = Object.fromEntries(Object.keys(texts).map((text, i) =>
+  [text, `<${i}>${[...text.matchAll(GAP)].map(([gap]) => gap).join("")}`]));
+setLanguage("xx", { name: "", strings: {}, texts: marked });
+const keys = Object.keys(texts);
+const missing = needed.filter((text) => {
+  const found = tr(text);
+  for (const [, i] of found.matchAll(/<(\\d+)>/g)) used.add(keys[i]);
+  return !found.startsWith("<");
+});
+console.log(JSON.stringify({ missing, unused: keys.filter((text) => !used.has(text)) }));
+"""
+
+
+def in_node(program: str, given: Any = None) -> Any:
+    """Return what a program prints in Node.js."""
+    program = program.replace("TABLE", (STATIC / "js" / "strings.js").as_uri())
+    done = subprocess.run(
+        [NODE, "--input-type=module", "-e", program],
+        input=json.dumps(given), capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def english():
+    """The texts of the pages by their names."""
+    return in_node('import { STRINGS } from "TABLE"; console.log(JSON.stringify(STRINGS));')
+
+
+def forms_of(text: Any) -> list[str]:
+    """Return the plural forms of a text."""
+    return list(text.values()) if isinstance(text, dict) else [text]
+
+
+def texts_of_registry() -> Iterator[str]:
+    """Yield the texts that the registry brings to Play, Live and Map."""
+    about = registry()
+    for part in ("systems", "drives", "contact_laws"):
+        for law in about[part].values():
+            yield law["description"]
+    for part in ("systems", "drives"):
+        yield from (law["title"] for law in about[part].values())
+    for option in about["options"].values():
+        yield from (option["label"], option["description"], *option["choices"])
+        for limit in option["limits"]:
+            yield from (limit["rule"], limit["way_out"])
+    yield from (axis["label"] for axis in about["axes"].values())
+    for observable in about["observables"].values():
+        yield observable["description"]
+        for variable in observable["variables"].values():
+            yield from (variable["label"], *(name for name, _ in variable["classes"]))
+    for scenario in about["scenarios"].values():
+        yield from (scenario["title"], scenario["description"])
+
+
+def texts_of_refusals() -> Iterator[str]:
+    """Yield what modules refuse input with, with something in each gap."""
+    begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
+    for folder in ("model", "map", "live"):
+        for path in sorted((STATIC / "js" / folder).glob("*.js")):
+            source = path.read_text(encoding="utf-8")
+            for match in begins.finditer(source):
+                yield joined(source[match.end() :])
+
+
+def joined(source: str) -> str:
+    """Return the text that a source begins with: literals, joined by plus signs."""
+    result, rest = "", source
+    while rest[:1] in ('"', "`"):
+        mark, i, depth = rest[0], 1, 0
+        while depth or rest[i] != mark:
+            if not depth and rest.startswith("${", i):
+                result += FILLED
+                depth = 1
+                i += 1
+            elif depth:
+                depth += (rest[i] == "{") - (rest[i] == "}")
+            elif rest[i] == "\\":
+                result += rest[i + 1]
+                i += 1
+            else:
+                result += rest[i]
+            i += 1
+        after = rest[i + 1 :].lstrip()
+        rest = after[1:].lstrip() if after.startswith("+") else ""
+    return result
+
+
+def one_line(text: str) -> str:
+    """Return a text without its line breaks."""
+    return " ".join(text.split())
+
+
+def needed_texts() -> list[str]:
+    """Return every text that is born as data, once."""
+    texts = [*texts_of_registry(), *texts_of_refusals(), *CLAUSES]
+    return list(dict.fromkeys(line for line in map(one_line, texts) if line))
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_language_has_every_text_and_no_other(path, english):
+    table = json.loads(path.read_text(encoding="utf-8"))
+    compared = in_node(_COMPARE, {"needed": needed_texts(), "texts": table["texts"]})
+    missing = {
+        "strings": {name: english[name] for name in english if name not in table["strings"]},
+        "texts": {text: text for text in compared["missing"]},
+    }
+    unknown = [name for name in table["strings"] if name not in english] + compared["unused"]
+    named = json.dumps(missing, ensure_ascii=False, indent=2)
+    if any(missing.values()):
+        pytest.fail(f"{path.name} lacks what stands here in English:\n{named}", pytrace=False)
+    assert not unknown, f"nothing needs these of {path.name}"
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_translations_have_the_gaps_of_the_english_texts(path, english):
+    table = json.loads(path.read_text(encoding="utf-8"))
+    pairs = [(english[name], text) for name, text in table["strings"].items() if name in english]
+    pairs += table["texts"].items()
+    wrong = {
+        form: sorted(gaps)
+        for source, text in pairs
+        for form in forms_of(text)
+        if (gaps := set(GAP.findall(str(forms_of(source))))) != set(GAP.findall(form))
+    }
+    assert not wrong, f"{path.name}: these should have the gaps beside them"
+    assert all("other" in text for _, text in pairs if isinstance(text, dict))
+
+
+# How long a view may take to show its first picture [ms].
+PATIENCE = 120_000
+VIEWS = {"play": "[data-runs]", "live": "[data-ready]", "map": "[data-done]"}
+# What a reader sees or hears of a page, each text once; code and what says that it is English aside.
+_READ = """() => {
+  const aside = "script, style, noscript, code, pre, sub, #language, [lang=en]";
+  const texts = [];
+  const walk = document.createTreeWalker(document.documentElement, NodeFilter.SHOW_ALL);
+  for (let node = walk.nextNode(); node; node = walk.nextNode()) {
+    const element = node instanceof Element ? node : node.parentElement;
+    if (!element || element.closest(aside)) continue;
+    if (node instanceof Text) texts.push(node.data);
+    else if (node instanceof Element)
+      for (const name of ["aria-label", "title", "alt", "placeholder"])
+        texts.push(node.getAttribute(name) ?? "");
+  }
+  return [...new Set(texts.map((text) => text.replace(/\\s+/g, " ").trim()))];
+}"""
+
+
+def english_shapes(english: dict[str, Any], table: dict[str, Any]) -> list[re.Pattern[str]]:
+    """Return what English texts look like that a language puts in other words."""
+    pairs = [
+        (form, table["strings"].get(name)) for name in english for form in forms_of(english[name])
+    ]
+    shapes = []
+    for text, other in [*pairs, *table["texts"].items()]:
+        letters = re.findall(r"[A-Za-z]{3,}", GAP.sub(" ", text))
+        if other != text and letters:
+            parts = GAP.split(text)[::2]
+            shapes.append(re.compile(".+?".join(map(re.escape, parts))))
+    return shapes
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_views_show_no_english_and_fit_a_phone(page, path, view, english):
+    table = json.loads(path.read_text(encoding="utf-8"))
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto(f"/?view={view}&lang={path.stem}")
+    page.wait_for_selector(VIEWS[view], timeout=PATIENCE)
+    for summary in page.locator("main summary").all():
+        summary.click()
+    assert page.evaluate("() => document.documentElement.lang") == path.stem
+    shown = page.evaluate(_READ)
+    shapes = english_shapes(english, table)
+    left = [text for text in shown if any(shape.fullmatch(text) for shape in shapes)]
+    assert left == []
+    assert table["strings"]["view_play"] in shown
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+
+
+def spoken(page: Any) -> str:
+    """Return the language of a page that is ready."""
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    return str(page.evaluate("() => document.documentElement.lang"))
+
+
+def test_a_reader_chooses_a_language_and_keeps_it(page):
+    page.goto("/?view=play&scenario=fig02&duration=5%20s")
+    assert spoken(page) == "en"
+    names = page.locator("#language option").all_inner_texts()
+    assert names == ["English", "Bahasa Indonesia (beta)"]
+    with page.expect_navigation():
+        page.get_by_label("Language").select_option("id")
+    assert spoken(page) == "id"
+    # What was on show is still there, and links say its language.
+    assert "scenario=fig02" in page.url
+    assert "duration=5+s" in page.url
+    assert "lang=id" in page.url
+    assert "lang=id" in page.locator("#views a").nth(1).get_attribute("href")
+    page.goto("/?view=play")
+    assert spoken(page) == "id"
+    assert page.url.endswith("?view=play")
+    # A link has the last word, for this once.
+    page.goto("/?view=play&lang=en")
+    assert spoken(page) == "en"
+    page.goto("/?view=play")
+    assert spoken(page) == "id"
+
+
+def test_a_browser_says_what_its_reader_prefers(browser, server):
+    context = browser.new_context(base_url=server.address, locale="id-ID")
+    page = context.new_page()
+    page.goto("/?view=play")
+    assert spoken(page) == "id"
+    context.close()
+
+
+def test_an_unknown_language_is_named_and_left_out(page):
+    page.goto("/?view=play&lang=xx")
+    page.get_by_text("the language “xx”, which is not here. The page is in English.").wait_for()
+    assert spoken(page) == "en"
+    page.get_by_label("driving amplitude, slider").press("ArrowRight")
+    page.wait_for_function("() => location.search.includes('drive_amplitude')")
+    assert "lang" not in page.url
+
+
+def test_a_refusal_stands_in_the_language_of_the_page(page):
+    page.goto("/?view=play&lang=id")
+    spoken(page)
+    field = page.get_by_label("jari-jari satu bola", exact=False).first
+    field.fill("2000")
+    field.press("Enter")
+    page.get_by_text(
+        "“jari-jari satu bola” harus berada dalam [0, panjang), tetapi diberikan 2"
+    ).wait_for()
+
+
+def test_a_language_is_one_file(page):
+    """A third language is found by its file, and the page speaks it."""
+    about = registry() | {"server": True}
+    about["languages"] = {**about["languages"], "eo": {"name": "Esperanto", "beta": True}}
+    table = {
+        "name": "Esperanto",
+        "strings": {"view_map": "Mapo"},
+        "texts": {"gravitational acceleration": "gravita akcelo"},
+    }
+    page.route("**/registry.json", lambda route: route.fulfill(json=about))
+    page.route("**/languages/eo.json", lambda route: route.fulfill(json=table))
+    page.goto("/?view=play&lang=eo")
+    assert spoken(page) == "eo"
+    page.get_by_role("link", name="Mapo").wait_for()
+    page.get_by_label("gravita akcelo g", exact=True).wait_for(state="attached")
+
+
+def test_english_asks_for_no_further_file(page):
+    asked = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto("/?view=play")
+    spoken(page)
+    assert [url for url in asked if "languages" in url] == []
+
+
+def test_a_language_whose_texts_do_not_come_is_told(page, watch):
+    page.route("**/languages/id.json", lambda route: route.abort())
+    page.goto("/?view=play&lang=id")
+    page.get_by_text("The texts in Bahasa Indonesia could not be loaded").wait_for()
+    assert spoken(page) == "en"
+    watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
+
+
+def test_a_table_of_languages_is_made_of_the_files():
+    languages = registry()["languages"]
+    assert list(languages) == ["en", *(path.stem for path in FILES)]
+    assert languages["en"] == {"name": "English", "beta": False}
+    assert languages["id"] == {"name": "Bahasa Indonesia", "beta": True}
