@@ -42,7 +42,7 @@ class Controls {
     const { options } = block.about;
     this.inset = inset;
     this.block = block;
-    const preset = { title: "", description: "", figure: "", given: options, options, sweep: null };
+    const preset = { title: "", question: "", description: "", figure: "", given: options, options, sweep: null };
     this.registry = { ...registry, scenarios: { [OWN]: preset } };
     const fields = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ event) => event.preventDefault() } });
