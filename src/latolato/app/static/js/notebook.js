@@ -125,7 +125,7 @@ export async function render({ model, el: cell }) {
   const inset = new Inset(host);
   // Where one sees the balls while a slider moves.
   const below = el("div", { class: "controls" });
-  inset.player.cards.before(below);
+  inset.player.more.root.before(below);
   const registry = await inset.load();
   const show = () => {
     const { buffer, byteOffset, byteLength } = /** @type {DataView} */ (model.get("block"));
