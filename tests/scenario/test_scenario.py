@@ -34,6 +34,19 @@ def test_a_shipped_scenario_says_what_it_is_and_survives_json(name):
     assert Scenario.from_dict(json.loads(json.dumps(shipped.to_dict()))) == shipped
 
 
+@pytest.mark.parametrize("name", RUNS)
+def test_a_shipped_run_asks_one_short_question(name):
+    question = load_scenario(name).question
+    assert question.endswith("?")
+    assert len(question) <= 60
+
+
+@pytest.mark.parametrize("question", [3, ["Why?"], {"en": "Why?"}])
+def test_a_question_that_is_no_text_is_refused(question):
+    with pytest.raises(ValueError, match="question must be a text"):
+        scenario(question=question)
+
+
 @pytest.mark.parametrize("name", SWEEPS)
 def test_a_shipped_sweep_has_a_plan_and_is_no_single_run(name):
     shipped = load_scenario(name)

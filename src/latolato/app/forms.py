@@ -237,13 +237,14 @@ def shown_variable(name: str, quantity: Quantity) -> dict[str, Any]:
 
 
 def _scenario(path: Path) -> dict[str, Any]:
-    """Return the title of a scenario, what it sets, and what varies if it is a sweep.
+    """Return the texts of a scenario, what it sets, and what varies if it is a sweep.
 
     `given` are the options that its file sets, `options` those that follow from them.
     """
     scenario, tables = load_scenario(path), read_tables(path)
     return {
         "title": scenario.title,
+        "question": scenario.question,
         "description": scenario.description,
         "figure": scenario.figure,
         "given": {

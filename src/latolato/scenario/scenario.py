@@ -51,7 +51,7 @@ ALTERNATIVES = (
     {"times", "duration"},
 )
 _TABLES = ("system", "drive", "run", "noise", "sweep")
-_TEXTS = ("title", "description", "figure")
+_TEXTS = ("title", "question", "description", "figure")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +71,8 @@ class Scenario:
         empty for a scenario of one run.
     name, title, description : str
         What the scenario is called and what it shows, with every assumption made.
+    question : str
+        What somebody who sees the motion may ask: pages show it as a headline.
     figure : str
         The figure of the paper that it belongs to.
     """
@@ -81,6 +83,7 @@ class Scenario:
     varied: Mapping[str, Any] = field(default_factory=dict)
     name: str = ""
     title: str = ""
+    question: str = ""
     description: str = ""
     figure: str = ""
 
@@ -92,7 +95,7 @@ class Scenario:
         ----------
         tables : mapping
             The tables `system`, `drive`, `run`, `noise` and `sweep`, the texts `name`, `title`,
-            `description` and `figure`, and `format`, by default 1.
+            `question`, `description` and `figure`, and `format`, by default 1.
         folder : Path, optional
             Where the names of data files begin.
 

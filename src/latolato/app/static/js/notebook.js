@@ -44,7 +44,7 @@ class Controls {
     const { options } = block.about;
     this.inset = inset;
     this.block = block;
-    const preset = { title: "", description: "", figure: "", given: options, options, sweep: null };
+    const preset = { title: "", question: "", description: "", figure: "", given: options, options, sweep: null };
     this.registry = { ...registry, scenarios: { [OWN]: preset } };
     const fields = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ event) => event.preventDefault() } });
@@ -130,7 +130,7 @@ export async function render({ model, el: cell }) {
   const inset = new Inset(host);
   // Where one sees the balls while a slider moves.
   const below = el("div", { class: "controls" });
-  inset.player.cards.before(below);
+  inset.player.more.root.before(below);
   await inset.load();
   const show = () => {
     const { buffer, byteOffset, byteLength } = /** @type {DataView} */ (model.get("block"));

@@ -20,7 +20,7 @@ export function makeParts(ratios, actions) {
     /** @type {() => void} */ click) => el("button", { type: "button", on: { click } },
     text, el("kbd", { "aria-hidden": "true" }, key));
   const angle = strip(t("curveAngle"), [["right", "right"], ["left", "left"]]);
-  const energy = strip(t("curveEnergy"),
+  const energy = strip(t("curveEnergy", { whose: t("bothBalls") }),
     [["kinetic", "kinetic"], ["potential", "potential"], ["total", "ink"]]);
   return {
     canvas: el("canvas", { class: "scene grabbable", tabindex: "0", role: "application",
@@ -40,35 +40,39 @@ export function makeParts(ratios, actions) {
     notice: el("p", { class: "notes", role: "status" }),
     error: el("p", { class: "error", role: "alert", hidden: true }),
     status: el("p", { class: "readout" }),
-    knobs: el("div", { class: "fields" }),
     angle,
     energy,
+    more: el("details", { class: "more-curves" }, el("summary", {}, t("energyCurves")), energy.figure),
   };
 }
 
 /**
  * Return the page of a live toy.
  * @param {ReturnType<typeof makeParts>} parts
- * @param {HTMLElement} record button that begins and ends a recording
- * @param {HTMLElement} recorded the line about the last one
- * @param {HTMLElement} preset
+ * @param {{button: HTMLElement, result: HTMLElement}} keeper begins and ends a recording, and tells
+ *   of the last one
+ * @param {{field: HTMLElement, question: HTMLElement}} preset
+ * @param {HTMLElement} knobs
  */
-export function layOut(parts, record, recorded, preset) {
-  return el("div", { class: "view live" },
-    el("section", { class: "stage" }, parts.canvas, parts.status,
-      el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
-        el("label", { for: parts.speed.id }, t("speed")), parts.speed,
-        el("label", { class: "check" }, parts.sound, t("sound"))),
-      recorded, parts.notice, parts.error),
-    el("div", { class: "side" },
-      el("section", { class: "card trick" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),
-        el("ol", {}, el("li", {}, t("liveStep1"), " ", parts.high),
-          el("li", {}, t("liveStep2"), " ", parts.low)),
-        el("p", { class: "hint" }, t("liveMore"))),
-      el("section", { class: "card" }, el("h2", {}, t("liveControls")), parts.knobs,
-        el("p", { class: "hint", id: "live-keys" }, t("liveKeys"))),
-      el("section", { class: "card" }, preset)),
-    el("div", { class: "curves" }, parts.angle.figure, parts.energy.figure));
+export function layOut(parts, keeper, preset, knobs) {
+  return el("div", { class: "view live" }, el("div", { class: "desk" }, preset.question,
+    el("div", { class: "bench" },
+      el("section", { class: "stage" }, parts.canvas,
+        parts.status, el("div", { class: "stage-tools" }, el("label", { class: "check" }, parts.sound, t("sound"))),
+        el("div", { class: "stage-messages" }, parts.notice, parts.error)),
+      el("div", { class: "panel" }, parts.angle.figure,
+        el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, keeper.button,
+          el("label", { for: parts.speed.id }, t("speed")), parts.speed)),
+      keeper.result),
+    el("aside", { class: "side" },
+      el("div", { class: "card" }, preset.field), knobs,
+      el("section", { class: "card trick" }, el("h2", {}, t("liveTry")),
+        el("div", { class: "row" }, parts.high, el("span", {}, t("liveThen")), parts.low),
+        el("details", { class: "about" }, el("summary", {}, t("liveWhy")), el("p", {}, t("liveHint")),
+          el("ol", {}, el("li", {}, t("liveStep1")), el("li", {}, t("liveStep2"))),
+          el("p", { class: "hint" }, t("liveMore")))),
+      el("p", { class: "hint", id: "live-keys" }, t("liveKeys")))),
+  parts.more);
 }
 
 /**
@@ -79,8 +83,8 @@ function strip(label, curves) {
   const canvas = el("canvas", { class: "strip", role: "img", "aria-label": label });
   const legend = el("ul", { class: "legend" }, ...curves.map(([name, paint]) =>
     el("li", { class: `of-${name}` }, el("span", { class: `key ${paint}` }), t(name))));
-  const figure = el("figure", { class: "panel" },
-    el("figcaption", {}, el("strong", {}, label), legend), canvas,
-    el("p", { class: "axis" }, t("lastSeconds")));
-  return { canvas, figure };
+  const title = el("strong", {}, label);
+  const figure = el("figure", { class: "panel" }, el("figcaption", {}, title, legend,
+    el("span", { class: "axis" }, t("lastSeconds"))), canvas);
+  return { canvas, figure, title };
 }

@@ -4,12 +4,14 @@ import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
+import { Knobs, spansOf } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
+import { whose } from "../shared/panels.js";
+import { short, shownUnit } from "../shared/units.js";
 import { withControls } from "../live/address.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { followHand } from "../live/hand.js";
 import { Keeper } from "../live/keeper.js";
-import { KEYS, Knob } from "../live/knob.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
 import { layOut, makeParts } from "../live/parts.js";
@@ -39,8 +41,11 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
-// How far the sliders go: lengths, natural frequencies, and a share of what a toy takes.
-const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
+// Keys of each control, as they are shown.
+const KEYS = { drive_amplitude: ["↑", "↓"], drive_frequency: ["→", "←"], damping: ["D", "⇧D"],
+  restitution: ["E", "⇧E"] };
+// In this order, by what tells most.
+const CONTROLS = ["drive_amplitude", "drive_frequency", "restitution", "damping"];
 
 export class LiveView {
   /** @param {Page} page */
@@ -59,8 +64,7 @@ export class LiveView {
     this.readAt = 0;
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
-    /** @type {Record<string, Knob>} */
-    this.knobs = {};
+    this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value), KEYS);
     this.clack = new Clack();
     this.parts = makeParts(RATIOS, {
       sound: (on) => { this.clack.on = on; },
@@ -72,7 +76,7 @@ export class LiveView {
       speed: (times) => { this.pace.speed = times; },
     });
     this.showPause();
-    this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
+    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     followHand(this.parts.canvas, this.scene, () => this.motion,
@@ -147,20 +151,22 @@ export class LiveView {
     const { controls, limits, system } = toy;
     this.toy = toy;
     this.motion = new LiveMotion(toy);
-    const names = Object.keys(controls);
-    if (names.join() !== Object.keys(this.knobs).join()) this.makeKnobs(names);
+    const names = CONTROLS.filter((name) => name in controls);
+    const { naturalFrequency, balls: [{ length, mass }] } = system;
+    this.knobs.make(names);
+    const spans = spansOf({ length, mass, naturalFrequency, values: controls });
+    this.knobs.allow(Object.fromEntries(names.map((name) => {
+      const [low, high] = spans[name] ?? limits[name];
+      return [name, [low, Math.min(high, limits[name][1])]];
+    })));
     for (const name of names) {
-      const ends = /** @type {Record<string, number>} */ ({
-        drive_amplitude: SLIDER.drive_amplitude * this.motion.longest,
-        drive_frequency: SLIDER.drive_frequency * system.naturalFrequency,
-        damping: Math.max(SLIDER.damping * limits[name][1], 4 * controls.damping),
-      });
-      this.knobs[name].allow(limits[name], ends[name] ?? limits[name][1]);
-      this.knobs[name].show(controls[name]);
-      this.knobs[name].error(null);
+      this.knobs.all[name].limits = limits[name];
+      this.knobs.all[name].show(controls[name]);
     }
+    this.showRatio();
     const single = this.motion.balls.length < 2;
     this.root.classList.toggle("single", single);
+    this.parts.energy.title.textContent = t("curveEnergy", { whose: whose(this.motion) });
     this.watch.begin(single);
     this.rescale();
     this.pace.rest();
@@ -185,12 +191,31 @@ export class LiveView {
     if (this.toy) this.start(this.toy.restarted());
   }
 
-  /** @param {string[]} names */
-  makeKnobs(names) {
-    this.knobs = Object.fromEntries(names.map((name) => [name,
-      new Knob(this.page.registry.options[name] ?? this.page.registry.options[`right_${name}`],
-        KEYS[name] ?? [], (value) => this.set(name, value))]));
-    this.parts.knobs.replaceChildren(...Object.values(this.knobs).map((knob) => knob.root));
+  /**
+   * Take what was slid or typed, if the toy takes it.
+   * @param {string} name
+   * @param {string} text
+   * @param {number | null} value in SI units
+   */
+  take(name, text, value) {
+    const knob = this.knobs.all[name];
+    const { toy } = this;
+    if (value === null || !Number.isFinite(value)) {
+      knob.error(t("noNumber", { text }));
+      return;
+    }
+    const isRatio = name === "frequency_ratio";
+    const scale = isRatio && toy ? toy.system.naturalFrequency : 1;
+    const control = isRatio ? "drive_frequency" : name;
+    const [low, high] = toy?.limits[control].map((end) => end / scale) ?? [value, value];
+    if (value < low || value > high) {
+      const [least, most] = [low, high].map((end) => short(end / knob.unit.size, 4));
+      knob.error(t("outOfRange", { low: least, high: most, unit: knob.only?.shown ?? shownUnit(knob.unit.name) }));
+      return;
+    }
+    this.knobs.error(null);
+    this.set(control, value * scale);
+    this.knobs.all[control].show(value * scale);
   }
 
   /**
@@ -263,7 +288,7 @@ export class LiveView {
     if (motion.rise(this.watch.largest())) this.scene.box = motion.box();
     this.scene.time = toy.time;
     this.scene.draw();
-    this.watch.draw(this.paused);
+    this.watch.draw(this.paused, this.parts.more.open);
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
     const text = motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
@@ -271,13 +296,15 @@ export class LiveView {
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
-    this.showRatio(ratio);
+    this.showRatio();
     this.keeper.show();
   }
 
-  /** @param {number} ratio of the driving frequency to the natural one */
-  showRatio(ratio) {
-    this.knobs.drive_frequency.also.textContent = t("ratioText", { ratio: ratio.toFixed(3) });
+  showRatio() {
+    const { toy } = this;
+    if (!toy) return;
+    const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
+    this.knobs.all.frequency_ratio.read(ratio.toFixed(3), true);
     for (const name of /** @type {("high" | "low")[]} */ (["high", "low"]))
       this.parts[name].setAttribute("aria-pressed", String(Math.abs(ratio - RATIOS[name]) < 2e-3));
   }
@@ -304,18 +331,18 @@ export class LiveView {
 
   /** @param {number} ratio */
   ratio(ratio) {
-    if (this.toy) this.knobs.drive_frequency.give(ratio * this.toy.system.naturalFrequency);
+    if (this.toy) this.take("frequency_ratio", String(ratio), ratio);
   }
 
   /** Return what each key does. @returns {Record<string, () => void>} */
   actions() {
     return {
-      ArrowUp: () => this.knobs.drive_amplitude?.turn(1),
-      ArrowDown: () => this.knobs.drive_amplitude?.turn(-1),
-      ArrowRight: () => this.knobs.drive_frequency?.turn(1),
-      ArrowLeft: () => this.knobs.drive_frequency?.turn(-1),
-      d: () => this.knobs.damping?.turn(1), D: () => this.knobs.damping?.turn(-1),
-      e: () => this.knobs.restitution?.turn(1), E: () => this.knobs.restitution?.turn(-1),
+      ArrowUp: () => this.knobs.all.drive_amplitude?.turn(1),
+      ArrowDown: () => this.knobs.all.drive_amplitude?.turn(-1),
+      ArrowRight: () => this.knobs.all.drive_frequency?.turn(1),
+      ArrowLeft: () => this.knobs.all.drive_frequency?.turn(-1),
+      d: () => this.knobs.all.damping?.turn(1), D: () => this.knobs.all.damping?.turn(-1),
+      e: () => this.knobs.all.restitution?.turn(1), E: () => this.knobs.all.restitution?.turn(-1),
       p: () => this.push(), r: () => this.restart(), c: () => this.keeper.toggle(),
       1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
     };
@@ -327,11 +354,10 @@ export class LiveView {
    */
   refuse(error) {
     const [message, field] = inPagesWords(this.page.registry, error);
-    const knob = this.knobs[field ?? ""];
-    if (knob) knob.error(message);
+    const isSeen = this.knobs.error(message, field);
     this.parts.notice.textContent = "";
-    this.parts.error.hidden = Boolean(knob);
-    this.parts.error.textContent = knob ? "" : message;
+    this.parts.error.hidden = isSeen;
+    this.parts.error.textContent = isSeen ? "" : message;
     this.allow(false);
   }
 }

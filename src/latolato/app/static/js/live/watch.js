@@ -63,10 +63,11 @@ export class Watch {
   /**
    * Draw the curves: of a toy that moves one strip with each picture, in turn, which is half the work.
    * @param {boolean} both
+   * @param {boolean} hasEnergy whether energies are to be seen
    */
-  draw(both) {
+  draw(both, hasEnergy) {
     this.turn = !this.turn;
     if (both || this.turn) this.angle.draw();
-    if (both || !this.turn) this.energy.draw();
+    if (hasEnergy && (both || !this.turn)) this.energy.draw();
   }
 }

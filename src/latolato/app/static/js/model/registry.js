@@ -29,7 +29,7 @@
  *   label: string, units: {name: string, size: number}[], classes: [string, string][], log: boolean,
  *   scale: string}>}} Observable
  *
- * @typedef {{title: string, description: string, figure: string, given: Record<string, any>,
+ * @typedef {{title: string, question: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset
  *
  * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, Law>,

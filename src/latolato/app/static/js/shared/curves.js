@@ -1,4 +1,7 @@
-/** Curves over time, one below the other, with one zoom and the clock's instant in all. */
+/**
+ * Curves over time, one below the other, with one zoom and the clock's instant in all: a pointer that
+ * is dragged over them moves the clock.
+ */
 
 import UPlot from "../../vendor/uPlot.esm.js";
 import { t } from "../strings.js";
@@ -11,12 +14,22 @@ import { short } from "./units.js";
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
 /**
- * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>}} Curve
- * @typedef {{label: string, height?: number, curves: (motion: Motion) => Curve[],
+ * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
+ * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
+ *   axis?: "right"}} Curve
+ * @typedef {{label: string | ((motion: Motion) => string), height?: number | (() => number),
+ *   curves: (motion: Motion) => Curve[],
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
 const AXIS_WIDTH = 58;
+const HEIGHT = 170;
+// What is shown of a run while the clock is followed: so many natural periods, and the instant no
+// further on than this share of them.
+const SWINGS = 12;
+const AHEAD = 0.75;
+// How much of its way the stretch on show goes in a frame.
+const EASE = 0.2;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
 const READ_EVERY = 100; // ms
@@ -29,11 +42,18 @@ export class Curves {
    * @param {HTMLElement} root
    * @param {Clock} clock
    * @param {Panel[]} panels
+   * @param {{follows?: boolean}} [how] whether a readable stretch is shown that moves with the
+   *   clock, until somebody zooms
    */
-  constructor(root, clock, panels) {
+  constructor(root, clock, panels, { follows = false } = {}) {
     this.root = root;
     this.clock = clock;
     this.panels = panels;
+    this.follows = follows;
+    /** Called with the stretch of time on show, and with one that somebody chose. */
+    this.onSpan = this.onZoom = (/** @type {number} */ _from, /** @type {number} */ _to) => {};
+    /** Called when the charts were laid out again. */
+    this.onLayout = () => {};
     /** @type {Motion | null} */
     this.motion = null;
     /** @type {Motion | null} */
@@ -42,6 +62,7 @@ export class Curves {
      *   host: HTMLElement, panel: Panel}[]} */
     this.charts = [];
     this.readAt = 0;
+    /** @type {[number, number]} */
     this.span = [0, 1];
     this.signature = "";
     this.setting = false;
@@ -61,21 +82,22 @@ export class Curves {
    * @param {Motion | null} [pinned]
    */
   show(motion, pinned = null) {
-    const wasWhole = !this.motion || (this.span[0] <= 0 && this.span[1] >= this.motion.end);
+    const wasWhole = !this.motion || this.isWhole;
     this.motion = motion;
     this.pinned = pinned;
-    const names = [motion, ...(pinned ? [pinned] : [])].map((m) => m.balls.map((b) => b.name));
-    const signature = JSON.stringify(names);
+    const all = this.panels.map((panel) => this.curvesOf(panel, motion, pinned));
+    const signature = JSON.stringify(this.panels.map((panel, i) =>
+      [labelOf(panel, motion), all[i].map(({ label, axis }) => [label, axis])]));
     if (signature !== this.signature) {
-      this.build(this.panels.map((panel) => this.curvesOf(panel, motion, pinned)));
+      this.build(all);
       this.signature = signature;
     }
-    /** @type {[number, number]} */
-    const span = axisLimits(wasWhole ? 0 : this.span[0],
-      wasWhole ? motion.end : Math.min(this.span[1], motion.end));
-    this.span = span;
+    if (this.follows) this.span = this.stretch(this.span[0]);
+    else if (wasWhole) this.span = axisLimits(0, motion.end);
+    else this.span = axisLimits(this.span[0], Math.min(this.span[1], motion.end));
+    this.onSpan(...this.span);
     const tasks = this.charts.map((chart, i) => () => {
-      chart.curves = this.curvesOf(this.panels[i], motion, pinned);
+      chart.curves = all[i];
       this.setting = true;
       chart.plot.batch(() => {
         chart.plot.setData(data(motion, chart.curves), false);
@@ -109,7 +131,9 @@ export class Curves {
   build(all) {
     for (const { plot } of this.charts) plot.destroy();
     this.root.replaceChildren();
+    const motion = /** @type {Motion} */ (this.motion);
     this.charts = this.panels.map((panel, i) => {
+      const label = labelOf(panel, motion);
       const values = all[i].map(() => el("output", {}));
       const legend = el("ul", { class: "legend" }, ...all[i].map((curve, k) => {
         const key = el("span", { class: `key ${curve.paint}` });
@@ -118,20 +142,45 @@ export class Curves {
       const head = el("div", { class: "playhead" });
       const host = el("div", {
         class: "chart", tabindex: "0", role: "img",
-        "aria-label": `${panel.label}: ${all[i].map((c) => c.label).join(", ")}`,
+        "aria-label": `${label}: ${all[i].map((c) => c.label).join(", ")}`,
         on: {
           keydown: (/** @type {KeyboardEvent} */ e) => this.key(e),
           wheel: (/** @type {WheelEvent} */ e) => this.wheel(e),
         },
       });
       this.root.append(el("figure", { class: "panel" },
-        el("figcaption", {}, el("strong", {}, panel.label), legend), host));
+        el("figcaption", {}, el("strong", {}, label), legend), host));
       // Empty: `show` fills one chart after the other.
       const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
       plot.over.append(head);
+      this.scrub(plot);
       return { plot, head, values, curves: all[i], host, panel };
     });
     this.resize();
+  }
+
+  /**
+   * Let a pointer move the clock, which rests meanwhile.
+   * @param {any} plot
+   */
+  scrub(plot) {
+    const { over } = plot;
+    let wasPlaying = false;
+    const seek = (/** @type {PointerEvent} */ event) =>
+      this.clock.seek(plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
+    over.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
+      if (event.button || event.shiftKey) return;
+      over.setPointerCapture(event.pointerId);
+      wasPlaying = this.clock.playing;
+      this.clock.pause();
+      seek(event);
+    });
+    over.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+      if (over.hasPointerCapture(event.pointerId)) seek(event);
+    });
+    over.addEventListener("lostpointercapture", () => {
+      if (wasPlaying) this.clock.play();
+    });
   }
 
   /**
@@ -147,28 +196,27 @@ export class Curves {
       ticks: { stroke: paint("grid"), width: 1, size: 4 },
       font: "12px system-ui, sans-serif",
     };
-    let pressed = 0;
+    const right = curves.find((curve) => curve.axis === "right");
+    const marks = (/** @type {any} */ _, /** @type {number[]} */ values) =>
+      values.map((value) => short(value, 4));
     return {
       width: Math.max(this.root.clientWidth, 100),
-      height: panel.height ?? 170,
+      height: heightOf(panel),
       legend: { show: false },
-      padding: [8, 18, 0, 0],
-      scales: { x: { time: false, auto: false }, y: { range: (_, low, high) =>
-        UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true) } },
+      padding: [8, right ? 0 : 18, 0, 0],
+      scales: {
+        x: { time: false, auto: false },
+        y: { range: (u, low, high) => limits(...this.soFar(u, low, high)) },
+        right: { range: (_, low, high) => limits(low, high) },
+      },
       cursor: {
         sync: { key: this.sync, setSeries: false },
         drag: { x: true, y: false, setScale: true },
         points: { show: false },
         bind: {
+          // Without Shift a pointer moves the clock.
           mousedown: (_, __, handle) => (e) => {
-            pressed = e.clientX;
-            handle(e);
-            return null;
-          },
-          mouseup: (u, __, handle) => (e) => {
-            handle(e);
-            if (Math.abs(e.clientX - pressed) < 3 && (u.cursor.left ?? -1) >= 0)
-              this.clock.seek(u.posToVal(u.cursor.left ?? 0, "x"));
+            if (e.shiftKey) handle(e);
             return null;
           },
           dblclick: () => () => {
@@ -181,11 +229,13 @@ export class Curves {
         { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
           marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
             : short(m))) },
-        { ...axis, size: AXIS_WIDTH, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
-          marks.map((m) => short(m, 4)) },
+        { ...axis, size: AXIS_WIDTH, values: marks },
+        ...(right ? [{ ...axis, scale: "right", side: 1, size: AXIS_WIDTH, values: marks,
+          stroke: paint(right.paint), grid: { show: false } }] : []),
       ],
       series: [{}, ...curves.map((curve) => ({
         label: curve.label,
+        scale: curve.axis ?? "y",
         stroke: paint(curve.paint),
         width: 1.3,
         dash: curve.dash,
@@ -197,11 +247,34 @@ export class Curves {
         drawAxes: [(/** @type {any} */ u) => {
           if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), this.root);
         }],
+        setSize: [() => this.onLayout()],
         setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
           if (key === "x" && !this.setting) this.zoom(u.scales.x.min, u.scales.x.max);
         }],
       },
     };
+  }
+
+  /**
+   * Return the least and the largest value that the axis has to hold: of the stretch on show, and,
+   * while the clock is followed, of all before, so that the axis keeps still and growth is seen.
+   * @param {any} u
+   * @param {number} low of the stretch
+   * @param {number} high
+   * @returns {[number, number]}
+   */
+  soFar(u, low, high) {
+    if (!this.follows) return [low, high];
+    const [times, ...columns] = u.data;
+    columns.forEach((/** @type {ArrayLike<number>} */ values, /** @type {number} */ k) => {
+      if (u.series[k + 1].scale !== "y") return;
+      for (let i = 0; i < times.length && times[i] <= this.span[1]; i += 1) {
+        if (values[i] === null) continue;
+        low = Math.min(low, values[i]);
+        high = Math.max(high, values[i]);
+      }
+    });
+    return [low, high];
   }
 
   /**
@@ -221,26 +294,77 @@ export class Curves {
     for (let i = 0; i < low.length; i += 1) {
       if (low[i] > high[i]) continue;
       const x = first + i + 0.5;
-      const top = u.valToPos(high[i], "y", true);
+      const { scale } = u.series[k];
+      const top = u.valToPos(high[i], scale, true);
       stroke.moveTo(x, top);
-      stroke.lineTo(x, Math.max(u.valToPos(low[i], "y", true), top + 1));
+      stroke.lineTo(x, Math.max(u.valToPos(low[i], scale, true), top + 1));
     }
     return { stroke, fill: null, clip: null, gaps: null, flags: 0 };
   }
 
+  /** Whether the whole run is shown. */
+  get isWhole() {
+    return this.span[0] <= 0 && this.span[1] >= (this.motion?.end ?? 1);
+  }
+
+  /** How long a stretch is shown while the clock is followed: of a short run, all of it [s]. */
+  get readable() {
+    const { end = 1, about } = this.motion ?? {};
+    const length = (SWINGS * 2 * Math.PI) / (about?.attributes?.natural_frequency ?? 0);
+    return length < AHEAD * end ? length : end;
+  }
+
   /**
-   * Show a stretch of time in all charts.
+   * Return a readable stretch that begins at an instant, or as late as the run allows.
+   * @param {number} from
+   * @returns {[number, number]}
+   */
+  stretch(from) {
+    const { readable } = this;
+    const begin = Math.min(Math.max(from, 0), (this.motion?.end ?? 1) - readable);
+    return axisLimits(begin, begin + readable);
+  }
+
+  /** Follow the clock from now on. */
+  follow() {
+    this.follows = true;
+    this.setSpan(...this.stretch(this.clock.time - 0.5 * this.readable));
+  }
+
+  /** Move the stretch on show with the clock: steadily while it plays, else where it has to be. */
+  keepUp(/** @type {number} */ time) {
+    const [from, to] = this.span;
+    const width = to - from;
+    const isInside = time >= from && time <= to;
+    const late = time - AHEAD * width;
+    if (isInside && !(this.clock.playing && late > from)) return;
+    const aim = this.stretch(isInside ? from + EASE * (late - from) : late);
+    if (aim[0] !== from) this.setSpan(...aim);
+  }
+
+  /**
+   * Show a stretch of time in all charts, and stay there.
    * @param {number} from
    * @param {number} to
    */
   zoom(from, to) {
     if (!this.motion || !(to > from)) return;
     const least = this.motion.end * 1e-6;
-    this.span = [Math.max(0, from), Math.min(this.motion.end, Math.max(to, from + least))];
+    this.follows = false;
+    this.setSpan(Math.max(0, from), Math.min(this.motion.end, Math.max(to, from + least)));
+    this.onZoom(...this.span);
+  }
+
+  /**
+   * @param {number} from
+   * @param {number} to
+   */
+  setSpan(from, to) {
+    this.span = [from, to];
     this.setting = true;
-    for (const { plot } of this.charts)
-      plot.setScale("x", { min: this.span[0], max: this.span[1] });
+    for (const { plot } of this.charts) plot.setScale("x", { min: from, max: to });
     this.setting = false;
+    this.onSpan(from, to);
     // uPlot sets scales at the end of the task.
     queueMicrotask(() => this.move(this.clock.time));
   }
@@ -292,6 +416,7 @@ export class Curves {
 
   /** @param {number} time */
   move(time) {
+    if (this.follows && this.motion) this.keepUp(time);
     const now = performance.now();
     const read = now - this.readAt > READ_EVERY || !this.clock.playing;
     for (const { plot, head, values, curves } of this.charts) {
@@ -311,9 +436,10 @@ export class Curves {
 
   resize() {
     const width = this.root.clientWidth;
-    if (!width) return;
+    if (!width || !this.charts.length) return;
     for (const { plot, panel } of this.charts) {
-      if (plot.width !== width) plot.setSize({ width, height: panel.height ?? 170 });
+      const height = heightOf(panel);
+      if (plot.width !== width || plot.height !== height) plot.setSize({ width, height });
     }
     this.move(this.clock.time);
   }
@@ -327,22 +453,45 @@ export class Curves {
 }
 
 /**
+ * @param {Panel} panel
+ * @param {Motion} motion
+ */
+function labelOf({ label }, motion) {
+  return typeof label === "string" ? label : label(motion);
+}
+
+/** @param {Panel} panel */
+function heightOf({ height = HEIGHT }) {
+  return typeof height === "number" ? height : height();
+}
+
+/**
+ * Return the ends of an axis that holds two values.
+ * @param {number} low
+ * @param {number} high
+ */
+function limits(low, high) {
+  return UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true);
+}
+
+/**
  * @param {Motion | null} motion
  * @param {Curve[]} curves
  * @returns {any}
  */
 function data(motion, curves) {
-  return [motion?.time ?? [0], ...curves.map((c) => drawn(c.values))];
+  return [motion?.time ?? [0], ...curves.map(drawn)];
 }
 
 /**
- * Return values as the chart takes them: null where they are not finite.
- * @param {ArrayLike<number>} values
+ * Return values as the chart takes them: null where they are not finite, or one turn on.
+ * @param {Curve} curve
  */
-function drawn(values) {
+function drawn({ values, turn = Infinity }) {
+  const isDrawn = (/** @type {number} */ i) => Number.isFinite(values[i])
+    && !(Math.abs(values[i] - values[i - 1]) > 0.5 * turn);
   for (let i = 0; i < values.length; i += 1)
-    if (!Number.isFinite(values[i]))
-      return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+    if (!isDrawn(i)) return Array.from(values, (value, k) => (isDrawn(k) ? value : null));
   return values;
 }
 

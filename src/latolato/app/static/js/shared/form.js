@@ -2,15 +2,12 @@
 
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { habit, keepHabit } from "./habits.js";
-import { heldOptions, START, textOf, withLaws } from "./laws.js";
-import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
+import { Knob, symbolOf } from "./knob.js";
+import { heldOptions, naturalFrequency, START, textOf, withLaws } from "./laws.js";
+import { short, shownUnit, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./laws.js").Option} Option */
-
-// A slider moves in so many steps.
-const STEPS = 400;
 
 export class Form {
   /**
@@ -27,17 +24,10 @@ export class Form {
     /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void}>} */
     this.fields = new Map();
     this.shape = "";
-    /** @type {Record<string, string>} units that were chosen, by option */
-    this.units = {};
     /** Options that have no one value here, as they vary over a map. */
     this.varied = /** @type {Set<string>} */ (new Set());
-    this.openGroups = new Set([t("system"), t("drive"), t("start")]);
+    this.openGroups = new Set(["system", "drive", "start"]);
     this.general = el("p", { class: "error", role: "alert", hidden: true });
-  }
-
-  /** Return the element that has the focus, also inside of a root of its own. */
-  get focused() {
-    return /** @type {Document | ShadowRoot} */ (this.root.getRootNode()).activeElement;
   }
 
   /** Return the kinds of system and drive on show. */
@@ -59,6 +49,11 @@ export class Form {
     this.resolved = resolved;
     this.error(null);
     this.build();
+    this.read();
+  }
+
+  /** Show what the options are now. */
+  read() {
     for (const [name, field] of this.fields) field.read(this.text(name));
   }
 
@@ -86,8 +81,31 @@ export class Form {
   text(name) {
     const text = this.store.state.options[name];
     if (text !== undefined) return text;
+    const frequency = this.registry.ratios?.[name];
+    if (frequency) {
+      const ratio = this.resolved[frequency] / naturalFrequency(this.resolved);
+      return Number.isFinite(ratio) ? String(ratio) : null;
+    }
     const value = this.resolved[name] ?? this.registry.options[name].default;
     return value === undefined || value === null ? null : textOf(this.registry.options[name], value);
+  }
+
+  /**
+   * Set one option, and take back those that say the same in another way.
+   * @param {string} name
+   * @param {string | null} text
+   */
+  give(name, text) {
+    const { options } = this.store.state;
+    const others = (this.registry.alternatives ?? []).filter((/** @type {string[]} */ group) => group.includes(name))
+      .flat().filter((/** @type {string} */ other) => other !== name && other in options);
+    if (!others.length) {
+      this.store.option(name, text);
+      return;
+    }
+    const kept = Object.entries({ ...options, [name]: text })
+      .filter(([other, value]) => !others.includes(other) && value !== null);
+    this.store.set({ options: /** @type {Record<string, string>} */ (Object.fromEntries(kept)) });
   }
 
   build() {
@@ -99,32 +117,41 @@ export class Form {
     this.fields.clear();
     const laws = { system, drive };
     const groups = /** @type {const} */ (["system", "drive"]).map((part) => this.group(
-      t(part), part, this.registry[`${part}s`][laws[part]].options));
+      part, this.withRatios(this.registry[`${part}s`][laws[part]].options)));
     const start = START.filter((name) => name !== (offset ? "initial_angle" : "initial_offset"));
     const rest = Object.keys(this.registry.options).filter((name) =>
       ["tolerance", "contact", "rest_speed"].includes(name));
     this.root.replaceChildren(
-      this.general, ...groups, this.group(t("start"), null, start), this.group(t("more"), null, rest));
+      this.general, ...groups, this.group("start", start), this.group("solver", rest));
   }
 
   /**
-   * @param {string} title
-   * @param {"system" | "drive" | null} part
+   * Return options with the ratio to the natural frequency after each driving frequency.
    * @param {string[]} names
    */
-  group(title, part, names) {
+  withRatios(names) {
+    const ratios = Object.entries(this.registry.ratios);
+    return names.flatMap((name) => [name, ...ratios.filter(([ratio, frequency]) =>
+      frequency === name && !this.registry.options[ratio].several).map(([ratio]) => ratio)]);
+  }
+
+  /**
+   * @param {"system" | "drive" | "start" | "solver"} part
+   * @param {string[]} names
+   */
+  group(part, names) {
     const body = el("div", { class: "fields" });
-    if (part) body.append(this.choice(part));
+    if (part === "system" || part === "drive") body.append(this.choice(part));
     const lists = names.filter((name) => this.registry.options[name].several && name !== "times");
     if (lists.length > 1) body.append(this.table(lists));
     for (const name of names) if (!lists.includes(name) || lists.length < 2) body.append(this.field(name));
     return el("details", {
-      open: this.openGroups.has(title),
+      open: this.openGroups.has(part),
       on: { toggle: (/** @type {Event} */ e) => {
         const open = /** @type {HTMLDetailsElement} */ (e.target).open;
-        this.openGroups[open ? "add" : "delete"](title);
+        this.openGroups[open ? "add" : "delete"](part);
       } },
-    }, el("summary", {}, title), body);
+    }, el("summary", {}, t(part)), body);
   }
 
   /** @param {"system" | "drive"} part */
@@ -151,8 +178,8 @@ export class Form {
   field(name) {
     /** @type {Option} */
     const option = this.registry.options[name];
-    if (this.varied.has(name) || (name === "drive_frequency" && this.varied.has("frequency_ratio")))
-      return el("div", { class: "field" }, el("span", {}, ...this.label(name, option)),
+    if (this.varies(name))
+      return el("div", { class: "field" }, el("span", {}, `${this.label(name, option)} `, symbolOf(option)),
         el("span", { class: "soft" }, t("mapVaries")));
     const { choices } = option;
     if (option.switch) return this.switchField(name, option);
@@ -161,14 +188,21 @@ export class Form {
   }
 
   /**
+   * Return whether an option, or the ratio that says the same, has no one value here.
+   * @param {string} name
+   */
+  varies(name) {
+    const twins = Object.entries(this.registry.ratios ?? {}).find((pair) => pair.includes(name));
+    return (twins ?? [name]).some((each) => this.varied.has(each));
+  }
+
+  /**
    * @param {string} name
    * @param {Option} option
    */
   label(name, option) {
     const side = /^(right|left)_/.exec(name)?.[1];
-    const symbol = symbolParts(option.symbol).map(({ text, place }) =>
-      (place === "line" ? text : el(place, {}, text)));
-    return [`${option.label}${side ? `, ${t(side)}` : ""} `, symbol.length ? el("i", {}, ...symbol) : ""];
+    return side ? `${option.label}, ${t(side)}` : option.label;
   }
 
   /**
@@ -176,103 +210,28 @@ export class Form {
    * @param {Option} option
    */
   numberField(name, option) {
-    const id = freshId();
-    const errorId = freshId();
-    const units = option.units;
-    const named = (/** @type {string | undefined} */ unit) => units.find((u) => u.name === unit);
-    const unitOf = () =>
-      named(this.units[name]) ?? named(habit(name)) ?? units[0] ?? { name: "", size: 1 };
-    const input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
-      spellcheck: "false", "aria-describedby": errorId });
-    const select = units.length > 1
-      ? el("select", { "aria-label": t("unitOf", { name: option.label }) },
-        ...units.map((u) => el("option", { value: u.name }, shownUnit(u.name))))
-      : el("span", { class: "unit" }, shownUnit(units[0]?.name ?? ""));
-    const slider = option.suggested
-      ? el("input", { type: "range", min: "0", max: String(STEPS), step: "1",
-        "aria-label": t("sliderOf", { name: option.label }) })
-      : null;
-    const error = el("p", { class: "error", id: errorId, hidden: true });
-    /** @type {number | null} */
-    let si = null;
-    /** Limits of the slider in SI units, held while it moves. */
-    const ends = () => {
-      const [low, high] = option.suggested ?? [0, 1];
-      return si === null ? [low, high] : [Math.min(low, si), Math.max(high, si)];
-    };
-    let limits = ends();
-    const write = () => {
-      const parsed = parseQuantity(input.value);
-      const several = input.value.includes(",");
-      const two = START.includes(name) && this.registry.systems[this.kinds.system].angles === 2;
-      if (several && !option.several && !two) {
-        error.hidden = false;
-        error.textContent = t("oneNumber", { text: input.value.replace(",", ".").trim() });
-        input.setAttribute("aria-invalid", "true");
-      } else if (several) {
-        const parts = input.value.split(",").map((part) => part.trim());
-        const unit = parts.every((p) => Number.isFinite(Number(p))) ? ` ${unitOf().name}` : "";
-        this.store.option(name, parts.map((p) => `${p}${unit}`).join(", "));
-      } else if (input.value.trim() === "") this.store.option(name, null);
-      else {
-        const unit = parsed && parsed.unit === "" && unitOf().name !== "1" ? ` ${unitOf().name}` : "";
-        this.store.option(name, `${input.value.trim()}${unit}`);
-      }
-    };
-    input.addEventListener("change", write);
-    if (slider) {
-      slider.addEventListener("input", () => {
-        const share = Number(slider.value) / STEPS;
-        const value = limits[0] + share * (limits[1] - limits[0]);
-        const unit = unitOf();
-        const text = short(value / unit.size, 4);
-        input.value = text;
-        si = Number(text) * unit.size;
-        this.store.option(name, unit.name === "1" || !unit.name ? text : `${text} ${unit.name}`);
-      });
-      slider.addEventListener("change", () => { limits = ends(); });
-    }
-    if (select instanceof HTMLSelectElement) {
-      select.addEventListener("change", () => {
-        this.units[name] = select.value;
-        keepHabit(name, select.value);
-        read(this.text(name));
-      });
-    }
-    /** @param {string | null} text */
-    const read = (text) => {
-      if (text === null) {
-        if (this.focused !== input) input.value = "";
-        return;
-      }
-      const quantity = parseQuantity(text);
-      if (!(name in this.units) && quantity && units.some((u) => u.name === quantity.unit) &&
-        this.store.state.options[name] !== undefined) this.units[name] = quantity.unit;
-      if (select instanceof HTMLSelectElement) select.value = unitOf().name;
-      if (this.focused === input && this.store.state.options[name] !== undefined) return;
-      if (text.includes(",")) {
-        const numbers = text.split(",").map((/** @type {string} */ part) => toSi(part, [...units, { name: option.unit, size: 1 }]));
-        input.value = numbers.map((v) => (v === null ? "?" : short(v / unitOf().size))).join(", ");
-        return;
-      }
-      si = toSi(text, [...units, { name: option.unit, size: 1 }]);
-      input.value = si === null ? text : short(si / unitOf().size);
-      if (slider && si !== null && this.focused !== slider) limits = ends();
-      if (slider && si !== null)
-        slider.value = String(Math.round((STEPS * (si - limits[0])) / (limits[1] - limits[0])));
-    };
-    this.fields.set(name, {
-      read,
-      error: (text) => {
-        error.hidden = text === null;
-        error.textContent = text ?? "";
-        input.setAttribute("aria-invalid", String(text !== null));
-      },
-    });
+    const knob = new Knob(name, option, { label: this.label(name, option),
+      unitChosen: () => this.read(),
+      take: (text) => {
+        if (this.isOne(name, option, text)) this.give(name, text || null);
+        else knob.error(t("oneNumber", { text: knob.input.value.replace(",", ".").trim() }));
+      } });
+    const read = (/** @type {string | null} */ text) =>
+      knob.read(text, this.store.state.options[name] !== undefined);
+    this.fields.set(name, { read, error: (text) => knob.error(text) });
     read(this.text(name));
-    return el("div", { class: "field" },
-      el("label", { for: id, title: option.description }, ...this.label(name, option)),
-      el("span", { class: "entry" }, input, select), slider, error);
+    return knob.root;
+  }
+
+  /**
+   * Return whether a text has no more numbers than an option takes.
+   * @param {string} name
+   * @param {Option} option
+   * @param {string} text
+   */
+  isOne(name, option, text) {
+    return !text.includes(",") || option.several
+      || (START.includes(name) && this.registry.systems[this.kinds.system].angles === 2);
   }
 
   /**

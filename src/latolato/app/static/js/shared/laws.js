@@ -81,6 +81,15 @@ function levelled(registry, result, kept, drive) {
 }
 
 /**
+ * Return the natural frequency that options in SI units make, of a pair that of the right ball
+ * [rad/s]; NaN where they lack a length.
+ * @param {Record<string, any>} options
+ */
+export function naturalFrequency({ gravity, length, right_length: right }) {
+  return Math.sqrt(gravity / (length ?? right));
+}
+
+/**
  * Return a value in SI units as the text of an option.
  * @param {Option} option
  * @param {any} value

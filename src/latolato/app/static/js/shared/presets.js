@@ -1,10 +1,11 @@
-/** The choice of a shipped scenario to begin with. */
+/** The choice of a shipped scenario to begin with, and the question that it asks. */
 
 import { t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 
 /**
- * Return a field that chooses a scenario, and what shows which one is on.
+ * Return a field that chooses a scenario, the head of that field, the headline that goes with the
+ * scenario, and what shows which one is on.
  * @param {import("./state.js").Page} page
  */
 export function presetField(page) {
@@ -21,12 +22,17 @@ export function presetField(page) {
         figure ? t("mapFigure", { title, figure }) : title);
     }));
   const about = el("p", { class: "hint" });
-  const field = el("div", { class: "field preset" },
-    el("label", { for: id }, t("preset")), select, about);
+  const more = el("details", { class: "about" }, el("summary", {}, t("presetAbout")), about);
+  const head = el("div", { class: "row preset-head" }, el("label", { for: id }, t("preset")));
+  const field = el("div", { class: "field preset" }, head, select, more);
+  const question = el("h2", { class: "question" });
   const show = (/** @type {string | null} */ name) => {
     select.value = runs.some(([each]) => each === name) ? name ?? "" : "";
-    about.textContent = name && Object.hasOwn(page.registry.scenarios, name)
-      ? page.registry.scenarios[name].description : "";
+    const known = name && Object.hasOwn(page.registry.scenarios, name)
+      ? page.registry.scenarios[name] : null;
+    about.textContent = known?.description ?? "";
+    more.hidden = !known;
+    question.textContent = known?.question || t("questionOwn");
   };
-  return { field, show };
+  return { field, head, question, show };
 }

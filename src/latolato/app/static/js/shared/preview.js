@@ -4,7 +4,7 @@ import { t } from "../strings.js";
 import { Clock } from "./clock.js";
 import { Curves } from "./curves.js";
 import { el } from "./dom.js";
-import { PANELS } from "./player.js";
+import { anglePanel } from "./panels.js";
 import { Scene } from "./scene.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -21,7 +21,7 @@ export class Preview {
     this.root = el("div", { class: "preview" }, canvas,
       el("div", { class: "row" }, this.button, this.time), curves);
     this.scene = new Scene(canvas);
-    this.curves = new Curves(curves, this.clock, PANELS.slice(0, 1));
+    this.curves = new Curves(curves, this.clock, [anglePanel()]);
     this.clock.subscribe((time) => {
       this.scene.move(time);
       const label = t(this.clock.playing ? "pause" : "play");

@@ -1,0 +1,210 @@
+/** A number that is slid or typed: a field with its unit and, where it has a span, a slider. */
+
+import { t } from "../strings.js";
+import { el, freshId } from "./dom.js";
+import { habit, keepHabit } from "./habits.js";
+import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
+
+/** @typedef {import("./laws.js").Option} Option */
+/** @typedef {import("./units.js").Unit} Unit */
+/**
+ * What is heard of a change: the text with its unit, and the value in SI units, null for a text
+ * that is no single quantity.
+ * @typedef {(text: string, value: number | null) => void} Take
+ */
+
+// A slider moves in so many steps.
+const STEPS = 400;
+/** A key moves a knob by this share of its slider. */
+const KEY_STEP = 0.01;
+
+export class Knob {
+  /**
+   * @param {string} name of the option
+   * @param {Option} option
+   * @param {{take: Take, label?: string, unit?: Unit & {shown: string}, keys?: string[],
+   *   digits?: number, unitChosen?: () => void}} how `unit` is the only one, with what it is called
+   */
+  constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6, unitChosen }) {
+    this.name = name;
+    this.option = option;
+    this.take = take;
+    this.only = unit;
+    this.digits = digits;
+    /** The unit that a text came with, or that was chosen here. */
+    this.chosen = "";
+    /** In SI units, null for a text that is no single quantity. @type {number | null} */
+    this.value = null;
+    /** What may be set by keys and slider. @type {[number, number]} */
+    this.limits = [option.low ?? -Infinity, option.high ?? Infinity];
+    /** How far the slider goes, and how far it goes now, held while it moves. */
+    this.span = option.suggested;
+    /** @type {[number, number]} */
+    this.ends = this.span ?? [0, 1];
+    const id = freshId();
+    const errorId = freshId();
+    this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
+      spellcheck: "false", "aria-describedby": errorId, on: { change: () => this.type() } });
+    const several = !unit && option.units.length > 1;
+    this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
+      change: () => {
+        this.chosen = /** @type {HTMLSelectElement} */ (this.units).value;
+        keepHabit(name, this.chosen);
+        if (this.value !== null) this.show(this.value);
+        unitChosen?.();
+      } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
+      : null;
+    this.slider = this.span && el("input", { type: "range", min: "0", max: String(STEPS), step: "1",
+      "aria-label": t("sliderOf", { name: label }), on: {
+        input: () => this.slide(),
+        change: () => { this.ends = this.reach(); },
+      } });
+    this.note = el("p", { class: "error", id: errorId, hidden: true });
+    this.entry = el("span", { class: "entry" }, this.input, this.units
+      ?? el("span", { class: "unit" }, unit?.shown ?? shownUnit(option.units[0]?.name ?? "")));
+    this.root = el("div", { class: "field knob" },
+      el("label", { for: id, title: option.description }, `${label} `, symbolOf(option),
+        ...keys.map((key) => el("kbd", { "aria-hidden": "true" }, key))),
+      this.entry, this.slider, this.note);
+  }
+
+  /** The unit on show. @returns {Unit} */
+  get unit() {
+    const { units } = this.option;
+    const named = (/** @type {string | undefined} */ name) => units.find((u) => u.name === name);
+    return this.only ?? named(this.chosen) ?? named(habit(this.name)) ?? units[0]
+      ?? { name: "", size: 1 };
+  }
+
+  /**
+   * Return how far the slider goes: to the value if that lies outside.
+   * @returns {[number, number]}
+   */
+  reach() {
+    const [low, high] = this.span ?? [0, 1];
+    return this.value === null ? [low, high]
+      : [Math.min(low, this.value), Math.max(high, this.value)];
+  }
+
+  /** Return a text that is read as this value, in the unit on show. */
+  textOf(/** @type {number} */ value) {
+    const { name, size } = this.unit;
+    return `${short(value / size, 4)} ${name === "1" ? "" : name}`.trim();
+  }
+
+  /**
+   * Return a text as a value in SI units, null if it is no single quantity.
+   * @param {string} text
+   */
+  valueOf(text) {
+    return toSi(text, [...this.option.units, { name: this.option.unit, size: 1 }]);
+  }
+
+  /**
+   * Show a value in SI units.
+   * @param {number} value
+   */
+  show(value) {
+    this.value = value;
+    if (this.units) this.units.value = this.unit.name;
+    this.input.value = short(value / this.unit.size, this.digits);
+    this.place();
+  }
+
+  /**
+   * Show a text, unless another one is being typed.
+   * @param {string | null} text null for none
+   * @param {boolean} [isOwn] whether the user gave it
+   */
+  read(text, isOwn = false) {
+    const isTyping = isFocused(this.input);
+    if (text === null) {
+      if (!isTyping) this.input.value = "";
+      return;
+    }
+    const { units } = this.option;
+    const { unit = "" } = parseQuantity(text) ?? {};
+    if (!this.chosen && isOwn && units.some((u) => u.name === unit)) this.chosen = unit;
+    if (this.units) this.units.value = this.unit.name;
+    if (isTyping && isOwn) return;
+    const value = text.includes(",") ? null : this.valueOf(text);
+    if (value !== null) {
+      this.show(value);
+      return;
+    }
+    this.value = null;
+    this.input.value = !text.includes(",") ? text : text.split(",").map((part) => {
+      const each = this.valueOf(part);
+      return each === null ? "?" : short(each / this.unit.size);
+    }).join(", ");
+  }
+
+  /** Put the slider where the value is. */
+  place() {
+    if (!this.slider || this.value === null) return;
+    if (!isFocused(this.slider)) this.ends = this.reach();
+    const [low, high] = this.ends;
+    this.slider.value = String(Math.round((STEPS * (this.value - low)) / (high - low || 1)));
+    this.slider.setAttribute("aria-valuetext",
+      `${short(this.value / this.unit.size, 4)} ${this.only?.shown ?? shownUnit(this.unit.name)}`.trim());
+  }
+
+  slide() {
+    const [low, high] = this.ends;
+    const share = Number(/** @type {HTMLInputElement} */ (this.slider).value) / STEPS;
+    this.give(low + share * (high - low));
+  }
+
+  /**
+   * Take a value as if it had been slid to, rounded to what is shown.
+   * @param {number} value in SI units
+   */
+  give(value) {
+    const [low, high] = this.limits;
+    const within = (/** @type {number} */ number) => Math.min(Math.max(number, low), high);
+    const text = this.textOf(within(value));
+    this.error(null);
+    this.show(within(this.valueOf(text) ?? value));
+    this.take(text, this.value);
+  }
+
+  /** Take what was typed, in the unit on show where it names none. */
+  type() {
+    const parts = this.input.value.trim().replaceAll("−", "-").split(",").map((part) => part.trim());
+    const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
+    const unit = isPlain && this.unit.name !== "1" ? ` ${this.unit.name}` : "";
+    const text = parts.map((part) => `${part}${unit}`).join(", ");
+    this.take(text, parts.length > 1 ? null : this.valueOf(text));
+  }
+
+  /**
+   * Move by one key press.
+   * @param {number} direction
+   */
+  turn(direction) {
+    const [low, high] = this.ends;
+    this.give((this.value ?? low) + direction * KEY_STEP * (high - low));
+  }
+
+  /** @param {string | null} text */
+  error(text) {
+    this.note.hidden = text === null;
+    this.note.textContent = text ?? "";
+    this.input.setAttribute("aria-invalid", String(text !== null));
+  }
+}
+
+/**
+ * Return the symbol of an option, to stand after its name.
+ * @param {{symbol: string}} option
+ */
+export function symbolOf({ symbol }) {
+  const parts = symbolParts(symbol);
+  return parts.length ? el("i", {}, ...parts.map(({ text, place }) =>
+    (place === "line" ? text : el(place, {}, text)))) : "";
+}
+
+/** Return whether an element has the focus, also inside of a root of its own. */
+function isFocused(/** @type {Element} */ element) {
+  return /** @type {Document | ShadowRoot} */ (element.getRootNode()).activeElement === element;
+}

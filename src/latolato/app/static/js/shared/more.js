@@ -1,0 +1,203 @@
+/** What is shown of a run when somebody asks: energies and powers, portrait, section, ledger, contacts. */
+
+import { t } from "../strings.js";
+import { Curves, scaled } from "./curves.js";
+import { el } from "./dom.js";
+import { Later } from "./later.js";
+import { ENERGY_PANELS, whose } from "./panels.js";
+import { Plane } from "./plane.js";
+import { short } from "./units.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./clock.js").Clock} Clock */
+
+const DEGREES = 180 / Math.PI;
+const KINDS = ["bottom", "top", "rest", "release"];
+const MOST_ROWS = 200;
+// Sections begin with this share of the run left out, which remembers the start.
+const SETTLED = 0.2;
+
+/** A panel that computes and draws while it is open. */
+export class MoreCurves {
+  /** @param {Clock} clock */
+  constructor(clock) {
+    this.clock = clock;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** @type {Motion | null} */
+    this.pinned = null;
+    /** What is drawn. @type {Motion | null} */
+    this.drawn = null;
+    this.later = new Later();
+    const curves = el("div", { class: "curves" });
+    const plane = (/** @type {string} */ name) =>
+      el("canvas", { class: "plane", role: "img", "aria-label": t(name) });
+    const [phase, section] = [plane("phase"), plane("section")];
+    this.contacts = el("div", { class: "table-scroll", tabindex: "0", role: "region",
+      "aria-label": t("contacts") });
+    this.ledger = el("div", { class: "ledger" });
+    this.ledgerTitle = el("h2", {});
+    const card = (/** @type {Node} */ title, /** @type {(Node | string)[]} */ ...content) =>
+      el("section", { class: "card" }, title, ...content);
+    const head = (/** @type {string} */ name) => el("h2", {}, t(name));
+    this.root = el("details", { class: "more-curves", on: { toggle: () => this.draw() } },
+      el("summary", {}, t("moreCurves")), curves,
+      el("div", { class: "cards" }, card(head("phase"), phase),
+        card(head("section"), el("p", { class: "hint" }, t("sectionHint")), section),
+        card(this.ledgerTitle, el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
+        card(head("contacts"), this.contacts)));
+    this.curves = new Curves(curves, clock, ENERGY_PANELS);
+    const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
+    this.phase = new Plane(phase, labels);
+    this.section = new Plane(section, labels);
+  }
+
+  /**
+   * Show a run: now if the panel is open, else when it is opened.
+   * @param {Motion} motion
+   * @param {Motion | null} pinned
+   */
+  show(motion, pinned) {
+    this.motion = motion;
+    this.pinned = pinned;
+    this.drawn = null;
+    this.draw();
+  }
+
+  draw() {
+    const { motion, pinned } = this;
+    if (!this.root.open || !motion || this.drawn === motion) return;
+    this.drawn = motion;
+    this.later.run([
+      ...this.curves.show(motion, pinned),
+      () => this.showPhase(motion),
+      () => this.showSection(motion),
+      () => this.showLedger(motion),
+      () => this.showContacts(motion),
+    ]);
+    this.move(this.clock.time);
+  }
+
+  /** @param {number} time */
+  move(time) {
+    const { drawn } = this;
+    if (!drawn || !this.root.open) return;
+    this.phase.mark(drawn.balls.map((ball) => ({
+      x: drawn.angle(ball, time) * DEGREES,
+      y: ball.sign * drawn.at("angular_velocity", time, ball.row),
+      paint: ball.name === "left" ? "left" : "right",
+    })));
+  }
+
+  /** @param {Motion} motion */
+  showPhase(motion) {
+    const shapes = motion.balls.map((ball) => ({
+      xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES),
+      ys: scaled(motion.values("angular_velocity", ball.row) ?? [], ball.sign),
+      paint: ball.name === "left" ? "left" : "right",
+    }));
+    this.phase.show(shapes.slice().reverse());
+  }
+
+  /** @param {Motion} motion */
+  showSection(motion) {
+    const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
+    const dots = motion.balls.filter((b, i) => i === 0 || b.row > 0).map((ball) => ({
+      xs: instants.map((s) => motion.angle(ball, s) * DEGREES),
+      ys: instants.map((s) => ball.sign * motion.at("angular_velocity", s, ball.row)),
+      paint: ball.name === "left" ? "left" : "right",
+      dots: true,
+      size: 3,
+    }));
+    this.section.show(dots);
+  }
+
+  /** @param {Motion} motion */
+  showContacts(motion) {
+    const count = motion.contacts.length;
+    if (!count) {
+      this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")));
+      return;
+    }
+    const kinds = motion.block.arrays.contact_kind;
+    const two = motion.block.shapes.angular_velocity_before[0];
+    const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
+      Array.from({ length: two }, (_, k) => short(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
+    const rows = [];
+    for (let i = 0; i < Math.min(count, MOST_ROWS); i += 1) {
+      const at = motion.contacts[i];
+      rows.push(el("tr", {},
+        el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
+          short(at, 6))),
+        el("td", {}, t(KINDS[kinds[i]])),
+        el("td", {}, cells("angular_velocity_before", i)),
+        el("td", {}, cells("angular_velocity_after", i))));
+    }
+    this.contacts.replaceChildren(
+      count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "",
+      el("table", {}, el("thead", {}, el("tr", {}, ...[t("time"), t("kind"), t("before"), t("after")]
+        .map((name) => el("th", { scope: "col" }, name)))), el("tbody", {}, ...rows)));
+  }
+
+  /** @param {Motion} motion */
+  showLedger(motion) {
+    this.ledgerTitle.textContent = t("ledger", { whose: whose(motion) });
+    const rows = ledgerRows(motion);
+    const side = (/** @type {string} */ title, /** @type {(p: {energy: number}) => boolean} */ is) => [
+      el("h3", {}, t(title)),
+      ...rows.filter(is).map(({ name, share, energy, paint }) => el("div", { class: "ledger-row" },
+        el("span", {}, t(name)),
+        el("span", { class: "bar" }, bar(share, paint)),
+        el("output", {}, `${(100 * share).toFixed(1)} %`),
+        el("output", { class: "soft" }, `${short(Math.abs(energy), 4)} J`)))];
+    this.ledger.replaceChildren(
+      ...side("cameIn", (row) => row.energy > 0), ...side("wentOut", (row) => row.energy <= 0));
+  }
+
+  destroy() {
+    this.later.run([]);
+    this.curves.destroy();
+    this.phase.release();
+    this.section.release();
+  }
+}
+
+/** How many balls one row of the ledger stands for. */
+function ballsPerLedger(/** @type {Motion} */ motion) {
+  return motion.balls.length > 1 && motion.balls.every((b) => b.row === 0) ? 2 : 1;
+}
+
+/**
+ * Return where the energy came from (positive) and where it went or what is left (negative), with
+ * shares of all that came in: those of each side sum to one.
+ * @param {Motion} motion
+ * @returns {{name: string, energy: number, share: number, paint: string}[]}
+ */
+export function ledgerRows(motion) {
+  const times = ballsPerLedger(motion);
+  const last = (/** @type {string} */ name) => times * (motion.about.ledger[name] ?? 0);
+  const [first, end] = [0, motion.time.length - 1].map((i) => motion.balls.reduce((sum, ball) =>
+    sum + (motion.values("total_energy", ball.row)?.[i] ?? 0), 0));
+  const parts = [
+    { name: "atStart", energy: first, paint: "soft" },
+    { name: "drivePower", energy: last("drive_work"), paint: "gain" },
+    { name: motion.about.by_hand ? "hand" : "noise", energy: last("noise_work"), paint: "soft" },
+    { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
+    { name: "impacts", energy: -last("impact_loss"), paint: "force" },
+    { name: "capture", energy: -last("capture_loss"), paint: "left" },
+    { name: "left_over", energy: -end, paint: "right" },
+  ];
+  const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
+  return parts.filter((p) => Math.abs(p.energy) > 1e-9 * came || p.name === "left_over")
+    .map((part) => ({ ...part, share: came ? Math.abs(part.energy) / came : 0 }));
+}
+
+/**
+ * @param {number} share
+ * @param {string} paint
+ */
+function bar(share, paint) {
+  const inner = el("span", { class: `fill ${paint}` });
+  inner.style.width = `${Math.min(100, 100 * Math.abs(share))}%`;
+  return inner;
+}

@@ -1,0 +1,98 @@
+/** What the curves of a run show: angles, energies, powers. */
+
+import { t } from "../strings.js";
+import { scaled } from "./curves.js";
+import { range } from "./scene.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./curves.js").Panel} Panel */
+/** @typedef {import("./curves.js").Curve} Curve */
+
+const DEGREES = 180 / Math.PI;
+// A pivot that moves less than this is shown in millimetres [m].
+const LARGE = 0.1;
+
+/**
+ * Return the panel of angles.
+ * @param {{wrapped?: boolean, pivot?: boolean}} [how] angles within (-180°, 180°], and the pivot's
+ *   height beside them
+ * @returns {Panel}
+ */
+export function anglePanel({ wrapped = false, pivot = false } = {}) {
+  return {
+    label: t("curveAngle"),
+    curves: (motion) => [
+      ...motion.balls.map((ball) => {
+        const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES);
+        return {
+          label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
+          paint: ball.name === "left" ? "left" : "right",
+          values: wrapped ? values.map(wrap) : values,
+          turn: wrapped ? 360 : undefined,
+        };
+      }),
+      ...(pivot ? [pivotCurve(motion)] : []),
+    ],
+  };
+}
+
+/**
+ * Return the pivot's height as a curve with an axis of its own.
+ * @param {Motion} motion
+ * @returns {Curve}
+ */
+function pivotCurve(motion) {
+  const heights = motion.values("pivot_height") ?? [];
+  const [low, high] = range(heights);
+  const [unit, size] = Math.max(-low, high) < LARGE ? ["mm", 1e-3] : ["cm", 1e-2];
+  return { label: t("pivotIn", { unit }), paint: "force", values: scaled(heights, 1 / size), axis: "right" };
+}
+
+/**
+ * Return an angle within (-180°, 180°].
+ * @param {number} angle [°]
+ */
+export function wrap(angle) {
+  return angle - 360 * Math.ceil((angle - 180) / 360);
+}
+
+/** @type {Panel[]} */
+export const ENERGY_PANELS = [
+  {
+    label: (motion) => t("curveEnergy", { whose: whose(motion) }),
+    curves: (motion) => [
+      { label: t("kinetic"), paint: "kinetic", values: summed(motion, "kinetic_energy") },
+      { label: t("potential"), paint: "potential", values: summed(motion, "potential_energy") },
+      { label: t("total"), paint: "ink", values: summed(motion, "total_energy") },
+    ],
+  },
+  {
+    label: (motion) => t("curvePower", { whose: whose(motion) }),
+    height: 140,
+    curves: (motion) => [
+      { label: t("drivePower"), paint: "gain", values: summed(motion, "drive_power") },
+      { label: t("dampingPower"), paint: "loss", values: summed(motion, "damping_power") },
+    ],
+  },
+];
+
+/**
+ * Return of how many balls an energy is.
+ * @param {{balls: any[]}} motion
+ */
+export function whose({ balls }) {
+  return t(balls.length > 1 ? "bothBalls" : "perBall");
+}
+
+/**
+ * Return a quantity of all balls on show together: a mirrored ball counts as much as its twin.
+ * @param {Motion} motion
+ * @param {string} name
+ */
+export function summed(motion, name) {
+  const rows = motion.balls.map((ball) => motion.values(name, ball.row));
+  const sum = new Float64Array(motion.time.length);
+  for (const values of rows)
+    if (values) for (let i = 0; i < sum.length; i += 1) sum[i] += values[i];
+  return sum;
+}
