@@ -2,7 +2,7 @@
 
 import { t } from "../strings.js";
 import { scaled } from "./curves.js";
-import { range } from "./scene.js";
+import { range } from "./motion.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./curves.js").Panel} Panel */

@@ -6,7 +6,8 @@ import { Clock } from "./clock.js";
 import { el, freshId } from "./dom.js";
 import { followKeys } from "./keys.js";
 import { MoreCurves } from "./more.js";
-import { range, Scene } from "./scene.js";
+import { range } from "./motion.js";
+import { Scene } from "./scene.js";
 import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -39,6 +40,7 @@ export class Player {
       el("div", { class: "panel" }, this.timeline.root, this.makeTransport()));
     root.append(this.bench, this.more.root);
     this.scene = new Scene(canvas);
+    canvas.after(this.scene.legend);
     this.scene.onContact = (k) => {
       const { arrays } = /** @type {Motion} */ (this.motion).block;
       if (arrays.contact_kind[k] > 1) return;
@@ -70,10 +72,7 @@ export class Player {
     };
     return [
       toggle("sound", "soundHint", (is) => { this.clack.on = is; }),
-      toggle("arrows", "arrowsHint", (is) => {
-        this.scene.arrows = is;
-        this.scene.draw();
-      }),
+      toggle("arrows", "arrowsHint", (is) => this.scene.showArrows(is)),
     ];
   }
 
