@@ -1,0 +1,200 @@
+/** When something is said of a motion: a sentence at a time, as fast as a person can follow. */
+
+import { t } from "../strings.js";
+import { changeOf, isNews, outline, placesOf, startOf, tellOf } from "./describe.js";
+import { el, freshId } from "./dom.js";
+
+/** @typedef {import("./describe.js").Sentence} Sentence */
+/** @typedef {import("./describe.js").Outline} Outline */
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./swings.js").Log} Log */
+/** @typedef {{motion: Motion, log: () => Log}} Source */
+
+// Sentences follow each other by at least this time of the page.
+const GAP = 3000; // ms
+// A change is mentioned when nothing was changed for so long.
+const SETTLE = 700; // ms
+// A toy shows what a change does after so long; as much before it is compared with that.
+const REACTION = 5; // s of the toy
+// More parameters change at once only where another motion is chosen.
+const MOST_CHANGES = 2;
+
+/** @param {Sentence[]} sentences */
+export const inText = (sentences) => sentences.map(({ name, values }) => t(name, values)).join(" ");
+
+export class Narrator {
+  /** @param {() => number} clock in ms */
+  constructor(clock = () => performance.now()) {
+    this.clock = clock;
+    /** What screen readers read aloud when it changes. */
+    this.line = el("p", { class: "narration unseen", "aria-live": "polite" });
+    /** What the stage shows, where a reader looks for that. */
+    this.about = el("p", { class: "unseen", id: freshId() });
+    /** The labels of options. @type {Record<string, {label: string}>} */
+    this.labels = {};
+    /** @type {Source | null} */
+    this.source = null;
+    this.isPlaying = false;
+    this.time = 0;
+    this.saidAt = -Infinity;
+    this.from = 0;
+    this.since = 0;
+    /** @type {Sentence | null} */
+    this.last = null;
+    /** What is compared with a change. @type {{source: Source, outline: Outline | null} | null} */
+    this.before = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+  }
+
+  /**
+   * Say something now.
+   * @param {Sentence[]} sentences
+   */
+  say(sentences) {
+    this.saidAt = this.clock();
+    this.from = this.time;
+    this.line.textContent = inText(sentences);
+  }
+
+  /** Say how a motion begins, of another toy or the same one anew. @param {Source} source */
+  begin(source) {
+    clearTimeout(this.timer);
+    this.before = null;
+    this.source = source;
+    this.from = this.since = 0;
+    this.last = null;
+    this.describe(0);
+    if (this.isPlaying) this.say([startOf(source.motion)]);
+  }
+
+  /**
+   * Follow a run of other parameters, and say what they changed.
+   * @param {Source} source
+   */
+  replace(source) {
+    if (!this.source) {
+      this.begin(source);
+      return;
+    }
+    this.before ??= { source: this.source, outline: null };
+    this.source = source;
+    this.last = null;
+    this.describe(this.time);
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.tellChange(), SETTLE);
+  }
+
+  /** Say what other parameters changed in the whole run. */
+  tellChange() {
+    const { before, source } = this;
+    this.before = null;
+    if (!before || !source) return;
+    const [old, now] = [before.source, source].map(({ motion }) => motion.about.options);
+    const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(old[name]));
+    if (!names.length) return;
+    if (names.length > MOST_CHANGES || now.system !== old.system) {
+      this.say([startOf(source.motion)]);
+      return;
+    }
+    const [was, is] = [before.source, source].map(({ motion, log }) => outline(log(), -1, motion.end));
+    this.say([...this.changed(names[0], old[names[0]], now[names[0]]),
+      changeOf(source.log(), was, is)]);
+  }
+
+  /**
+   * Return what was changed.
+   * @param {string} name of an option
+   * @param {unknown} before
+   * @param {unknown} now
+   */
+  changed(name, before, now) {
+    const label = this.labels[name]?.label;
+    if (!label || typeof before !== "number" || typeof now !== "number") return [];
+    return [{ name: now > before ? "moreOf" : "lessOf", values: { name: label } }];
+  }
+
+  /**
+   * Say that a toy on the move has another parameter from now on, and what comes of it later.
+   * @param {string} name of an option
+   * @param {number} before
+   * @param {number} now
+   */
+  turned(name, before, now) {
+    const { source, time } = this;
+    if (!source) return;
+    this.before ??= { source, outline: outline(source.log(), time - REACTION, time) };
+    this.since = time;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.say(this.changed(name, before, now)), SETTLE);
+  }
+
+  /**
+   * Follow the motion to an instant.
+   * @param {number} time
+   * @param {boolean} isPlaying
+   */
+  move(time, isPlaying) {
+    const { source } = this;
+    if (!source) return;
+    const begins = isPlaying && !this.isPlaying;
+    const ends = !isPlaying && this.isPlaying;
+    this.isPlaying = isPlaying;
+    if (time < this.time) [this.from, this.since, this.last] = [time, 0, null];
+    this.time = time;
+    if (ends) this.pause();
+    if (begins) this.from = time;
+    if (!isPlaying) return;
+    if (begins && time < 1) this.say([startOf(source.motion)]);
+    else if (this.clock() - this.saidAt > GAP) this.tell(source);
+  }
+
+  /** Say what happened since the last time, if that is worth saying. @param {Source} source */
+  tell(source) {
+    const { time, before } = this;
+    if (before?.outline && time > this.since + REACTION) {
+      this.before = null;
+      const log = source.log();
+      this.say([changeOf(log, before.outline, outline(log, this.since, time))]);
+      return;
+    }
+    const next = tellOf(source.log(), this.from, time, this.since);
+    const isNew = next && isNews(next, this.last);
+    this.saidAt = this.clock();
+    this.from = time;
+    if (!isNew) return;
+    this.last = next;
+    this.say([next]);
+  }
+
+  /** Say where everything stands. */
+  pause() {
+    const { source, time } = this;
+    if (!source) return;
+    this.describe(time);
+    this.say([{ name: "pausedAt", values: { time: time.toFixed(2) } }, ...placesOf(source.motion, time)]);
+  }
+
+  /** Say what happens now, whether it was said before or not. */
+  answer() {
+    const { source, time } = this;
+    if (!source) return;
+    const now = tellOf(source.log(), time - GAP / 1000, time, this.since);
+    this.describe(time);
+    this.say([startOf(source.motion), ...(now ? [now] : []), ...placesOf(source.motion, time)]);
+  }
+
+  /**
+   * Describe what the stage shows at an instant.
+   * @param {number} time
+   */
+  describe(time) {
+    const { source } = this;
+    if (source) this.about.textContent = inText([startOf(source.motion), ...placesOf(source.motion, time)]);
+  }
+
+  /** Stop waiting. */
+  end() {
+    clearTimeout(this.timer);
+  }
+}
