@@ -14,14 +14,16 @@ from typer.testing import CliRunner
 from app_server import frames_of
 from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of, to_csv
-from latolato.app.analyse.cost import check_work, steps_of
+from latolato.app.analyse.cost import check_work, seconds_of, steps_of, timing
 from latolato.app.analyse.forms import about_request, forms, option_words
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
+from latolato.app.analyse.timings import keep_timing
 from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
+from latolato.core.cache import cache_directory
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.figures.analyses.question import GROUPS, question_of
@@ -169,14 +171,78 @@ def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
     assert quick["kapitza"]["growth_rate"]["position"] == "inverted"
 
 
-def test_the_cost_of_a_question_is_told_without_asking_it(client):
+@pytest.fixture
+def no_timings(tmp_path, monkeypatch):
+    """A cache folder in which no answer was timed yet, for this process and its workers."""
+    folder = tmp_path / "timed"
+    folder.mkdir(mode=0o700)
+    kernels = cache_directory()
+    for each in kernels.iterdir() if kernels.is_dir() else ():
+        if each.name != "timings":
+            (folder / each.name).symlink_to(each)
+    monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
+
+
+def timed(name, scenario, settings, seconds, rest=0.0):
+    """Keep an answer as if it had taken so long; return its function and arguments."""
+    given = {"analysis": name, "scenario": scenario, "settings": settings}
+    question = AnalysisRequest.from_json(given)
+    arguments = question.arguments()
+    keep_timing(*timing(question.function, arguments, seconds, rest))
+    return question.function, arguments
+
+
+@pytest.mark.parametrize("name", [name for name in analyses if name not in OF_TWO])
+def test_no_time_is_told_before_one_was_measured(name, no_timings):
+    given = {"analysis": name, "scenario": "fig02", "settings": small(name)}
+    question = AnalysisRequest.from_json(given)
+    arguments = question.arguments()
+    assert seconds_of(question.function, arguments) is None
+    timed(name, "fig02", small(name), 3.0, rest=0.5)
+    assert seconds_of(question.function, arguments) == pytest.approx(3.5)
+
+
+def test_a_larger_question_takes_longer_by_its_steps(no_timings):
+    size = {"angle_points": "10", "velocity_points": "10"}
+    function, arguments = timed("basins", "fig04a", size, 2.0, rest=1.0)
+    larger = {**arguments, "angle_points": 30, "velocity_points": 20}
+    assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
+    # Of another kind of system nothing is known yet.
+    question = AnalysisRequest.from_json({"analysis": "basins", "scenario": "fig02"})
+    assert seconds_of(question.function, question.arguments()) is None
+
+
+def test_only_the_latest_answers_count_and_a_damaged_file_counts_as_none(no_timings):
+    for seconds in (100.0, *[2.0] * 8):
+        function, arguments = timed("basins", "fig04a", {}, seconds)
+    assert seconds_of(function, arguments) == pytest.approx(2.0)
+    (file,) = (cache_directory() / "timings").iterdir()
+    file.write_bytes(b"damaged")
+    assert seconds_of(function, arguments) is None
+
+
+def test_an_answer_tells_how_far_it_is_and_is_timed(no_timings, tmp_path):
+    shares = []
+    given = {"analysis": "basins", "scenario": "fig02", "settings": small("basins")}
+    with pytest.warns(RuntimeWarning):  # few shakes: hardly anything has settled
+        compute(given, tmp_path, shares.append)
+    assert shares == sorted(shares)
+    assert all(0.0 < share < 1.0 for share in shares)
+    assert shares
+    (file,) = (cache_directory() / "timings").iterdir()
+    assert b"basins Pendulum" in file.read_bytes()
+
+
+def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
     def cost(**given):
         asked = {"analysis": "basins", "scenario": "fig04a", "settings": given}
         return client.post("/api/analyses/cost", json=asked)
 
+    assert cost().json() == {"seconds": None}  # nothing was timed yet
+    ask(client, {"analysis": "basins", "scenario": "fig04a", "settings": small("basins")})
     few = cost(angle_points="10", velocity_points="10").json()["seconds"]
     many = cost(angle_points="400", velocity_points="400").json()["seconds"]
-    assert 0.0 < few < 10.0 < many
+    assert 0.0 < few < many
     assert "steps at most" in cost(angle_points="900000").json()["refused"]
     wrong = cost(angle_points="ten").json()["refused"]
     assert wrong.startswith("angle_points must be a whole number")

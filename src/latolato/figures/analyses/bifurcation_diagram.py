@@ -120,6 +120,6 @@ QUESTION = Question(
     quick={"points": "41", "parameter": "frequency_ratio"},
     conditions=(settles, is_shaken),
     place=1,
-    cost=Cost(counts=("points",), steps_per_second=2.5e5, most_shakes=1_000),
+    cost=Cost(counts=("points",), most_shakes=1_000),
     verdict=verdict,
 )

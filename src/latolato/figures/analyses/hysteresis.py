@@ -97,7 +97,7 @@ QUESTION = Question(
     quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
     conditions=(settles, is_shaken),
     place=5,
-    cost=Cost(steps_per_second=1e6, decay_times=6.0),
+    cost=Cost(decay_times=6.0),
     labels={
         "least_jump": "A jump is a change of at least",
         "least_motion": "Smallest swing that is kept alive",

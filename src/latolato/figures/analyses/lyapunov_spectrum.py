@@ -110,6 +110,6 @@ QUESTION = Question(
     quick={"duration": "300"},
     place=1,
     # It takes long to tell an exponent from zero.
-    cost=Cost(steps_per_second=1e5, decay_times=30.0),
+    cost=Cost(decay_times=30.0),
     verdict=verdict,
 )

@@ -3,9 +3,10 @@
 import { askJson, newest, Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
-import { JobLine, spanText } from "../shared/jobs.js";
+import { JobLine } from "../shared/jobs.js";
 import { heldOptions, withLaws } from "../shared/laws.js";
 import { withOptions } from "../shared/links.js";
+import { spanText } from "../shared/left.js";
 import { presetField } from "../shared/presets.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
@@ -222,7 +223,8 @@ export class AnalyseView {
   }
 
   /**
-   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes.
+   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes. A question
+   * whose time was never measured is begun, and ended again if its first part shows that it is slow.
    * @param {boolean} isWanted
    */
   async consider(isWanted) {
@@ -241,15 +243,22 @@ export class AnalyseView {
       const { seconds, refused } = await askJson("api/analyses/cost", question);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
-      else if (seconds <= QUICK || isWanted) await this.ask(question, seconds, turn);
-      else {
-        this.clear();
-        this.cost.textContent = t("askCost", { time: spanText(seconds) });
-      }
+      else if (isWanted || seconds === null || seconds <= QUICK)
+        await this.ask(question, seconds, turn, isWanted || seconds !== null);
+      else this.tellCost(seconds);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (turn === this.turn) this.refuse(error instanceof Offline ? t("offline") : error.message);
     }
+  }
+
+  /**
+   * Say how long an answer takes, which waits for Compute.
+   * @param {number} seconds as measured
+   */
+  tellCost(seconds) {
+    this.clear();
+    this.cost.textContent = t("askCost", { time: spanText(seconds) });
   }
 
   /** @param {string} text why there is no answer */
@@ -264,17 +273,25 @@ export class AnalyseView {
    * Ask the server and show the answer.
    * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
    *   settings: Record<string, string>}} question
-   * @param {number} seconds that it takes
+   * @param {number | null} seconds that it takes, if that was measured before
    * @param {number} turn
+   * @param {boolean} isWanted however long it takes
    */
-  async ask(question, seconds, turn) {
+  async ask(question, seconds, turn, isWanted) {
     this.answer.classList.add("stale");
-    const block = await this.job.run("ws/analyse", question, seconds);
+    /** @type {number | null} */
+    let slow = null;
+    const block = await this.job.run("ws/analyse", question, { expected: seconds, timed: (all) => {
+      if (isWanted || all <= QUICK) return;
+      slow = all;
+      this.job.stop();
+    } });
     if (turn !== this.turn) return;
     if (!block) {
       const { error } = this.job;
       this.answer.classList.remove("stale");
-      if (error.hidden) this.clear();
+      if (slow !== null) this.tellCost(slow);
+      else if (error.hidden) this.clear();
       else this.refuse(error.textContent ?? "");
       this.working = "";
       return;
