@@ -255,7 +255,7 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
         ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
         ("regular", "No: neighbouring starts come together e-fold every 2 s."),
         ("marginal", "It cannot be told"),
-        ("failed", "There is no answer: failed."),
+        ("failed", "There is no answer: the computation failed."),
     ],
 )
 def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
