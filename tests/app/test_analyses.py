@@ -12,6 +12,7 @@ from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
 from app_server import frames_of
+from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of, to_csv
 from latolato.app.analyse.cost import check_work, seconds_of, steps_of, timing
@@ -207,6 +208,10 @@ def test_a_larger_question_takes_longer_by_its_steps(no_timings):
     function, arguments = timed("basins", "fig04a", size, 2.0, rest=1.0)
     larger = {**arguments, "angle_points": 30, "velocity_points": 20}
     assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
+    # Far larger ones are not foretold: small ones spend their time with other things.
+    assert seconds_of(function, {**arguments, "angle_points": 101}) is None
+    timed("basins", "fig04a", {**size, "angle_points": "2"}, 1.5, rest=1.0)
+    assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
     # Of another kind of system nothing is known yet.
     question = AnalysisRequest.from_json({"analysis": "basins", "scenario": "fig02"})
     assert seconds_of(question.function, question.arguments()) is None
@@ -239,10 +244,11 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
         return client.post("/api/analyses/cost", json=asked)
 
     assert cost().json() == {"seconds": None}  # nothing was timed yet
-    ask(client, {"analysis": "basins", "scenario": "fig04a", "settings": small("basins")})
-    few = cost(angle_points="10", velocity_points="10").json()["seconds"]
-    many = cost(angle_points="400", velocity_points="400").json()["seconds"]
+    size = {**small("basins"), "angle_points": "20", "velocity_points": "20"}
+    ask(client, {"analysis": "basins", "scenario": "fig04a", "settings": size})
+    few, many = (cost(**{**size, "angle_points": n}).json()["seconds"] for n in ("4", "100"))
     assert 0.0 < few < many
+    assert cost(**{**size, "angle_points": "300"}).json() == {"seconds": None}
     assert "steps at most" in cost(angle_points="900000").json()["refused"]
     wrong = cost(angle_points="ten").json()["refused"]
     assert wrong.startswith("angle_points must be a whole number")
@@ -518,8 +524,9 @@ def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_pa
     path = tmp_path / "result.nc"
     caught.value.save_as(path)
     xr.testing.assert_equal(load(path), wanted)
+    page.get_by_text("Settings of this question").click()
     page.get_by_label("Number of the tongue").fill("none")
-    page.get_by_role("button", name="Compute").click()
+    page.get_by_label("Number of the tongue").press("Enter")
     words = "“Number of the tongue (1 at ω = 2ω₀)” must be a whole number"
     page.get_by_role("alert").filter(has_text=words).wait_for()
     assert not page.get_by_role("img", name="At which speeds").count()
@@ -532,6 +539,34 @@ def test_the_view_opens_with_an_answer(page):
         timeout=240_000
     )
     page.get_by_role("heading", name="Can it stand on its head?").wait_for()
+
+
+TOPS = """places => places.map(place => {
+  const found = document.querySelector(place);
+  return found?.checkVisibility() ? found.getBoundingClientRect().top : null;
+})"""
+
+
+@pytest.mark.parametrize("width", [1366, 390])
+def test_the_answer_comes_first_then_its_picture_then_numbers(page, width):
+    page.set_viewport_size({"width": width, "height": 844})
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
+    page.locator(".finding.waiting").filter(has_text="The answer will stand here").wait_for()
+    places = [".asks", ".finding", ".picture", ".reading-of"]
+    before = page.evaluate(TOPS, places)
+    assert before == sorted(before)
+    page.locator(".finding strong").wait_for(timeout=240_000)
+    after = page.evaluate(TOPS, [*places, ".numbers"])
+    assert after == sorted(after)
+    assert after[2] - before[2] < 60  # a longer sentence moves the picture by a line or two
+    sizes = "e => parseFloat(getComputedStyle(e).fontSize)"
+    assert page.locator(".finding strong").evaluate(sizes) >= 20
+    assert not page.get_by_label("Number of the tongue").is_visible()
+    if width == 390:
+        (settings,) = page.evaluate(TOPS, [".settings-of"])
+        assert settings > after[-1]
+    assert serious_faults(page) == []
+    assert_panels_have_room(page)
 
 
 def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(page):
@@ -596,7 +631,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     assert field.is_visible()  # though rare settings are folded
     steps = page.get_by_role("alert").filter(has_text="steps at most")
     page.get_by_label("Shakes that are left out").fill("1e9")
-    page.get_by_role("button", name="Compute").click()
+    page.get_by_label("Shakes that are left out").press("Enter")
     page.get_by_text("Two samples are the same within").first.wait_for()
     field.fill("")
     page.get_by_role("button", name="Compute").click()

@@ -19,6 +19,8 @@ _STEPS_PER_PERIOD = 40.0
 _WATCHED = 48.0
 # How much longer a second run at a tenth of the tolerance makes the work.
 _TWICE = 2.3
+# Answers up to so many times larger than those that were timed are foretold.
+_REACH = 10.0
 
 
 def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> None:
@@ -89,13 +91,15 @@ def _fastest(arguments: Mapping[str, Any]) -> float:
 
 
 def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float | None:
-    """Return how long an answer takes here [s], None if none of its kind was timed yet."""
+    """Return how long an answer takes here [s], None if none of its kind and size was timed yet."""
     timed = timings_of(key_of(function, arguments))
-    if not timed:
+    steps, most = steps_of(function, arguments), max((each.steps for each in timed), default=0.0)
+    if steps > _REACH * most:
         return None
-    rate = sum(each.seconds for each in timed) / sum(each.steps for each in timed)
-    rest = statistics.median(each.rest for each in timed)
-    return rest + rate * steps_of(function, arguments)
+    # Small ones take their time with other things than steps.
+    large = [each for each in timed if each.steps >= 0.5 * most]
+    rate = sum(each.seconds for each in large) / sum(each.steps for each in large)
+    return statistics.median(each.rest for each in timed) + rate * steps
 
 
 def timing(
