@@ -12,16 +12,19 @@ from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
 from app_server import frames_of
+from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of, to_csv
-from latolato.app.analyse.cost import check_work, steps_of
+from latolato.app.analyse.cost import check_work, seconds_of, steps_of, timing
 from latolato.app.analyse.forms import about_request, forms, option_words
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
+from latolato.app.analyse.timings import keep_timing
 from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
+from latolato.core.cache import cache_directory
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.figures.analyses.question import GROUPS, question_of
@@ -169,14 +172,83 @@ def test_motion_that_settles_slowly_is_given_the_time_to_do_so():
     assert quick["kapitza"]["growth_rate"]["position"] == "inverted"
 
 
-def test_the_cost_of_a_question_is_told_without_asking_it(client):
+@pytest.fixture
+def no_timings(tmp_path, monkeypatch):
+    """A cache folder in which no answer was timed yet, for this process and its workers."""
+    folder = tmp_path / "timed"
+    folder.mkdir(mode=0o700)
+    kernels = cache_directory()
+    for each in kernels.iterdir() if kernels.is_dir() else ():
+        if each.name != "timings":
+            (folder / each.name).symlink_to(each)
+    monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
+
+
+def timed(name, scenario, settings, seconds, rest=0.0):
+    """Keep an answer as if it had taken so long; return its function and arguments."""
+    given = {"analysis": name, "scenario": scenario, "settings": settings}
+    question = AnalysisRequest.from_json(given)
+    arguments = question.arguments()
+    keep_timing(*timing(question.function, arguments, seconds, rest))
+    return question.function, arguments
+
+
+@pytest.mark.parametrize("name", [name for name in analyses if name not in OF_TWO])
+def test_no_time_is_told_before_one_was_measured(name, no_timings):
+    given = {"analysis": name, "scenario": "fig02", "settings": small(name)}
+    question = AnalysisRequest.from_json(given)
+    arguments = question.arguments()
+    assert seconds_of(question.function, arguments) is None
+    timed(name, "fig02", small(name), 3.0, rest=0.5)
+    assert seconds_of(question.function, arguments) == pytest.approx(3.5)
+
+
+def test_a_larger_question_takes_longer_by_its_steps(no_timings):
+    size = {"angle_points": "10", "velocity_points": "10"}
+    function, arguments = timed("basins", "fig04a", size, 2.0, rest=1.0)
+    larger = {**arguments, "angle_points": 30, "velocity_points": 20}
+    assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
+    # Far larger ones are not foretold: small ones spend their time with other things.
+    assert seconds_of(function, {**arguments, "angle_points": 101}) is None
+    timed("basins", "fig04a", {**size, "angle_points": "2"}, 1.5, rest=1.0)
+    assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
+    # Of another kind of system nothing is known yet.
+    question = AnalysisRequest.from_json({"analysis": "basins", "scenario": "fig02"})
+    assert seconds_of(question.function, question.arguments()) is None
+
+
+def test_only_the_latest_answers_count_and_a_damaged_file_counts_as_none(no_timings):
+    for seconds in (100.0, *[2.0] * 8):
+        function, arguments = timed("basins", "fig04a", {}, seconds)
+    assert seconds_of(function, arguments) == pytest.approx(2.0)
+    (file,) = (cache_directory() / "timings").iterdir()
+    file.write_bytes(b"damaged")
+    assert seconds_of(function, arguments) is None
+
+
+def test_an_answer_tells_how_far_it_is_and_is_timed(no_timings, tmp_path):
+    shares = []
+    given = {"analysis": "basins", "scenario": "fig02", "settings": small("basins")}
+    with pytest.warns(RuntimeWarning):  # few shakes: hardly anything has settled
+        compute(given, tmp_path, shares.append)
+    assert shares == sorted(shares)
+    assert all(0.0 < share < 1.0 for share in shares)
+    assert shares
+    (file,) = (cache_directory() / "timings").iterdir()
+    assert b"basins Pendulum" in file.read_bytes()
+
+
+def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
     def cost(**given):
         asked = {"analysis": "basins", "scenario": "fig04a", "settings": given}
         return client.post("/api/analyses/cost", json=asked)
 
-    few = cost(angle_points="10", velocity_points="10").json()["seconds"]
-    many = cost(angle_points="400", velocity_points="400").json()["seconds"]
-    assert 0.0 < few < 10.0 < many
+    assert cost().json() == {"seconds": None}  # nothing was timed yet
+    size = {**small("basins"), "angle_points": "20", "velocity_points": "20"}
+    ask(client, {"analysis": "basins", "scenario": "fig04a", "settings": size})
+    few, many = (cost(**{**size, "angle_points": n}).json()["seconds"] for n in ("4", "100"))
+    assert 0.0 < few < many
+    assert cost(**{**size, "angle_points": "300"}).json() == {"seconds": None}
     assert "steps at most" in cost(angle_points="900000").json()["refused"]
     wrong = cost(angle_points="ten").json()["refused"]
     assert wrong.startswith("angle_points must be a whole number")
@@ -189,7 +261,7 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client):
         ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
         ("regular", "No: neighbouring starts come together e-fold every 2 s."),
         ("marginal", "It cannot be told"),
-        ("failed", "There is no answer: failed."),
+        ("failed", "There is no answer: the computation failed."),
     ],
 )
 def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
@@ -452,8 +524,9 @@ def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_pa
     path = tmp_path / "result.nc"
     caught.value.save_as(path)
     xr.testing.assert_equal(load(path), wanted)
+    page.get_by_text("Settings of this question").click()
     page.get_by_label("Number of the tongue").fill("none")
-    page.get_by_role("button", name="Compute").click()
+    page.get_by_label("Number of the tongue").press("Enter")
     words = "“Number of the tongue (1 at ω = 2ω₀)” must be a whole number"
     page.get_by_role("alert").filter(has_text=words).wait_for()
     assert not page.get_by_role("img", name="At which speeds").count()
@@ -466,6 +539,34 @@ def test_the_view_opens_with_an_answer(page):
         timeout=240_000
     )
     page.get_by_role("heading", name="Can it stand on its head?").wait_for()
+
+
+TOPS = """places => places.map(place => {
+  const found = document.querySelector(place);
+  return found?.checkVisibility() ? found.getBoundingClientRect().top : null;
+})"""
+
+
+@pytest.mark.parametrize("width", [1366, 390])
+def test_the_answer_comes_first_then_its_picture_then_numbers(page, width):
+    page.set_viewport_size({"width": width, "height": 844})
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
+    page.locator(".finding.waiting").filter(has_text="The answer will stand here").wait_for()
+    places = [".asks", ".finding", ".picture", ".reading-of"]
+    before = page.evaluate(TOPS, places)
+    assert before == sorted(before)
+    page.locator(".finding strong").wait_for(timeout=240_000)
+    after = page.evaluate(TOPS, [*places, ".numbers"])
+    assert after == sorted(after)
+    assert after[2] - before[2] < 60  # a longer sentence moves the picture by a line or two
+    sizes = "e => parseFloat(getComputedStyle(e).fontSize)"
+    assert page.locator(".finding strong").evaluate(sizes) >= 20
+    assert not page.get_by_label("Number of the tongue").is_visible()
+    if width == 390:
+        (settings,) = page.evaluate(TOPS, [".settings-of"])
+        assert settings > after[-1]
+    assert serious_faults(page) == []
+    assert_panels_have_room(page)
 
 
 def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(page):
@@ -530,7 +631,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     assert field.is_visible()  # though rare settings are folded
     steps = page.get_by_role("alert").filter(has_text="steps at most")
     page.get_by_label("Shakes that are left out").fill("1e9")
-    page.get_by_role("button", name="Compute").click()
+    page.get_by_label("Shakes that are left out").press("Enter")
     page.get_by_text("Two samples are the same within").first.wait_for()
     field.fill("")
     page.get_by_role("button", name="Compute").click()

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.app.analyse.cost import motion_of, timing
 from latolato.app.analyse.forms import label_of
 from latolato.app.analyse.request import AnalysisRequest
+from latolato.app.analyse.timings import keep_timing
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import question_of
 
@@ -30,9 +33,26 @@ def compute(
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.io.files import save
+    from latolato.io.progress import compiling
+    from latolato.sweeps.watched import watched
 
     question = AnalysisRequest.from_json(request)
-    result = question.function(**question.arguments())
+    arguments = question.arguments()
+    expected = motion_of(question.function, arguments)
+    has_compiled = False
+
+    def compiles() -> None:
+        nonlocal has_compiled
+        has_compiled = True
+
+    def tell(motion: float) -> None:
+        if motion < expected:  # beyond it the share is not known
+            progress(motion / expected)
+
+    begun = time.monotonic()
+    with watched(tell), compiling(compiles, lambda: None):
+        result = question.function(**arguments)
+    answered = time.monotonic()
     save(result, folder / "result.nc")
     (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
     panels: list[dict[str, Any]] = []
@@ -45,6 +65,9 @@ def compute(
         save_figure(figure, folder / "result.svg")
         panels = panels_of(figure, result)
     words = question_of(question.name)
+    if not has_compiled:
+        seconds, rest = answered - begun, time.monotonic() - answered
+        keep_timing(*timing(question.function, arguments, seconds, rest))
     return {
         "analysis": question.name,
         "verdict": words.verdict(result),

@@ -1,12 +1,14 @@
-"""How many steps of motion a question takes, and how long."""
+"""How much work a question is, and how long it takes here, from answers that were timed."""
 
 from __future__ import annotations
 
 import inspect
 import math
+import statistics
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from latolato.app.analyse.timings import Timing, timings_of
 from latolato.app.run_request import TooLargeError
 from latolato.figures.analyses.question import question_of
 
@@ -17,8 +19,8 @@ _STEPS_PER_PERIOD = 40.0
 _WATCHED = 48.0
 # How much longer a second run at a tenth of the tolerance makes the work.
 _TWICE = 2.3
-# Seconds that every answer takes, with its picture.
-_LEAST_SECONDS = 1.0
+# Answers up to so many times larger than those that were timed are foretold.
+_REACH = 10.0
 
 
 def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> None:
@@ -39,16 +41,22 @@ def check_work(function: Callable[..., Any], arguments: Mapping[str, Any]) -> No
 
 
 def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
-    """Return roughly how many steps of motion an analysis takes, 0 if it does not say."""
+    """Return roughly how many steps of motion an analysis takes."""
+    return motion_of(function, arguments) * _fastest(arguments) / math.tau * _STEPS_PER_PERIOD
+
+
+def motion_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
+    """Return roughly how much motion an analysis computes, all runs together [s].
+
+    Where no option says how long a run is, each counts as one natural period.
+    """
     from latolato.scenario.analysis_options import options_of
 
     own, cost = options_of(function), question_of(function.__name__).cost
     known = {n: p.default for n, p in inspect.signature(function).parameters.items()}
     known |= arguments
-    drive, system = known.get("drive"), known["system"]
-    natural = float(system.natural_frequency)
-    fastest = max(natural, float(drive.fastest_frequency) if drive is not None else 0.0)
-    period = 2.0 * math.pi / float(getattr(drive, "drive_frequency", natural) or natural)
+    drive, natural = known.get("drive"), float(known["system"].natural_frequency)
+    period = math.tau / float(getattr(drive, "drive_frequency", natural) or natural)
 
     def number(name: str, otherwise: float) -> float:
         value = known.get(name)
@@ -63,7 +71,7 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
     elif "settling" in known:
         span = number("settling", 0.0)
     else:
-        return 0.0
+        span = math.tau / natural
     many = math.prod(max(number(name, 1.0), 1.0) for name in cost.counts)
     if "check_tolerance" in known:
         many *= _TWICE
@@ -73,10 +81,35 @@ def steps_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> floa
             many *= max(len(value), 1)
         elif value is None:
             many *= cost.lengths.get(name, 1)
-    return many * span * fastest / (2.0 * math.pi) * _STEPS_PER_PERIOD
+    return many * span
 
 
-def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float:
-    """Return roughly how long an answer takes [s], once its kernels are compiled."""
-    rate = question_of(function.__name__).cost.steps_per_second
-    return _LEAST_SECONDS + steps_of(function, arguments) / rate
+def _fastest(arguments: Mapping[str, Any]) -> float:
+    """Return the fastest frequency of a motion [rad/s]."""
+    drive, natural = arguments.get("drive"), float(arguments["system"].natural_frequency)
+    return max(natural, float(drive.fastest_frequency) if drive is not None else 0.0)
+
+
+def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> float | None:
+    """Return how long an answer takes here [s], None if none of its kind and size was timed yet."""
+    timed = timings_of(key_of(function, arguments))
+    steps, most = steps_of(function, arguments), max((each.steps for each in timed), default=0.0)
+    if steps > _REACH * most:
+        return None
+    # Small ones take their time with other things than steps.
+    large = [each for each in timed if each.steps >= 0.5 * most]
+    rate = sum(each.seconds for each in large) / sum(each.steps for each in large)
+    return statistics.median(each.rest for each in timed) + rate * steps
+
+
+def timing(
+    function: Callable[..., Any], arguments: Mapping[str, Any], seconds: float, rest: float
+) -> tuple[str, Timing]:
+    """Return what a finished answer tells about the time of others like it, and which these are."""
+    timed = Timing(steps=steps_of(function, arguments), seconds=seconds, rest=rest)
+    return key_of(function, arguments), timed
+
+
+def key_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> str:
+    """Return under which name the times of a question are kept: analysis and kind of system."""
+    return f"{function.__name__} {type(arguments['system']).__name__}"

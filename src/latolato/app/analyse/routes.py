@@ -50,7 +50,8 @@ async def _cost(request: Request) -> Response:
             check_work(question.function, arguments)
         except InputError as error:  # an answer as well: what is typed is unfinished
             return JSONResponse({"refused": str(error)})
-        return JSONResponse({"seconds": round(seconds_of(question.function, arguments), 1)})
+        seconds = seconds_of(question.function, arguments)
+        return JSONResponse({"seconds": None if seconds is None else round(seconds, 1)})
 
     return await answered(request, answer)
 

@@ -21,6 +21,8 @@ _COLOURS = (
 )  # fmt: skip
 _OTHER = style.PALE_GREY
 _UNRESOLVED = style.INK
+# A single ball that goes beyond this angle [rad] turns over the top.
+_OVER = 0.99 * math.pi
 # Size of the dots in uncertain cells and of their rim, as shares of a cell.
 _DOT, _RIM = 0.5, 0.12
 
@@ -124,27 +126,33 @@ def verdict(dataset: xr.Dataset) -> str:
     if not count:
         return "No motion has settled yet: leave out more shakes at the beginning."
     parts: list[str] = []
-    for i in range(min(count, 4)):
+    shown = min(count, 4)
+    for i in range(shown):
         one = dataset.isel(attractor=i)
         status, period = str(one["status"].item()), float(one["response_period"])
         kind = {"rest": "rest", "aperiodic": "chaos"}.get(status)
         if kind == "rest" and one["largest_angle_watched"].max() > UPRIGHT:
             kind = "rest upright"
         if kind is None:
-            size = degrees(float(one["largest_angle_watched"].max()))
-            kind = f"one that repeats {shakes(period)} and goes out to {size}"
-        of = "" if parts else " of the starts"
-        parts.append(f"{kind} ({percent(float(one['basin_fraction']))}{of})")
-    rest = f"; {percent(left)} of the starts have not settled" if left else ""
+            size = float(one["largest_angle_watched"].max())
+            kind = f"a motion that repeats {shakes(period)} and "
+            turns = dataset.attrs["system"] == "pendulum" and size > _OVER
+            kind += "turns over the top" if turns else f"goes out to {degrees(size)}"
+        parts.append(f"{kind} ({percent(float(one['basin_fraction']))})")
+    notes = ""
+    if left:
+        notes += f" {percent(left)} have not settled: leave out more shakes at the beginning."
     uncertain = float(dataset["uncertain_fraction"])
     if uncertain:
-        rest += f"; of {percent(uncertain)} of the starts the end depends on the numerical error"
+        notes += f" For {percent(uncertain)} the end depends on the numerical error."
     if count == 1:
-        only = "all starts end" if not left else "the starts that settle end"
-        return f"It does not matter: {only} in {parts[0]}{rest}."
-    more = f" and {times(count - 4, 'more')}".removesuffix("s") if count > 4 else ""
-    joined = ", ".join(parts) + more if more else listed(parts)
-    return f"It does: there are {count} motions to end in, {joined}{rest}."
+        only = "every start ends" if not left else "every start that settles ends"
+        return f"It does not matter: {only} in {parts[0]}.{notes}"
+    if count > shown:
+        parts.append(times(count - shown, "other"))
+    return (
+        f"It does: there are {count} motions to end in. The starts end in {listed(parts)}.{notes}"
+    )
 
 
 QUESTION = Question(

@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.sentences import listed, number, percent, shakes
+from latolato.figures.analyses.sentences import listed, percent, range_of, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,32 +81,43 @@ def verdict(dataset: xr.Dataset) -> str:
     """Tell how many settings move, which periods occur, and where both ways differ."""
     status = dataset["status"].values.astype(str)
     moving = np.isin(status, ("periodic", "grazing", "aperiodic"))
+    knob = dataset[dataset.attrs["parameter"]]
+    values = knob.values
+    tried = f"{values.size} settings, {range_of(knob, values.min(), values.max())}"
     if not moving.any():
-        rest = percent((status == "rest").mean())
-        if (status == "rest").all():
-            return "It ends at rest at every setting tried."
-        return f"It ends at rest at {rest} of the settings; at the others it has not settled yet."
+        share = (status == "rest").mean()
+        if share == 1.0:
+            return f"It ends at rest at all {tried}."
+        return (
+            f"It ends at rest at {percent(share)} of the {tried}. At the others {_other(status)}."
+        )
+    text = f"It keeps moving at {percent(moving.mean())} of the {tried}."
     periods = dataset["response_period"].values[np.isin(status, ("periodic", "grazing"))]
     known = [shakes(p) for p in np.unique(periods[np.isfinite(periods)])]
     parts = [f"repeats {listed(known[:4], 'or')}"] if known else []
+    if len(known) > 4:
+        parts.append("repeats more slowly")
     if (status == "aperiodic").any():
         parts.append("never repeats")
-    text = f"It keeps moving at {percent(moving.mean())} of the settings; there it "
-    text += ", or ".join(parts)
+    text += f" There it {', or '.join(parts)}."
+    lost = ~(moving | (status == "rest"))
+    if lost.any():
+        text += f" At {percent(lost.mean())} {_other(status)}."
     if "is_hysteretic" in dataset:
-        both = np.flatnonzero(dataset["is_hysteretic"].values == 1)
+        both = values[dataset["is_hysteretic"].values == 1]
         if both.size:
-            values = dataset[dataset.attrs["parameter"]]
-            unit = str(values.attrs.get("units", "1")).replace("^2", "²")
-            unit = "" if unit == "1" else f" {unit}"
-            ends = sorted({number(float(values[both[0]])), number(float(values[both[-1]]))})
+            where = range_of(knob, both.min(), both.max())
             text += (
-                f". Between {' and '.join(ends)}{unit}"
-                if len(ends) == 2
-                else (f". At {ends[0]}{unit}")
+                f" At {times(both.size, 'setting')}, {where}, the way there decides what it does."
             )
-            text += " there are settings with two answers: the way there decides"
-    return text + "."
+    return text
+
+
+def _other(status: Any) -> str:
+    """Tell what is known of settings that neither move nor rest."""
+    if (status == "not settled").any():
+        return "it has not settled yet"
+    return "it has no answer"
 
 
 QUESTION = Question(
@@ -120,6 +131,6 @@ QUESTION = Question(
     quick={"points": "41", "parameter": "frequency_ratio"},
     conditions=(settles, is_shaken),
     place=1,
-    cost=Cost(counts=("points",), steps_per_second=2.5e5, most_shakes=1_000),
+    cost=Cost(counts=("points",), most_shakes=1_000),
     verdict=verdict,
 )

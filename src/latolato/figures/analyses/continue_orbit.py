@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, is_shaken
-from latolato.figures.analyses.sentences import listed, number
+from latolato.figures.analyses.sentences import listed, number, range_of
 from latolato.figures.map_title import title_of
 
 if TYPE_CHECKING:
@@ -165,17 +165,32 @@ def verdict(dataset: xr.Dataset) -> str:
     """Tell the range, the share that is stable, and special points."""
     if not dataset.sizes["point"] or str(dataset["status"].item()) == "not found":
         return "No repeating motion was found from this start: change the start or the repetition."
-    values = dataset[dataset.attrs["parameter"]].values
-    low, high = number(float(values.min()), 4), number(float(values.max()), 4)
-    stable = dataset["is_stable"].values == 1
-    kind = "stable" if stable.all() else "unstable" if not stable.any() else "partly stable"
-    text = f"The rhythm goes on from {low} to {high} and is {kind} there"
-    names, counts = np.unique(dataset["special_kind"].values.astype(str), return_counts=True)
-    if names.size:
-        marks = [f"{n.replace('_', ' ')} ({c})" for n, c in zip(names, counts, strict=True)]
-        text += f"; on the way: {listed(marks)}"
-    ends = {"lost": "; then it ends", "points": "; there is more of it", "closed": "; it is a loop"}
-    return f"{text}{ends.get(str(dataset['status'].item()), '')}."
+    knob = dataset[dataset.attrs["parameter"]]
+    stable = float((dataset["is_stable"].values == 1).mean())
+    kind = (
+        "stable"
+        if stable == 1.0
+        else "unstable"
+        if not stable
+        else "stable in a part of that range"
+    )
+    text = f"The rhythm exists for {range_of(knob, knob.values.min(), knob.values.max())}"
+    text += f" and is {kind}."
+    kinds = dataset["special_kind"].values.astype(str)
+    marks = [
+        f"{name.replace('_', ' ')} at {listed([number(v, 4) for v in values[:3]])}"
+        + (f" and {len(values) - 3} more" if len(values) > 3 else "")
+        for name in np.unique(kinds)
+        for values in [np.sort(dataset["special_value"].values[kinds == name])]
+    ]
+    if marks:
+        text += f" On the way: {listed(marks)}."
+    ends = {
+        "lost": " Then it ends.",
+        "points": " It goes on beyond the points that were asked for.",
+        "closed": " It comes back to where it began: a loop.",
+    }
+    return text + ends.get(str(dataset["status"].item()), "")
 
 
 QUESTION = Question(

@@ -64,19 +64,24 @@ def verdict(dataset: xr.Dataset) -> str:
     status, share = str(dataset["status"].item()), float(dataset["passage_fraction"])
     angle = degrees(dataset.attrs["threshold_angle"])
     mean = float(dataset["mean_first_passage_time"])
+    count = dataset.sizes["trajectory"]
+    span = f"in {number(float(dataset.attrs['duration']))} s"
     if status == "none passed":
-        return (
-            f"None reached {angle}: on average it takes more than "
-            f"{number(float(dataset['mean_first_passage_time_low']))} s."
-        )
-    text = f"{percent(share)} reached {angle}"
+        least = number(float(dataset["mean_first_passage_time_low"]))
+        return f"None of {count} reached {angle} {span}. On average it takes more than {least} s."
+    reached = (
+        f"{f'All {count}' if share == 1.0 else f'{percent(share)} of {count}'} reached {angle}"
+    )
     if status == "all at once":
-        return f"{text}, all at the same time: the drive takes them there, not chance."
-    if status == "not exponential":
-        tail = "but not by pure chance: first the motion must grow"
-        return f"{text}, after some {number(mean)} s, {tail}."
+        return (
+            f"{reached} after {number(mean)} s, all at the same time. The drive takes them there, "
+            "not chance."
+        )
     time = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
-    return f"{text}, by chance, after {time} s on average."
+    text = f"{reached}, after {time} s on average"
+    if status == "not exponential":
+        return f"{text}. It is not pure chance: first the motion must grow."
+    return f"{text}, by pure chance."
 
 
 QUESTION = Question(

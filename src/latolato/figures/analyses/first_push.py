@@ -101,21 +101,29 @@ def verdict(dataset: xr.Dataset) -> str:
     ratio = np.repeat(dataset["frequency_ratio"].values, dataset.sizes["drive_phase"])
     unit = str(dataset["first_push"].attrs["units"])
     alone, none = np.isin(status, ("self-start", "any push")), status == "none"
-    parts = []
-    if alone.any():
-        parts.append(f"at {alone.sum()} it starts by itself")
-    pushed = np.flatnonzero(status == "push")
-    if pushed.size:
-        best = pushed[np.argmin(push[pushed])]
-        least = number(float(push[best]))
-        parts.append(
-            f"at {pushed.size} it needs a push, the least being {least} {unit} "
-            f"(known to {number(float(error[best]), 1)}) for ω/ω₀ = {number(float(ratio[best]))}"
-        )
+    tried, largest = status.size, number(float(dataset.attrs["largest_push"]))
+    if alone.all():
+        return f"No push is needed: it starts by itself at all {times(tried, 'drive speed')}."
+    helped = np.flatnonzero(status == "push")
+    speeds, lost = times(tried, "drive speed"), tried - int((alone | none).sum()) - helped.size
+    parts = [f"{alone.sum()} need no push"] if alone.any() else []
+    if helped.size:
+        best = helped[np.argmin(push[helped])]
+        least, width = number(float(push[best])), number(float(error[best]), 1)
+        at = number(float(ratio[best]))
+        text = f"The least push that starts it is {least} {unit}, at ω/ω₀ = {at}."
+        parts.append(f"{helped.size} need one (the least is known to within {width} {unit})")
+    elif alone.any():
+        text = "At some speeds it starts by itself, at others not."
+    elif none.any():
+        text = f"No push up to {largest} {unit} starts it."
+    else:
+        return "There is no answer: at no drive speed did a run give one."
     if none.any():
-        parts.append(f"at {none.sum()} no push helps")
-    text = listed(parts) if parts else "no setting has an answer"
-    return f"Of {times(status.size, 'drive speed')}: {text}."
+        parts.append(f"at {none.sum()} no push up to {largest} {unit} helps")
+    if lost:
+        parts.append(f"{lost} have no answer")
+    return f"{text} Of {speeds}, {listed(parts)}."
 
 
 QUESTION = Question(

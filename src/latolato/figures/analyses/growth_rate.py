@@ -69,7 +69,8 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"About {where} a small swing neither grows nor dies away."
     verb = "doubles" if rate > 0.0 else "halves"
     time = math.log(2.0) / abs(rate)
-    return f"About {where} a small swing {verb} every {number(time)} s."
+    text = f"About {where} a small swing {verb} every {number(time)} s."
+    return f"{text} Its growth rate is {number(rate)} 1/s."
 
 
 QUESTION = Question(

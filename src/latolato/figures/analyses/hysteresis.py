@@ -76,7 +76,9 @@ def verdict(dataset: xr.Dataset) -> str:
         return "There is no verdict: at some of these speeds a run has no answer."
     low, high = (number(float(row[f"bistable_{end}"])) for end in ("low", "high"))
     where = f"at ω/ω₀ = {low}" if low == high else f"from ω/ω₀ = {low} to {high}"
-    text = f"Yes: {where} the past decides"
+    text = f"Yes: {where} the past decides what it does"
+    ratios = np.sort(dataset["frequency_ratio"].values)
+    step = float(np.diff(ratios).max(initial=math.nan))
     up = float(row["jump_ratio"].sel(direction="up"))
     down = float(row["jump_ratio"].sel(direction="down"))
     jumps = [
@@ -84,7 +86,10 @@ def verdict(dataset: xr.Dataset) -> str:
         for place, way in ((up, "up"), (down, "down"))
         if math.isfinite(place)
     ]
-    return f"{text}; its largest jumps are {listed(jumps)}." if jumps else f"{text}."
+    text += f" (every {number(step, 1)} was tried)." if math.isfinite(step) else "."
+    if float(row["bistable_high"]) == ratios[-1] or float(row["bistable_low"]) == ratios[0]:
+        text += " It may go on beyond the speeds that were tried."
+    return f"{text} The largest jumps are {listed(jumps)}." if jumps else text
 
 
 QUESTION = Question(
@@ -97,7 +102,7 @@ QUESTION = Question(
     quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
     conditions=(settles, is_shaken),
     place=5,
-    cost=Cost(steps_per_second=1e6, decay_times=6.0),
+    cost=Cost(decay_times=6.0),
     labels={
         "least_jump": "A jump is a change of at least",
         "least_motion": "Smallest swing that is kept alive",

@@ -67,17 +67,18 @@ def verdict(dataset: xr.Dataset) -> str:
     if not count:
         return "The balls do not clack: they rest on each other, or swing without touching."
     side = dataset["impact_side"].values.astype(str)
-    where = [name for name in ("bottom", "top") if (side == name).any()]
+    where = [f"the {name}" for name in ("bottom", "top") if (side == name).any()]
     rate = float(dataset["impacts_per_period"])
     phases = dataset["impact_phase"].values
     # On the circle, a little coarser than the drive's phase is stored.
     places = np.unique(np.round(np.exp(1j * phases), 2)).size
     steady = places <= 12
-    text = f"The balls clack {times(rate, 'time')} per shake, at the {listed(where)}"
+    often = {1.0: "once", 2.0: "twice"}.get(rate) or times(rate, "time")
+    text = f"The balls clack {often} per shake, at {listed(where)}"
     rests = int(dataset["rests"])
     if rests:
         text += f", and come to rest {times(rests, 'time')} meanwhile"
-    return f"{text}; {'the rhythm is steady' if steady else 'the rhythm keeps changing'}."
+    return f"{text}. The rhythm {'is steady' if steady else 'keeps changing'}."
 
 
 QUESTION = Question(

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import DISTURBANCE, Cost, Question
-from latolato.figures.analyses.sentences import number
+from latolato.figures.analyses.sentences import e_folding, no_answer, number
 from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
@@ -89,15 +89,16 @@ def verdict(dataset: xr.Dataset) -> str:
     status, largest = str(dataset["status"].item()), float(dataset["lyapunov_exponents"].max())
     if status == "rest":
         return "No: the balls come to rest on each other, and the past is forgotten."
+    if status not in ("chaotic", "regular", "marginal"):
+        return no_answer(status)
+    span = dataset.attrs.get("duration")
+    watched = f", followed for {number(float(span))} s" if span is not None else ""
+    tail = f" The largest exponent is {number(largest)} 1/s{watched}."
     if status == "chaotic":
-        return (
-            f"Yes: neighbouring starts drift apart e-fold every {number(1.0 / largest)} s: chaos."
-        )
+        return f"Yes: neighbouring starts drift apart {e_folding(largest)}: chaos.{tail}"
     if status == "regular":
-        return f"No: neighbouring starts come together e-fold every {number(-1.0 / largest)} s."
-    if status == "marginal":
-        return "It cannot be told in this time: neighbours hardly drift. Follow it longer."
-    return f"There is no answer: {status}."
+        return f"No: neighbouring starts come together {e_folding(largest)}.{tail}"
+    return f"It cannot be told in this time: follow it longer.{tail}"
 
 
 QUESTION = Question(
@@ -110,6 +111,6 @@ QUESTION = Question(
     quick={"duration": "300"},
     place=1,
     # It takes long to tell an exponent from zero.
-    cost=Cost(steps_per_second=1e5, decay_times=30.0),
+    cost=Cost(decay_times=30.0),
     verdict=verdict,
 )

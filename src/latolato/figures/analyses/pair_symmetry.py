@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import DISTURBANCE, Question, is_toy
-from latolato.figures.analyses.sentences import number
+from latolato.figures.analyses.sentences import e_folding, no_answer, number, percent
 from latolato.figures.analyses.words import head, tex_number, write_words
 from latolato.figures.map_title import in_words, title_of
 from latolato.figures.sides import side_of
@@ -138,19 +138,17 @@ def verdict(dataset: xr.Dataset) -> str:
     status = dataset["status"].values.astype(str)
     rate = dataset["transverse_exponent"].values.ravel()
     if status.size > 1:
-        share = 100.0 * float((status == "valid").mean())
-        return f"They do in {share:.0f} % of the {status.size} cases."
+        return f"They do in {percent(float((status == 'valid').mean()))} of {status.size} cases."
     state, value = str(status.ravel()[0]), float(rate[0])
     if math.isnan(value):
-        return f"There is no answer: {state}."
+        return no_answer(state)
     if state == "valid" and math.isinf(value):
         return "Yes: they rest on each other, and every difference vanishes."
-    text = number(value)
     if state == "valid":
-        return f"Yes: differences between them die out, at a rate of {text} 1/s."
+        return f"Yes: differences between them die out, {e_folding(value)}."
     if state == "broken":
-        return f"No: a small difference between them grows, at a rate of {text} 1/s."
-    return f"It cannot be told in this time: the rate is {text} 1/s."
+        return f"No: a small difference between them grows, {e_folding(value)}."
+    return f"It cannot be told in this time: a difference grows at {number(value)} 1/s."
 
 
 QUESTION = Question(

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.sentences import shakes
+from latolato.figures.analyses.sentences import no_answer, shakes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,7 +62,7 @@ def verdict(dataset: xr.Dataset) -> str:
     )
     keep = np.isfinite(angle).all(axis=1) & np.isfinite(speed).all(axis=1)
     if not keep.any():
-        return f"There is no answer: {dataset['status'].item()}."
+        return no_answer(str(dataset["status"].item()))
     scale = float(dataset.attrs["drive_frequency"])
     # Angles as points of a circle, which has no ends.
     points = np.concatenate([np.cos(angle[keep]), np.sin(angle[keep]), speed[keep] / scale], axis=1)
@@ -70,11 +70,11 @@ def verdict(dataset: xr.Dataset) -> str:
     # Neighbours on both sides of an edge of rounding are one.
     near = np.abs(points[1:] - points[0]).max(axis=1) < 5e-3
     if near.all():
-        return f"All {len(points)} flashes show the same: it repeats every shake, or rests."
+        return f"All {len(points)} flashes show the same place: it repeats every shake, or rests."
     period = int(np.argmax(near)) + 1 if near.any() else 0
     if period and near[period - 1 :: period].all() and period <= 64:
         return f"It visits {period} places in turn: it repeats {shakes(period)}."
-    return f"The {len(points)} flashes fall on some {count} places: no short repetition is seen."
+    return f"The {len(points)} flashes fall on some {count} places. No short repetition is seen."
 
 
 QUESTION = Question(

@@ -33,8 +33,6 @@ class Cost:
         Options that multiply the work.
     lengths : mapping of str to int
         How many values of a list are tried where none are given.
-    steps_per_second : float
-        Steps of motion in a second on two cores; fewer where one is taken after another.
     most_shakes : int
         To so many drive periods the form lengthens a transient in which motion has not settled.
     decay_times : float
@@ -43,7 +41,6 @@ class Cost:
 
     counts: tuple[str, ...] = ()
     lengths: Mapping[str, int] = field(default_factory=dict)
-    steps_per_second: float = 1e7
     most_shakes: int = 0
     decay_times: float = 0.0
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.sentences import UPRIGHT, degrees, shakes, times
+from latolato.figures.analyses.sentences import UPRIGHT, degrees, no_answer, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,9 +87,9 @@ def verdict(dataset: xr.Dataset) -> str:
         )
     if status == "aperiodic":
         longest = dataset.attrs["longest"]
-        return f"It does not repeat within {longest} shakes: look whether it is chaos."
+        return f"It does not repeat within {longest} shakes. Ask whether it is chaotic."
     if status not in ("periodic", "grazing"):
-        return f"There is no answer: {status}."
+        return no_answer(status)
     text = f"The motion repeats {shakes(dataset['response_period'].item())}"
     if dataset["impacts_per_period"].item():
         text += f", with {times(dataset['impacts_per_period'].item(), 'impact')} per shake"

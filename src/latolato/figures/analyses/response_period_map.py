@@ -91,19 +91,23 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
 
 def verdict(dataset: xr.Dataset) -> str:
     """Tell the shares of rest, of the most frequent period and of motion without one."""
-    if not dataset["cells"].values.any():
-        return "No cell has an answer."
+    total = int(dataset["cells"].values.sum())
+    if not total:
+        return "There is no answer: no cell has one."
     share = dict(zip(dataset["motion"].values.astype(str), dataset["share"].values, strict=True))
-    rest = share.pop("rest", 0.0)
-    parts = [f"{percent(rest)} rest"] if rest else []
-    wild = share.pop("aperiodic", 0.0)
     moving = {name: s for name, s in share.items() if name.startswith("period ") and s > 0.0}
-    if moving:
-        name = max(moving, key=lambda each: moving[each])
-        parts.append(f"{percent(moving[name])} repeat {shakes(int(name.split()[1]))}")
-    if wild:
-        parts.append(f"{percent(wild)} never repeat")
-    return f"Of the cells {listed(parts)}." if parts else "No cell has settled."
+    often = max(moving, key=lambda each: moving[each], default="")
+    words = {
+        "rest": "rest",
+        often: f"repeat {shakes(int(often.split()[1]))}" if often else "",
+        "others": "repeat in another rhythm",
+        "aperiodic": "never repeat",
+        "grazing": "touch almost without speed",
+        "not settled": "have not settled",
+    }
+    share["others"] = sum(moving.values()) - moving.get(often, 0.0)
+    parts = [f"{percent(share[name])} {text}" for name, text in words.items() if share.get(name)]
+    return f"Of {total} cells, {listed(parts)}."
 
 
 QUESTION = Question(

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # Beyond this angle [rad] one ball at rest stands upright.
 UPRIGHT = 0.75 * math.pi
 POSITION_WORDS = {"hanging": "hanging still", "inverted": "standing upright"}
+# Why a run has no answer, by its status.
+_REASONS = {
+    "event_limit": "the balls touch more often than can be followed",
+    "failed": "the computation failed",
+    "invalid": "these values describe no toy",
+}
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
 
@@ -115,3 +125,56 @@ def listed(parts: list[str], last: str = "and") -> str:
     'a, b and c'
     """
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} {last} {parts[-1]}"
+
+
+def within(low: float, high: float) -> str:
+    """Return a range of a number, or the number where both ends are the same.
+
+    Examples
+    --------
+    >>> within(1.5, 3.0), within(2.0, 2.0)
+    ('from 1.5 to 3', '2')
+    """
+    ends = number(low, 4), number(high, 4)
+    return ends[0] if ends[0] == ends[1] else f"from {ends[0]} to {ends[1]}"
+
+
+def range_of(variable: xr.DataArray, low: float, high: float) -> str:
+    """Return a range of a quantity with its name and unit.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> range_of(xr.DataArray([1.5], name="frequency_ratio"), 1.5, 3.0)
+    'ω/ω₀ from 1.5 to 3'
+    >>> about = {"long_name": "driving amplitude", "units": "m"}
+    >>> range_of(xr.DataArray([0.01], attrs=about, name="drive_amplitude"), 0.01, 0.01)
+    'driving amplitude 0.01 m'
+    """
+    name = str(variable.attrs.get("long_name", variable.name))
+    unit = str(variable.attrs.get("units", "1")).replace("^2", "²").replace("*", " ")
+    if variable.name == "frequency_ratio":
+        name, unit = "ω/ω₀", "1"
+    return f"{name} {within(low, high)}" + ("" if unit == "1" else f" {unit}")
+
+
+def no_answer(status: str) -> str:
+    """Return the sentence that stands for an answer, and why there is none.
+
+    Examples
+    --------
+    >>> no_answer("event_limit")
+    'There is no answer: the balls touch more often than can be followed.'
+    """
+    return f"There is no answer: {_REASONS.get(status, status)}."
+
+
+def e_folding(rate: float) -> str:
+    """Return how fast something grows or fades, by the time of a factor e.
+
+    Examples
+    --------
+    >>> e_folding(0.5), e_folding(-2.0)
+    ('e-fold every 2 s', 'e-fold every 0.5 s')
+    """
+    return f"e-fold every {number(1.0 / abs(rate))} s"

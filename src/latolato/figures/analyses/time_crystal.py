@@ -126,15 +126,16 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"There is no beat of two shakes: {words.get(status, 'the run has no answer')}."
     text = {
         "locked": "It swings exactly once in two shakes",
-        "drifting": f"Its beat is near half the drive's speed but not at it ({number(peak, 4)})",
+        "drifting": "Its beat is near half the drive's speed but not at it "
+        f"({number(peak, 4)} of it)",
         "broad": "There is no clear beat of two shakes, but a broad mixture about it",
     }[status]
-    text += f", {angle} to each side"
+    text += f", {angle} to each side."
     if math.isfinite(life):
-        return f"{text}; it slips out of step about every {number(life)} s."
+        return f"{text} It slips out of step about every {number(life)} s."
     if math.isfinite(least):
-        return f"{text}; it never slipped, so it does so less than once in {number(least)} s."
-    return f"{text}."
+        return f"{text} It never slipped, so it does so less than once in {number(least)} s."
+    return text
 
 
 QUESTION = Question(

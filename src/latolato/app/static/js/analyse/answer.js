@@ -1,4 +1,4 @@
-/** What an analysis found: picture, numbers, files, and the lines that ask the same. */
+/** What an analysis found: a sentence, then picture, numbers, files, and lines that ask the same. */
 
 import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
@@ -43,16 +43,38 @@ export function valuesAt(panel, x, y) {
   return values;
 }
 
+/**
+ * Return the answer as a headline, its first sentence, and what is to be said beside it.
+ * @param {string} verdict
+ * @returns {[string, string]}
+ */
+export function headlineOf(verdict) {
+  const end = verdict.search(/(?<=[.!?]) (?=\p{Lu})/u);
+  return end < 0 ? [verdict, ""] : [verdict.slice(0, end), verdict.slice(end + 1)];
+}
+
+/**
+ * Return the card of a picture, with words on how to read it; without a picture it keeps its place.
+ * @param {import("./questions.js").Asking} form the question
+ * @param {...(Node | null)} content
+ */
+export function pictureCard({ reading, term, summary, notes }, ...content) {
+  return el("section", { class: "card" }, ...(content.length ? content
+    : [el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))]),
+  el("p", { class: "reading-of" }, reading),
+  el("p", { class: "hint", title: `${summary} ${notes}` }, t("termOf", { term })));
+}
+
 export class Answer {
   /**
    * @param {Block} block
-   * @param {string} title the question
+   * @param {import("./questions.js").Asking} form the question
    * @param {(text: string) => string} inWords puts what the page calls it for names of options
    * @param {(values: Record<string, string>, words: string) => void} chosen called for a point
    */
-  constructor(block, title, inWords, chosen) {
+  constructor(block, form, inWords, chosen) {
     const { about } = block;
-    this.title = title;
+    this.title = form.title;
     this.panels = /** @type {Panel[]} */ (about.panels);
     this.chosen = chosen;
     this.at = { panel: 0, x: 0.5, y: 0.5 };
@@ -64,19 +86,20 @@ export class Answer {
     const notes = about.warnings.map((/** @type {string} */ text) =>
       el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
     this.after = el("div", { class: "after" });
+    const [headline, beside] = headlineOf(about.verdict);
+    /** What the answer is, for the line under the question. */
+    this.words = [el("strong", {}, headline), beside && ` ${beside}`];
     this.root = el("div", { class: "main" },
-      el("section", { class: "card" },
-        el("p", { class: "finding", role: "status" }, about.verdict), ...notes,
-        block.arrays.png ? this.picture(block) : null, this.choice,
-        el("div", { class: "actions" }, ...files.map((kind) =>
-          el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
+      pictureCard(form, ...notes, block.arrays.png ? this.picture(block) : null, this.choice),
       this.after,
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },
           el("table", { class: "numbers" }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
-              el("th", { scope: "row" }, name), el("td", {}, text))))))),
+              el("th", { scope: "row" }, name), el("td", {}, text)))))),
+        el("div", { class: "actions" }, ...files.map((kind) =>
+          el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
       el("details", { class: "card" }, el("summary", {}, t("code")),
         el("p", { class: "hint" }, t("codeAsks")), ...codeBlocks([about.python, about.command])));
   }
@@ -86,11 +109,15 @@ export class Answer {
     // Not the SVG, whose texts depend on the fonts that are there.
     const address = URL.createObjectURL(fileOf(block, "png", TYPES.png));
     const name = this.title;
-    const image = el("img", { src: address, alt: t("pictureOf", { name }), on: { load: () => {
-      image.style.setProperty("--full", `${image.naturalWidth / DOTS}rem`);
-      URL.revokeObjectURL(address);
-    } } });
-    if (!this.panels.length) return el("div", { class: "picture" }, image);
+    // Its size is in the file's first bytes: what comes below stays where it is.
+    const { buffer, byteOffset } = /** @type {Uint8Array} */ (block.arrays.png);
+    const [width, height] = [16, 20].map((at) => new DataView(buffer, byteOffset).getUint32(at));
+    const image = el("img", { src: address, alt: t("pictureOf", { name }), width, height,
+      on: { load: () => URL.revokeObjectURL(address) } });
+    image.style.setProperty("--full", `${width / DOTS}rem`);
+    // On a phone it scrolls.
+    if (!this.panels.length) return el("div", { class: "picture", tabindex: "0", role: "region",
+      "aria-label": t("pictureOf", { name }) }, image);
     const place = el("div", { class: "picture points", tabindex: "0", role: "application",
       "aria-label": t("pointsOf", { name }), on: {
         click: (/** @type {MouseEvent} */ event) => this.click(event, place),
@@ -124,7 +151,7 @@ export class Answer {
       this.at.x = clip(this.at.x + step[0]);
       this.at.y = clip(this.at.y + step[1]);
       this.move();
-      this.choice.textContent = this.words();
+      this.choice.textContent = this.said();
     } else if (event.key === "Enter") this.choose();
     else return;
     event.preventDefault();
@@ -139,7 +166,7 @@ export class Answer {
   }
 
   /** Return what the marked point stands for. */
-  words() {
+  said() {
     const { panel, x, y } = this.at;
     const { x: across, y: up } = this.panels[panel];
     return Object.entries(valuesAt(this.panels[panel], x, y)).map(([name, text]) =>
@@ -148,6 +175,6 @@ export class Answer {
 
   choose() {
     this.choice.textContent = "";
-    this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y), this.words());
+    this.chosen(valuesAt(this.panels[this.at.panel], this.at.x, this.at.y), this.said());
   }
 }

@@ -1,16 +1,17 @@
 /** Analyse: one question about the system and drive of all views, and its answer. */
 
 import { askJson, newest, Offline } from "../shared/api.js";
-import { el } from "../shared/dom.js";
+import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
-import { JobLine, spanText } from "../shared/jobs.js";
+import { JobLine } from "../shared/jobs.js";
 import { heldOptions, withLaws } from "../shared/laws.js";
 import { withOptions } from "../shared/links.js";
+import { spanText } from "../shared/left.js";
 import { presetField } from "../shared/presets.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
-import { Answer } from "./answer.js";
+import { Answer, pictureCard } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
 import { QuestionList } from "./questions.js";
@@ -44,31 +45,33 @@ export class AnalyseView {
     this.job = new JobLine();
     this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
-    this.go = el("button", { type: "submit", class: "play", disabled: true }, t("compute"));
+    const id = freshId();
+    // Outside of its form, where the answer will stand.
+    this.go = el("button", { type: "submit", class: "play", form: id }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
     this.title = el("h2", { class: "asks" });
-    this.term = el("p", { class: "hint" });
-    this.reading = el("p", {});
+    this.of = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
+    this.finding = el("p", { class: "finding", role: "status" });
     this.unfit = el("div", { class: "unfit-note", hidden: true });
+    this.asking = el("div", { class: "row asking" }, this.go, this.cost);
     const submit = (/** @type {Event} */ event) => {
       event.preventDefault();
       this.working = "";
       void this.consider(true);
     };
-    this.fields = el("form", { class: "form", on: { submit } }, this.own.root,
-      el("div", { class: "row" }, this.go, this.cost), this.job.root);
+    this.fields = el("details", { class: "card settings-of" }, el("summary", {}, t("settings")),
+      el("form", { id, class: "form", on: { submit } }, this.own.root));
     const laws = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ event) => event.preventDefault() } });
     this.laws = new Form(laws, page.registry, page.store);
-    this.of = el("p", { class: "hint" });
     this.answer = el("div", {});
     this.root = el("div", { class: "view split analyse" },
       el("aside", { class: "side" }, el("section", { class: "card" }, this.presets.field),
-        this.list.root,
-        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfQuestion")), laws)),
+        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfQuestion")), laws),
+        this.fields, this.list.root),
       el("div", { class: "main" }, el("section", { class: "card question" }, this.notice, this.title,
-        this.reading, this.term, this.of, this.unfit, this.fields), this.answer));
+        this.of, this.unfit, this.finding, this.asking, this.job.root), this.answer));
     this.refresh = newest(() => this.look());
     /** @type {() => void} */
     this.unsubscribe = () => {};
@@ -152,26 +155,33 @@ export class AnalyseView {
     this.tell(lines.join(" "));
     this.list.show(this.what, this.about.unfit);
     this.title.textContent = form.title;
-    this.term.textContent = t("termOf", { term: form.term });
-    this.term.title = `${form.summary} ${form.notes}`;
-    this.reading.textContent = form.reading;
     const typed = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
       .map((name) => [name, extra[KEY + name]]));
     const why = this.about.unfit[this.what];
     this.showUnfit(why);
     this.fields.hidden = why !== undefined;
     this.own.build(this.what, form, this.about, typed);
-    this.go.disabled = false;
     this.root.dataset.form = this.what;
     if (this.root.dataset.answered !== this.what || why) this.clear();
     if (!why) void this.consider(extra[ASK] === "1");
   }
 
-  /** Take the answer away. */
+  /** Take the answer away; its place says what will stand there. */
   clear() {
-    this.answer.replaceChildren();
+    const isFit = !(this.what in (this.about?.unfit ?? {}));
+    this.finding.hidden = !isFit;
+    this.finding.classList.add("waiting");
+    this.finding.textContent = t("answerHere");
+    this.answer.replaceChildren(...(isFit ? [pictureCard(this.forms[this.what])] : []));
+    this.asking.hidden = true;
     this.point.rest();
     this.point.root.hidden = true;
+  }
+
+  /** Offer to compute what was not asked or has no answer. */
+  offer() {
+    this.clear();
+    this.asking.hidden = false;
   }
 
   /**
@@ -222,7 +232,8 @@ export class AnalyseView {
   }
 
   /**
-   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes.
+   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes. A question
+   * whose time was never measured is begun, and ended again if its first part shows that it is slow.
    * @param {boolean} isWanted
    */
   async consider(isWanted) {
@@ -241,53 +252,78 @@ export class AnalyseView {
       const { seconds, refused } = await askJson("api/analyses/cost", question);
       if (turn !== this.turn) return;
       if (refused) this.refuse(refused);
-      else if (seconds <= QUICK || isWanted) await this.ask(question, seconds, turn);
-      else {
-        this.clear();
-        this.cost.textContent = t("askCost", { time: spanText(seconds) });
-      }
+      else if (isWanted || seconds === null || seconds <= QUICK)
+        await this.ask(question, seconds, turn, isWanted || seconds !== null);
+      else this.tellCost(seconds);
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (turn === this.turn) this.refuse(error instanceof Offline ? t("offline") : error.message);
     }
   }
 
+  /**
+   * Say how long an answer takes, which waits for Compute.
+   * @param {number} seconds as measured
+   */
+  tellCost(seconds) {
+    this.offer();
+    this.cost.textContent = t("askCost", { time: spanText(seconds) });
+  }
+
   /** @param {string} text why there is no answer */
   refuse(text) {
-    this.answer.classList.remove("stale");
-    this.clear();
-    if (this.own.error(text)) this.job.error.hidden = true;
+    this.age(false);
+    this.offer();
+    if (this.own.error(text)) {
+      this.job.error.hidden = true;
+      this.fields.open = true;
+    }
     else this.job.refuse(inWords(text, this.own.words));
+  }
+
+  /** @param {boolean} isOld whether what is on show answers an older question */
+  age(isOld) {
+    for (const place of [this.finding, this.answer]) place.classList.toggle("stale", isOld);
   }
 
   /**
    * Ask the server and show the answer.
    * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
    *   settings: Record<string, string>}} question
-   * @param {number} seconds that it takes
+   * @param {number | null} seconds that it takes, if that was measured before
    * @param {number} turn
+   * @param {boolean} isWanted however long it takes
    */
-  async ask(question, seconds, turn) {
-    this.answer.classList.add("stale");
-    const block = await this.job.run("ws/analyse", question, seconds);
+  async ask(question, seconds, turn, isWanted) {
+    this.age(true);
+    this.asking.hidden = true;
+    /** @type {number | null} */
+    let slow = null;
+    const block = await this.job.run("ws/analyse", question, { expected: seconds, timed: (all) => {
+      if (isWanted || all <= QUICK) return;
+      slow = all;
+      this.job.stop();
+    } });
     if (turn !== this.turn) return;
     if (!block) {
       const { error } = this.job;
-      this.answer.classList.remove("stale");
-      if (error.hidden) this.clear();
+      this.age(false);
+      if (slow !== null) this.tellCost(slow);
+      else if (error.hidden) this.offer();
       else this.refuse(error.textContent ?? "");
       this.working = "";
       return;
     }
-    this.answer.classList.remove("stale");
+    this.age(false);
     this.clear();
-    const { title } = this.forms[question.analysis];
     const called = this.own.words;
-    const answer = new Answer(block, title, (text) => inWords(text, called), (values, words) =>
+    const answer = new Answer(block, this.forms[question.analysis], (text) => inWords(text, called), (values, words) =>
       void this.point.show({ scenario: question.scenario,
         options: withOptions(question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
         : t("pointSaidStart", { values: words })));
     answer.after.append(this.point.root);
+    this.finding.classList.remove("waiting");
+    this.finding.replaceChildren(...answer.words.filter((words) => words !== ""));
     this.answer.replaceChildren(answer.root);
     this.root.dataset.answered = question.analysis;
     this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);

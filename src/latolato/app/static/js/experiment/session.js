@@ -2,6 +2,7 @@
 
 import { askJson } from "../shared/api.js";
 import { inner } from "../shared/block.js";
+import { TimeLeft } from "../shared/left.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
 import { Track } from "./track.js";
@@ -14,7 +15,8 @@ import { Track } from "./track.js";
  *   hasPivot: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null,
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
- *   field: string | null, stage: string | null, share: number, mode: "setup" | "result",
+ *   field: string | null, stage: string | null, share: number, left: TimeLeft,
+ *   mode: "setup" | "result",
  *   cancel: () => void, files: Set<string>, tracked: number}} Clip
  */
 
@@ -56,7 +58,8 @@ export class Session {
     const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
       proposed: {}, radius: 0, hasPivot: false, hasBalls: false, isProposed: true, truth: {},
       track: null, fits: {},
-      warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0, mode: "setup",
+      warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
+      left: new TimeLeft(), mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
     this.clips.push(clip);
     this.clip = clip;
@@ -73,11 +76,14 @@ export class Session {
     clip.error = clip.field = null;
     clip.stage = "waiting";
     clip.share = 0;
+    clip.left = new TimeLeft();
     const own = new AbortController();
     clip.cancel = () => own.abort();
     this.changed();
     try {
       return await start({ signal: own.signal, tell: ({ state, progress = 0 }) => {
+        if (state !== clip.stage) clip.left = new TimeLeft();
+        clip.left.heed(progress);
         clip.stage = state;
         clip.share = progress;
         this.changed();

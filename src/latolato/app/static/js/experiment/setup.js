@@ -2,12 +2,15 @@
 
 import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
-import { toSi } from "../shared/units.js";
+import { spanText } from "../shared/left.js";
+import { short, toSi } from "../shared/units.js";
 import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
 
 const FIRST = ["length", "radius", "mass"];
 const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "lens_k1", "lens_k2"];
+// Work that goes from frame to frame.
+const OF_FRAMES = ["tracking", "drawing"];
 
 export class Setup {
   /**
@@ -75,9 +78,10 @@ export class Setup {
   update(clip) {
     const isSetup = clip.mode === "setup";
     this.busy.hidden = clip.stage === null;
-    this.bar.value = clip.share;
-    this.stage.textContent = t("progressOf", { stage: t(`stage_${clip.stage ?? "waiting"}`),
-      percent: Math.round(100 * clip.share) });
+    if (clip.share) this.bar.value = clip.share;
+    else this.bar.removeAttribute("value");
+    const text = stageText(clip);
+    if (this.stage.textContent !== text) this.stage.textContent = text;
     this.body.hidden = clip.about === null;
     this.isReady = clip.about !== null && clip.stage === null;
     this.track.textContent = t(clip.track ? "trackAgain" : "track");
@@ -136,4 +140,18 @@ export class Setup {
     this.form.general.hidden = !own;
     this.form.general.textContent = own ? text : "";
   }
+}
+
+/**
+ * Return which work goes on, how far it is, and how fast, once that was measured.
+ * @param {Pick<import("./session.js").Clip, "stage" | "share" | "left" | "about">} clip
+ */
+export function stageText({ stage, share, left, about }) {
+  const name = t(`stage_${stage ?? "waiting"}`);
+  if (!share) return t("stageOf", { stage: name });
+  const text = t("progressOf", { stage: name, percent: Math.round(100 * share) });
+  if (!left.rate || left.seconds === null) return text;
+  const rate = about && OF_FRAMES.includes(stage ?? "")
+    ? `${t("frameRate", { rate: short(left.rate * about.frames, 2) })}, ` : "";
+  return `${text}: ${rate}${t("timeLeft", { left: spanText(left.seconds) })}`;
 }

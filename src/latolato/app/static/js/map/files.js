@@ -89,7 +89,7 @@ export class MapFiles {
   async make(kind) {
     const { view } = this;
     const request = { kind, ...fileRequestOf(view, /** @type {import("./grid.js").Grid} */ (view.grid)) };
-    const block = await this.job.run("ws/map/file", request, view.estimate?.seconds);
+    const block = await this.job.run("ws/map/file", request);
     if (!block) return;
     const { type, missing } = block.about;
     const ending = `${missing ? "unfinished." : ""}${kind === "zarr" ? "zarr.zip" : kind}`;

@@ -5,7 +5,7 @@ import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
 import { el, tell } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
-import { spanText } from "../shared/jobs.js";
+import { spanText } from "../shared/left.js";
 import { t } from "../strings.js";
 import { Misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";

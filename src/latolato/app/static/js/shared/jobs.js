@@ -4,6 +4,7 @@ import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
+import { spanText, TimeLeft } from "./left.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
@@ -51,25 +52,20 @@ export function doJob(path, request, { tell, signal } = {}) {
 }
 
 /**
- * Return how far a job is, in words.
+ * Return how far a job is, in words; how much is left only where that was measured.
  * @param {Status} status
+ * @param {TimeLeft} left
  * @returns {string}
  */
-export function statusText({ state, elapsed, progress }) {
+export function statusText({ state, elapsed, progress }, left) {
   const seconds = elapsed.toFixed(elapsed < 10 ? 1 : 0);
-  if (progress !== undefined && state === "working")
-    return t("job_progress", { percent: Math.round(100 * progress), seconds });
-  return t(`job_${state}`, { seconds });
-}
-
-/**
- * Return a time as people say it.
- * @param {number} seconds
- * @returns {string}
- */
-export function spanText(seconds) {
-  if (seconds < 90) return t("seconds", { count: Math.max(Math.round(seconds), 1) });
-  return t("minutes", { count: Math.round(seconds / 60) });
+  if (state !== "working") return t(`job_${state}`, { seconds });
+  if (left.isLate) return t("job_late", { seconds });
+  if (left.total !== null && left.total <= SOON) return t("job_working", { seconds });
+  if (left.seconds === null) return t(progress ? "job_timing" : "job_unknown", { seconds });
+  const span = spanText(left.seconds);
+  if (!left.rate) return t("job_left", { left: span });
+  return t("job_progress", { percent: Math.round(100 * left.share), left: span });
 }
 
 /** A line that shows how far a job is, with a button that cancels it. */
@@ -79,7 +75,11 @@ export class JobLine {
     this.running = null;
     /** @type {(() => void) | null} what takes work that has not begun out of its queue */
     this.leave = null;
-    this.expected = 0; // s
+    this.left = new TimeLeft();
+    /** @type {number | null} seconds that the work takes, as far as it was timed before */
+    this.expected = null;
+    /** @type {((seconds: number) => void) | null} told how long the work takes, once it is timed */
+    this.timed = null;
     this.bar = el("progress", { max: "1", "aria-label": t("job_bar") });
     this.text = el("span", { class: "soft", role: "status" });
     this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
@@ -93,18 +93,20 @@ export class JobLine {
    * Return what a job gives, or null if it is refused (which is shown) or cancelled.
    * @param {string} path
    * @param {any} request
-   * @param {number} [expected] roughly how many seconds it takes
+   * @param {{expected?: number | null, timed?: (seconds: number) => void}} [options] seconds that
+   *   it takes, if that was measured before, and what is told when it is
    * @returns {Promise<Block | null>}
    */
-  async run(path, request, expected) {
+  async run(path, request, { expected = null, timed } = {}) {
     this.running?.abort();
     const own = this.running = new AbortController();
     this.clear();
     this.text.ariaLive = "polite";
     this.bar.hidden = false;
     this.line.hidden = false;
-    this.line.dataset.status = "";
-    this.expected = expected ?? 0;
+    this.line.dataset.status = this.line.dataset.state = "";
+    this.expected = expected;
+    this.timed = timed ?? null;
     this.show({ state: "waiting", elapsed: 0 });
     try {
       return await doJob(path, request, { signal: own.signal, tell: (status) => {
@@ -137,18 +139,21 @@ export class JobLine {
 
   /** @param {Status} status */
   show(status) {
-    const guessed = status.progress === undefined && status.state === "working"
-      && this.expected > SOON;
-    const left = this.expected - status.elapsed;
-    if (guessed && left > 0) this.bar.value = status.elapsed / this.expected;
-    else if (status.progress === undefined) this.bar.removeAttribute("value");
-    else this.bar.value = status.progress;
+    const { state, elapsed, progress } = status;
+    // Time counts from the moment at which the work itself begins.
+    if (state !== this.line.dataset.state) this.left = new TimeLeft(this.expected);
+    this.line.dataset.state = state;
+    const { left } = this;
+    if (state === "working") left.heed(progress ?? 0);
+    if (left.rate && left.total !== null) this.timed?.(left.total);
+    const share = progress ?? (left.total && !left.isLate ? elapsed / left.total : null);
+    if (share === null || state !== "working") this.bar.removeAttribute("value");
+    else this.bar.value = share;
     // Not at every frame: screen readers read each change.
-    const text = guessed && left > 0 ? t("job_left", { left: spanText(left) }) : statusText(status);
-    const seconds = Math.floor(status.elapsed);
-    if (`${status.state}${seconds}` === this.line.dataset.status) return;
-    this.line.dataset.status = `${status.state}${seconds}`;
-    this.text.textContent = text;
+    const second = `${state}${Math.floor(elapsed)}`;
+    if (second === this.line.dataset.status) return;
+    this.line.dataset.status = second;
+    this.text.textContent = statusText(status, left);
   }
 
   /**
