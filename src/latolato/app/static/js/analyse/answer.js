@@ -4,7 +4,7 @@ import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
 import { fileOf, saveFile } from "../shared/jobs.js";
 import { short } from "../shared/units.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {import("../shared/block.js").Block} Block */
 /** @typedef {{name: string, unit: string, label: string, ends: [number, number]}} Side */
@@ -66,7 +66,7 @@ export class Answer {
     this.after = el("div", { class: "after" });
     this.root = el("div", { class: "main" },
       el("section", { class: "card" },
-        el("p", { class: "finding", role: "status" }, about.verdict), ...notes,
+        el("p", { class: "finding", role: "status", lang: ENGLISH }, about.verdict), ...notes,
         block.arrays.png ? this.picture(block) : null, this.choice,
         el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
@@ -74,7 +74,7 @@ export class Answer {
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },
-          el("table", { class: "numbers" }, el("tbody", {},
+          el("table", { class: "numbers", lang: ENGLISH }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
               el("th", { scope: "row" }, name), el("td", {}, text))))))),
       el("details", { class: "card" }, el("summary", {}, t("code")),

@@ -9,7 +9,7 @@ import { withOptions } from "../shared/links.js";
 import { presetField } from "../shared/presets.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
-import { t } from "../strings.js";
+import { ENGLISH, t, tr } from "../strings.js";
 import { Answer } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
@@ -46,9 +46,9 @@ export class AnalyseView {
     this.presets = presetField(page);
     this.go = el("button", { type: "submit", class: "play", disabled: true }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
-    this.title = el("h2", { class: "asks" });
+    this.title = el("h2", { class: "asks", lang: ENGLISH });
     this.term = el("p", { class: "hint" });
-    this.reading = el("p", {});
+    this.reading = el("p", { lang: ENGLISH });
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
     this.unfit = el("div", { class: "unfit-note", hidden: true });
     const submit = (/** @type {Event} */ event) => {
@@ -127,9 +127,9 @@ export class AnalyseView {
     const about = /** @type {import("./form.js").About} */ (this.about);
     this.presets.show(this.request.scenario);
     this.laws.show(about.options);
-    this.of.textContent = t("questionOf", { title: about.title || t("presetNone"),
-      system: registry.systems[about.options.system].title,
-      drive: registry.drives[about.options.drive].title });
+    this.of.textContent = t("questionOf", { title: tr(about.title) || t("presetNone"),
+      system: tr(registry.systems[about.options.system].title),
+      drive: tr(registry.drives[about.options.drive].title) });
     this.build();
   }
 
@@ -192,7 +192,7 @@ export class AnalyseView {
       : fitting === system ? "unfitDrive" : "unfitSystem");
     const { options } = this.about;
     const kinds = { system: fitting, drive: shaken };
-    this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
+    this.unfit.replaceChildren(el("p", { lang: ENGLISH }, why), el("button", { type: "button", on: {
       click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
         heldOptions(registry, store.state.options, options, { system }, kinds), options, fitting,
         shaken) }) } }, text));
