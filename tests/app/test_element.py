@@ -211,3 +211,10 @@ def shown(visit, path):
     return visit.evaluate(
         f"() => [...document.querySelectorAll('latolato-player')].map((each) => each.player.{path})"
     )
+
+
+def test_an_element_speaks_the_language_around_it(visit):
+    visit.evaluate("() => { document.body.lang = 'id-ID'; }")
+    refused = visit.evaluate(SET, [0, {"scenario": "fig02", "length": "-1"}])
+    assert refused["error"].startswith("length harus berada dalam (0, inf) m, tetapi diberikan -1")
+    assert visit.get_by_role("button", name="Putar", exact=True).count() == 1

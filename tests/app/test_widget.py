@@ -16,9 +16,9 @@ from latolato.app.blocks import unpack
 from latolato.app.widget import bundle, modules
 
 # What anywidget is to a widget: a model that holds its values.
-PAGE = """async ({ source, block, language }) => {
+PAGE = """async ({ source, block, language, texts }) => {
   const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-  const values = { block: new DataView(bytes.buffer), language };
+  const values = { block: new DataView(bytes.buffer), language, texts };
   const model = { get: (name) => values[name], on() {}, off() {} };
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const { default: widget } = await import(url);
@@ -41,7 +41,8 @@ def run():
 def show(page, widget):
     """Show a widget on a page as anywidget would."""
     block = base64.b64encode(widget.block).decode()
-    page.evaluate(PAGE, {"source": bundle(), "block": block, "language": widget.language})
+    given = {"block": block, "language": widget.language, "texts": widget.texts}
+    page.evaluate(PAGE, {"source": bundle(), **given})
 
 
 @pytest.fixture
@@ -325,3 +326,11 @@ def test_a_page_that_allows_no_workers_computes_by_itself(browser, run, policy):
     page.get_by_text("drive_amplitude=0.025").wait_for(state="attached")
     assert len(workers) == ("blob" in policy)
     page.close()
+
+
+def test_a_cell_speaks_the_language_it_is_given(cell, run):
+    show(cell, ll.play(run, language="id"))
+    cell.get_by_role("button", name="Putar", exact=True).wait_for()
+    cell.get_by_label("percepatan gravitasi g", exact=True).wait_for(state="attached")
+    with pytest.raises(ValueError, match=r"language must be one of en, id, got 'xx'"):
+        ll.play(run, language="xx")

@@ -114,11 +114,14 @@ def _widget_class() -> Any:
 
         _esm = bundle()
         block = traitlets.Bytes().tag(sync=True)
+        # The code of another language than English, and its file.
         language = traitlets.Unicode().tag(sync=True)
+        texts = traitlets.Unicode().tag(sync=True)
 
         def __init__(self, run: xr.Dataset, language: str) -> None:
             self._run = run
-            super().__init__(block=block_of(run), language=language)
+            texts = {"language": language, "texts": _texts(language)} if language != "en" else {}
+            super().__init__(block=block_of(run), **texts)
 
         @property
         def run(self) -> xr.Dataset:
@@ -139,6 +142,11 @@ def _widget_class() -> Any:
             return result
 
     return PlayerWidget
+
+
+def _texts(language: str) -> str:
+    """Return the file of a language."""
+    return (STATIC / "languages" / f"{language}.json").read_text(encoding="utf-8")
 
 
 @lru_cache(maxsize=1)
@@ -209,9 +217,7 @@ def _content() -> str:
     kernels = STATIC / "kernels"
     files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}
     held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
-    languages = [path.relative_to(STATIC).as_posix() for path in STATIC.glob("languages/*.json")]
-    for path in (*SHEETS, *sorted(languages)):
-        held[path] = _letters((STATIC / path).read_text("utf-8"))
+    held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}
     held["kernels/layout.json"] = (kernels / "layout.json").read_text("utf-8")
     held["registry.json"] = _letters(json.dumps(_registry()))
     return f"""const FILES = {json.dumps(held, ensure_ascii=False)};
@@ -233,6 +239,6 @@ def _registry() -> dict[str, Any]:
         part: {name: law for name, law in whole[part].items() if law["compiled"]}
         for part in ("systems", "drives", "contact_laws")
     }
-    names = ("version", "options", "ratios", "alternatives", "units", "prefixes", "languages")
+    names = ("version", "options", "ratios", "alternatives", "units", "prefixes")
     empty: dict[str, Any] = {"axes": {}, "observables": {}, "scenarios": {}}
     return {**{name: whole[name] for name in names}, **laws, **empty, "server": False}

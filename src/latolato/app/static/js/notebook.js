@@ -9,7 +9,7 @@ import { codeBlocks } from "./shared/code.js";
 import { el } from "./shared/dom.js";
 import { Form } from "./shared/form.js";
 import { Inset } from "./shared/inset.js";
-import { firstOf, speak } from "./shared/language.js";
+import { speakTable } from "./shared/language.js";
 import { withLaws } from "./shared/laws.js";
 import { Store } from "./shared/state.js";
 import { t, tr } from "./strings.js";
@@ -119,7 +119,8 @@ function lawBeyondPage({ systems, drives, contact_laws: laws }, { system, drive,
  */
 export async function render({ model, el: cell }) {
   const registry = await loadRegistry();
-  await speak(registry, firstOf(registry.languages, [model.get("language")]));
+  const language = model.get("language");
+  if (language) speakTable(registry, language, JSON.parse(model.get("texts")));
   const host = el("div", {});
   cell.append(host);
   // Some of the player's keys delete cells in notebooks.

@@ -4,7 +4,7 @@ import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
 import { fileOf, saveFile } from "../shared/jobs.js";
 import { short } from "../shared/units.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {import("../shared/block.js").Block} Block */
 /** @typedef {{name: string, unit: string, label: string, ends: [number, number]}} Side */
@@ -61,7 +61,7 @@ export function headlineOf(verdict) {
 export function pictureCard({ reading, term, summary, notes }, ...content) {
   return el("section", { class: "card" }, ...(content.length ? content
     : [el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))]),
-  el("p", { class: "reading-of" }, reading),
+  el("p", { class: "reading-of", lang: ENGLISH }, reading),
   el("p", { class: "hint", title: `${summary} ${notes}` }, t("termOf", { term })));
 }
 
@@ -88,14 +88,15 @@ export class Answer {
     this.after = el("div", { class: "after" });
     const [headline, beside] = headlineOf(about.verdict);
     /** What the answer is, for the line under the question. */
-    this.words = [el("strong", {}, headline), beside && ` ${beside}`];
+    this.words = [el("strong", { lang: ENGLISH }, headline),
+      beside && el("span", { lang: ENGLISH }, ` ${beside}`)];
     this.root = el("div", { class: "main" },
       pictureCard(form, ...notes, block.arrays.png ? this.picture(block) : null, this.choice),
       this.after,
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },
-          el("table", { class: "numbers" }, el("tbody", {},
+          el("table", { class: "numbers", lang: ENGLISH }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
               el("th", { scope: "row" }, name), el("td", {}, text)))))),
         el("div", { class: "actions" }, ...files.map((kind) =>

@@ -2,7 +2,7 @@
 
 import { el, freshId } from "../shared/dom.js";
 import { inWords, NAMES } from "../shared/words.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {{label: string, description: string, unit: string | null, kind: string,
  *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field */
@@ -113,7 +113,7 @@ export class AnalysisForm {
     const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
     this.errors[name] = error;
     const long = field.several || input instanceof HTMLSelectElement;
-    return el("div", { class: `field analysis ${long ? "several" : ""}` },
+    return el("div", { class: `field analysis ${long ? "several" : ""}`, lang: ENGLISH },
       el("label", { for: id, title: field.description }, field.label),
       el("span", { class: "entry" }, input, unit && el("span", { class: "unit" }, unit)),
       el("p", { class: brief ? "unseen" : "hint", id: hintId }, field.description), error);

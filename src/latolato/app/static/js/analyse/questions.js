@@ -1,7 +1,7 @@
 /** The questions that can be asked, in groups; one is chosen. */
 
 import { el } from "../shared/dom.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {{title: string, group: string, term: string, reading: string, first: string[],
  *   summary: string, notes: string, run: string[],
@@ -27,7 +27,8 @@ export class QuestionList {
    */
   build(forms) {
     const groups = [...new Set(Object.values(forms).map(({ group }) => group))];
-    this.body.replaceChildren(...groups.map((group) => el("section", {}, el("h3", {}, group),
+    this.body.replaceChildren(...groups.map((group) => el("section", { lang: ENGLISH },
+      el("h3", {}, group),
       el("ul", {}, ...Object.entries(forms).filter(([, form]) => form.group === group)
         .map(([name, form]) => el("li", {}, this.button(name, form)))))));
   }

@@ -10,7 +10,7 @@ import { spanText } from "../shared/left.js";
 import { presetField } from "../shared/presets.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
-import { t } from "../strings.js";
+import { ENGLISH, t, tr } from "../strings.js";
 import { Answer, pictureCard } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
@@ -49,7 +49,7 @@ export class AnalyseView {
     // Outside of its form, where the answer will stand.
     this.go = el("button", { type: "submit", class: "play", form: id }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
-    this.title = el("h2", { class: "asks" });
+    this.title = el("h2", { class: "asks", lang: ENGLISH });
     this.of = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
     this.finding = el("p", { class: "finding", role: "status" });
@@ -130,9 +130,9 @@ export class AnalyseView {
     const about = /** @type {import("./form.js").About} */ (this.about);
     this.presets.show(this.request.scenario);
     this.laws.show(about.options);
-    this.of.textContent = t("questionOf", { title: about.title || t("presetNone"),
-      system: registry.systems[about.options.system].title,
-      drive: registry.drives[about.options.drive].title });
+    this.of.textContent = t("questionOf", { title: tr(about.title) || t("presetNone"),
+      system: tr(registry.systems[about.options.system].title),
+      drive: tr(registry.drives[about.options.drive].title) });
     this.build();
   }
 
@@ -202,7 +202,7 @@ export class AnalyseView {
       : fitting === system ? "unfitDrive" : "unfitSystem");
     const { options } = this.about;
     const kinds = { system: fitting, drive: shaken };
-    this.unfit.replaceChildren(el("p", {}, why), el("button", { type: "button", on: {
+    this.unfit.replaceChildren(el("p", { lang: ENGLISH }, why), el("button", { type: "button", on: {
       click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
         heldOptions(registry, store.state.options, options, { system }, kinds), options, fitting,
         shaken) }) } }, text));

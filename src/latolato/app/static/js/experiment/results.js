@@ -2,7 +2,7 @@
 
 import { el } from "../shared/dom.js";
 import { short, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} Value */
@@ -29,7 +29,8 @@ export function fitCard(fit, kind, truth, registry, play, again) {
   const table = (/** @type {string[]} */ names) =>
     fitTable(kind.title, names, values, truth, registry);
   return el("section", { class: "card fit", "data-fit": fit.kind },
-    el("h2", {}, kind.title), table(main), el("p", { class: "hint" }, fit.verdict ?? ""),
+    el("h2", { lang: ENGLISH }, kind.title), table(main),
+    el("p", { class: "hint", lang: ENGLISH }, fit.verdict ?? ""),
     rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
       table(rest)),
     el("div", { class: "actions" }, fit.play && el("button", { type: "button",
@@ -42,8 +43,8 @@ export function fitCard(fit, kind, truth, registry, play, again) {
  * @param {Node} button
  */
 export function waitingCard(kind, button) {
-  return el("section", { class: "card" }, el("h2", {}, kind.title),
-    el("p", { class: "hint" }, kind.hint), el("div", { class: "actions" }, button));
+  return el("section", { class: "card" }, el("h2", { lang: ENGLISH }, kind.title),
+    el("p", { class: "hint", lang: ENGLISH }, kind.hint), el("div", { class: "actions" }, button));
 }
 
 /**
@@ -53,7 +54,7 @@ export function waitingCard(kind, button) {
  */
 export function refusedCard(fits, kinds) {
   return el("section", { class: "card" }, el("h2", {}, t("notHere")),
-    ...fits.map((fit) => el("p", { class: "hint" },
+    ...fits.map((fit) => el("p", { class: "hint", lang: ENGLISH },
       el("strong", {}, kinds[fit.kind].title), ": ", fit.error)));
 }
 

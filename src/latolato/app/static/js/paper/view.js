@@ -4,7 +4,7 @@ import { askBlock, askJson, Offline, Refusal } from "../shared/api.js";
 import { el, freshId } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { openLink, openState, textsOf } from "../shared/links.js";
-import { t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {{name: string, label: string, title: string, caption: string,
@@ -155,7 +155,7 @@ class Plate {
     const id = `paper-${entry.name}`;
     const name = entry.label === entry.title ? entry.title : `${entry.label}. ${entry.title}`;
     this.marks = el("span", { class: "marks" });
-    this.item = el("li", {}, el("a", { href: `#${id}`, on: {
+    this.item = el("li", { lang: ENGLISH }, el("a", { href: `#${id}`, on: {
       click: (/** @type {MouseEvent} */ event) => {
         event.preventDefault();
         view.page.store.keep("paper.figure", entry.name);
@@ -163,7 +163,7 @@ class Plate {
         this.root.scrollIntoView();
         this.heading.focus({ preventScroll: true });
       } } }, el("b", {}, entry.label), ` ${entry.title}`), this.marks);
-    this.heading = el("h2", { tabindex: "-1" }, name);
+    this.heading = el("h2", { tabindex: "-1", lang: ENGLISH }, name);
     this.job = new JobLine();
     this.start = el("button", { type: "button", on: { click: () => this.view.want([this]) } },
       t("paperFilm"));
@@ -175,7 +175,7 @@ class Plate {
       this.heading,
       el("div", { class: "plate-body" },
         el("div", {}, this.picture, this.offer, this.job.root,
-          entry.caption && el("p", { class: "hint" }, entry.caption), this.links),
+          entry.caption && el("p", { class: "hint", lang: ENGLISH }, entry.caption), this.links),
         this.list));
   }
 
@@ -287,7 +287,8 @@ class Plate {
  */
 function openClaim({ where, words }) {
   return el("article", { class: "claim" },
-    el("p", { class: "place soft" }, where), el("blockquote", {}, el("q", {}, words)),
+    el("p", { class: "place soft", lang: ENGLISH }, where),
+    el("blockquote", { lang: ENGLISH }, el("q", {}, words)),
     el("p", { class: "hint" }, t("paperUnjudged")));
 }
 
@@ -297,16 +298,17 @@ function openClaim({ where, words }) {
  */
 function judgedClaim(claim) {
   return el("article", { class: `claim ${claim.verdict}` },
-    el("p", { class: "place" },
+    el("p", { class: "place", lang: ENGLISH },
       el("span", { class: `verdict ${claim.verdict}` },
         el("span", { "aria-hidden": "true" }, `${claim.shape} `), claim.says),
       el("span", { class: "soft" }, claim.where)),
-    el("blockquote", {}, el("q", {}, claim.words)),
-    el("p", {}, claim.finding),
-    el("ul", { class: "criteria" }, ...claim.criteria.map(([text, held]) => el("li", {},
+    el("blockquote", { lang: ENGLISH }, el("q", {}, claim.words)),
+    el("p", { lang: ENGLISH }, claim.finding),
+    el("ul", { class: "criteria", lang: ENGLISH }, ...claim.criteria.map(([text, held]) => el("li", {},
       el("span", { class: held ? "held" : "failed", role: "img",
         "aria-label": t(held ? "held" : "failed") },
         held ? "✓" : "✗"), ` ${text}`))),
-    claim.assumption && el("p", {}, el("b", {}, t("paperAssumed")), ` ${claim.assumption}`),
-    el("p", { class: "soft" }, claim.why));
+    claim.assumption && el("p", {}, el("b", {}, t("paperAssumed")), " ",
+      el("span", { lang: ENGLISH }, claim.assumption)),
+    el("p", { class: "soft", lang: ENGLISH }, claim.why));
 }

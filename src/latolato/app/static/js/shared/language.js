@@ -22,16 +22,24 @@ export function firstOf(languages, wanted) {
 }
 
 /**
- * Let the page speak a language, and put the texts of the registry in it. A page speaks one: after
- * another one than English it stays.
+ * Let the page speak a language, and put the texts of the registry in it.
  * @param {Registry} registry
  * @param {string} code one of the registry's
  */
 export async function speak(registry, code) {
-  if (code === ENGLISH) return;
-  const language = await loadJson(`languages/${code}.json`);
+  if (code !== ENGLISH) speakTable(registry, code, await loadJson(`languages/${code}.json`));
+}
+
+/**
+ * Let the page speak the language of a table. A page speaks one: after another one than English it
+ * stays.
+ * @param {Registry} registry
+ * @param {string} code
+ * @param {import("../strings.js").Language} table
+ */
+export function speakTable(registry, code, table) {
   if (languageCode() !== ENGLISH) return;
-  setLanguage(code, language);
+  setLanguage(code, table);
   translateRegistry(registry, tr);
 }
 
