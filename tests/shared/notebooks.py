@@ -316,7 +316,7 @@ def balls(page: Any, which: int = 0) -> dict[str, Any]:
 def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tuple[float, float]]:
     """Return where the balls of a run of the toy belong in a picture of this size.
 
-    The picture holds all of the motion, a tenth larger, about the line of the pivot.
+    The picture holds all of the motion and the hand, a tenth larger, about the line of the pivot.
     """
     import latolato as ll
     from latolato.scenario.scenario import Scenario
@@ -327,8 +327,10 @@ def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tu
     angle, pivot = run["angle"].values, run["pivot_height"].values
     x, y = toy.length * np.sin(angle), pivot - toy.length * np.cos(angle)
     reach = float(np.abs(x).max() + toy.radius)
-    low = float(min(y.min() - toy.radius, 0.0))
-    high = float(max(y.max() + toy.radius, pivot.max(), 0.0))
+    # Of the fist half the width; the hand reaches 0.9 of it down and 1.6 up (js/shared/fist.js).
+    fist = min(0.095 * toy.length, 0.6 * (toy.length - toy.radius))
+    low = float(min(y.min() - toy.radius, pivot.min() - 0.9 * fist))
+    high = float(max(y.max() + toy.radius, pivot.max() + 1.6 * fist))
     size = min(width / (2 * reach * 1.1), height / ((high - low) * 1.1))
     # The instant itself, not a value between samples.
     instant = scenario.simulate(times=[0.0, at]) if at else run.isel(time=[0])
