@@ -2,6 +2,7 @@
 
 import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
+import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
 import { Knobs, spansOf } from "../shared/knobs.js";
@@ -10,7 +11,6 @@ import { whose } from "../shared/panels.js";
 import { short, shownUnit } from "../shared/units.js";
 import { withControls } from "../live/address.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
-import { followHand } from "../live/hand.js";
 import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
@@ -24,6 +24,7 @@ import { Scene } from "../shared/scene.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("../shared/motion.js").Ball} Ball */
 
 // What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
@@ -78,8 +79,10 @@ export class LiveView {
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
-    followHand(this.parts.canvas, this.scene, () => this.motion,
-      (aim) => this.toy?.hold(aim));
+    const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
+      this.toy?.hold({ ball: ball.row, angle });
+    followDrag(this.scene, { lead, drop: () => this.toy?.hold(null),
+      grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0) });
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);

@@ -13,6 +13,7 @@ import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
 import { presetField } from "../shared/presets.js";
+import { withStart } from "../shared/start.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -47,6 +48,7 @@ export class PlayView {
     this.more = drawer("moreParameters", form);
     const place = el("div", { class: "player" });
     this.player = new Player(place);
+    this.player.start.enable((degrees) => this.startAt(degrees));
     this.player.messages.append(this.notes, this.choice);
     this.player.tools.append(this.makeShare());
     this.presets.head.append(this.reset, this.makePin());
@@ -221,6 +223,16 @@ export class PlayView {
     this.form.error(text, field);
     const isSeen = this.knobs.error(text, field) || this.more.open;
     this.note(isSeen ? "" : text);
+  }
+
+  /**
+   * Ask for the run that begins with the balls at rest at these angles.
+   * @param {number[]} degrees
+   */
+  startAt(degrees) {
+    const { motion } = this.player;
+    const { store } = this.page;
+    if (motion) store.set({ options: withStart(store.state.options, motion.about.options, degrees) });
   }
 
   /** @param {any} about */

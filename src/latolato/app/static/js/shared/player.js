@@ -8,6 +8,7 @@ import { followKeys } from "./keys.js";
 import { MoreCurves } from "./more.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
+import { Start } from "./start.js";
 import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -40,7 +41,8 @@ export class Player {
       el("div", { class: "panel" }, this.timeline.root, this.makeTransport()));
     root.append(this.bench, this.more.root);
     this.scene = new Scene(canvas);
-    canvas.after(this.scene.legend);
+    this.start = new Start(this.scene, this.clock);
+    canvas.after(this.scene.legend, this.start.said);
     this.scene.onContact = (k) => {
       const { arrays } = /** @type {Motion} */ (this.motion).block;
       if (arrays.contact_kind[k] > 1) return;
@@ -112,6 +114,7 @@ export class Player {
     this.timeline.show(motion, this.pinned);
     this.more.show(motion, this.pinned);
     this.move(this.clock.time);
+    this.start.play();
   }
 
   /** Begin at the start of the run, with the curve that follows the clock. */

@@ -2,16 +2,18 @@
 
 import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
 import { colour, el, fitCanvas } from "./dom.js";
+import { drawAngle } from "./angle.js";
 import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
 import { contactPoint, Flashes, strengthOf } from "./flash.js";
 import { before } from "./motion.js";
 import { drawMover, moverBox } from "./mover.js";
 import { drawTrails } from "./trail.js";
-import { fitScale, line, place } from "./scale.js";
+import { boxAbout, fitScale, line, place } from "./scale.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */
 /** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./angle.js").Held} Held */
 
 // Kinds of contact up to this one are impacts.
 const TOP = 1;
@@ -39,6 +41,8 @@ export class Scene {
     this.timer = undefined;
     /** @type {Motion | null} a run that is drawn behind, in outline */
     this.pinned = null;
+    /** Balls that a pointer leads, drawn in place of the run. @type {Held | null} */
+    this.held = null;
     /** Where the balls were last drawn, in pixels of the canvas. */
     this.drawn = /** @type {{x: number, y: number}[]} */ ([]);
     this.box = { left: -1, right: 1, low: -1, high: 1 };
@@ -47,7 +51,7 @@ export class Scene {
     this.fist = 0;
     this.fastest = 1;
     this.release = fitCanvas(canvas, () => {
-      this.colours = this.readColours();
+      this.colours = {};
       this.draw();
     });
   }
@@ -63,6 +67,7 @@ export class Scene {
   /** @param {Motion} motion */
   show(motion) {
     this.motion = motion;
+    this.held = null;
     this.box = motion.box();
     this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
     this.fastest = topSpeed(motion);
@@ -120,15 +125,21 @@ export class Scene {
     const boxes = [{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
       { ...hand, low: low + hand.low, high: high + hand.high },
       moverBox(motion, arrows), this.pinned?.box(),
+      ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
     ].filter((each) => each !== null && each !== undefined);
     const end = (/** @type {"left" | "right" | "low" | "high"} */ name) => boxes.map((each) => each[name]);
     return { left: Math.min(...end("left")), right: Math.max(...end("right")),
       low: Math.min(...end("low")), high: Math.max(...end("high")) };
   }
 
-  /** Return how many pixels of the canvas a metre is, and where the origin lies. */
-  scale() {
-    return fitScale(this.frame(), this.canvas.width, this.canvas.height, window.devicePixelRatio || 1);
+  /**
+   * Return how many pixels of a canvas of this size a metre is, and where the origin lies.
+   * @param {number} [width] in pixels
+   * @param {number} [height]
+   * @param {number} [ratio] pixels for one of the page
+   */
+  scale(width = this.canvas.width, height = this.canvas.height, ratio = window.devicePixelRatio || 1) {
+    return fitScale(this.frame(), width, height, ratio);
   }
 
   /**
@@ -142,7 +153,7 @@ export class Scene {
 
   /** Return where pivot and balls are on show. */
   pose() {
-    return this.motion?.pose(this.time) ?? null;
+    return this.held ?? this.motion?.pose(this.time) ?? null;
   }
 
   draw() {
@@ -151,10 +162,13 @@ export class Scene {
     const context = canvas.getContext("2d");
     if (!context) return;
     context.clearRect(0, 0, canvas.width, canvas.height);
-    // A canvas has none before it is in the page.
     if (!this.colours.ink) this.colours = this.readColours();
-    if (this.motion && this.paint(context, this.scale()))
-      this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
+    const pose = this.pose();
+    // A canvas that is not in the page has no colours.
+    if (!this.colours.ink || !pose) return;
+    const scale = this.scale();
+    this.drawn = placed(scale, pose);
+    if (this.paint(context, scale)) this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
   }
 
   /**
@@ -174,25 +188,26 @@ export class Scene {
     if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
     drawMover(context, scale, motion, time, colours, this.arrows);
     drawArm(context, pivot, this.fist * size, colours);
-    drawTrails(context, scale, motion, time, colours);
-    this.drawn = pose.balls.map(({ x, y }) => {
-      const [bx, by] = place(scale, x, y);
-      return { x: bx, y: by };
-    });
+    if (!this.held) drawTrails(context, scale, motion, time, colours);
+    const balls = placed(scale, pose);
     context.strokeStyle = colours.ink;
     context.lineWidth = Math.max(1.5 * ratio, 0.012 * unit);
-    for (const { x, y } of this.drawn) line(context, ...pivot, x, y);
+    for (const { x, y } of balls) line(context, ...pivot, x, y);
     drawFist(context, pivot, this.fist * size, colours);
     context.strokeStyle = colours.ink;
     context.lineWidth = ratio;
     pose.balls.forEach(({ ball }, i) => {
       const radius = Math.max(motion.radius(ball) * size, LEAST_RADIUS * ratio);
       context.beginPath();
-      context.arc(this.drawn[i].x, this.drawn[i].y, radius, 0, 2 * Math.PI);
+      context.arc(balls[i].x, balls[i].y, radius, 0, 2 * Math.PI);
       context.fillStyle = ball.name === "left" ? colours.left : colours.right;
       context.fill();
       context.stroke();
     });
+    if (this.held) {
+      drawAngle(context, scale, this.held, motion, colours);
+      return false;
+    }
     if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
     return this.flashes.draw(context, scale, unit, colours.flash);
   }
@@ -217,4 +232,16 @@ export class Scene {
     }
     context.setLineDash([]);
   }
+}
+
+/**
+ * Return where the balls of a pose lie, in pixels.
+ * @param {Scale} scale
+ * @param {Pose} pose
+ */
+function placed(scale, { balls }) {
+  return balls.map((ball) => {
+    const [x, y] = place(scale, ball.x, ball.y);
+    return { x, y };
+  });
 }
