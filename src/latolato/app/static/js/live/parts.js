@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void, sound: (on: boolean) => void}} Actions
+ *   low: () => void, speed: (times: number) => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -35,8 +35,6 @@ export function makeParts(ratios, actions) {
       actions.speed(Number(/** @type {HTMLSelectElement} */ (event.target).value)) } },
     ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 },
       t("speedText", { speed })))),
-    sound: el("input", { type: "checkbox", on: { change: (/** @type {Event} */ event) =>
-      actions.sound(/** @type {HTMLInputElement} */ (event.target).checked) } }),
     notice: el("p", { class: "notes", role: "status" }),
     error: el("p", { class: "error", role: "alert", hidden: true }),
     status: el("p", { class: "readout" }),
@@ -52,14 +50,14 @@ export function makeParts(ratios, actions) {
  * @param {HTMLElement} record button that begins and ends a recording
  * @param {HTMLElement} recorded the line about the last one
  * @param {HTMLElement} preset
+ * @param {HTMLElement} senses sound, description and the list of keys
  */
-export function layOut(parts, record, recorded, preset) {
+export function layOut(parts, record, recorded, preset, senses) {
   return el("div", { class: "view live" },
     el("section", { class: "stage" }, parts.canvas, parts.status,
       el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
-        el("label", { for: parts.speed.id }, t("speed")), parts.speed,
-        el("label", { class: "check" }, parts.sound, t("sound"))),
-      recorded, parts.notice, parts.error),
+        el("label", { for: parts.speed.id }, t("speed")), parts.speed),
+      senses, recorded, parts.notice, parts.error),
     el("div", { class: "side" },
       el("section", { class: "card trick" }, el("h2", {}, t("liveTry")), el("p", {}, t("liveHint")),
         el("ol", {}, el("li", {}, t("liveStep1"), " ", parts.high),

@@ -43,6 +43,7 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
+    this.player.senses.narrator.labels = page.registry.options;
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }

@@ -1,7 +1,6 @@
 /** The player: animation, transport and curves of one run, on one clock. */
 
 import { t } from "../strings.js";
-import { Clack } from "./clack.js";
 import { Clock } from "./clock.js";
 import { Curves, scaled } from "./curves.js";
 import { el, freshId } from "./dom.js";
@@ -9,6 +8,8 @@ import { followKeys } from "./keys.js";
 import { Later } from "./later.js";
 import { Plane } from "./plane.js";
 import { range, Scene } from "./scene.js";
+import { Senses } from "./senses.js";
+import { logOf } from "./swings.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -26,7 +27,7 @@ const SETTLED = 0.2;
 /** @type {import("./curves.js").Panel[]} */
 export const PANELS = [
   {
-    label: t("curveAngle"),
+    label: t("curveAngle"), quantity: "angle",
     curves: (motion) => motion.balls.map((ball) => ({
       label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
       paint: ball.name === "left" ? "left" : "right",
@@ -34,7 +35,7 @@ export const PANELS = [
     })),
   },
   {
-    label: t("curveEnergy"),
+    label: t("curveEnergy"), quantity: "energy",
     curves: (motion) => [
       { label: t("kinetic"), paint: "kinetic", values: summed(motion, "kinetic_energy") },
       { label: t("potential"), paint: "potential", values: summed(motion, "potential_energy") },
@@ -42,7 +43,7 @@ export const PANELS = [
     ],
   },
   {
-    label: t("curvePower"),
+    label: t("curvePower"), quantity: "power",
     height: 140,
     curves: (motion) => [
       { label: t("drivePower"), paint: "gain", values: summed(motion, "drive_power") },
@@ -83,6 +84,8 @@ export class Player {
     this.readAt = 0;
     this.later = new Later();
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
+    this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
+      { title: t("keysOfCurve"), actions: this.curves.actions }]);
     this.transport = this.makeTransport();
     const curves = el("div", { class: "curves" });
     const phase = el("canvas", { class: "plane", role: "img", "aria-label": t("phase") });
@@ -97,23 +100,20 @@ export class Player {
       el("section", { class: "card" }, el("h2", {}, t("ledger")),
         el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
       el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts));
-    root.append(el("div", { class: "stage" }, canvas, this.transport), curves, this.cards);
+    root.append(el("div", { class: "stage" }, canvas, this.transport, this.senses.root), curves, this.cards);
     this.scene = new Scene(canvas);
-    this.clack = new Clack();
-    this.scene.onContact = (k) => {
-      const { arrays } = /** @type {Motion} */ (this.motion).block;
-      if (arrays.contact_kind[k] > 1) return;
-      this.clack.sound(Math.abs(arrays.angular_velocity_before[k]) / this.fastest);
-    };
-    this.fastest = 1;
     this.curves = new Curves(curves, this.clock, PANELS);
     const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
     this.phase = new Plane(phase, labels);
     this.section = new Plane(section, labels);
     this.clock.subscribe((time) => this.move(time));
-    /** @type {Record<string, () => void>} what each key does */
-    this.actions = { " ": () => this.clock.toggle(), ",": () => this.stepBy(-1),
-      ".": () => this.stepBy(1) };
+    /** @type {import("./keys.js").Actions} */
+    this.actions = {
+      " ": { text: "keyPlay", act: () => this.clock.toggle() },
+      ",": { text: "keyBack", act: () => this.stepBy(-1) },
+      ".": { text: "keyOn", act: () => this.stepBy(1) },
+      ...this.senses.actions(),
+    };
     followKeys(root, this.actions);
   }
 
@@ -137,9 +137,6 @@ export class Player {
       this.scene.arrows = arrows.checked;
       this.scene.draw();
     } } });
-    const sound = el("input", { type: "checkbox", on: { change: () => {
-      this.clack.on = sound.checked;
-    } } });
     return el("div", { class: "transport" },
       el("div", { class: "row" }, this.button,
         el("button", { type: "button", class: "plain", "aria-label": t("stepBack"),
@@ -150,8 +147,7 @@ export class Player {
       el("div", { class: "row" },
         el("label", { for: id }, t("speed")), this.speed,
         el("label", { class: "check" }, this.loop, t("loop")),
-        el("label", { class: "check", title: t("arrowsHint") }, arrows, t("arrows")),
-        el("label", { class: "check" }, sound, t("sound"))));
+        el("label", { class: "check", title: t("arrowsHint") }, arrows, t("arrows"))));
   }
 
   /**
@@ -164,7 +160,10 @@ export class Player {
     if (this.clock.time > motion.end) this.clock.time = 0;
     this.scene.show(motion);
     const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
-    this.fastest = Math.max(-slow, fast, 1e-9);
+    this.senses.loudest = 2 * Math.max(-slow, fast, 1e-9);
+    /** @type {import("./swings.js").Log | null} */
+    let log = null;
+    this.senses.narrator.replace({ motion, log: () => { log ??= logOf(motion); return log; } });
     this.later.run([
       ...this.curves.show(motion, this.pinned),
       () => this.showPhase(),
@@ -261,6 +260,7 @@ export class Player {
     const motion = this.motion;
     if (!motion) return;
     this.scene.move(time);
+    this.senses.move(time, this.clock.playing, this.clock.speed);
     const marks = motion.balls.map((ball) => ({
       x: motion.angle(ball, time) * DEGREES,
       y: ball.sign * motion.at("angular_velocity", time, ball.row),
@@ -282,7 +282,7 @@ export class Player {
   destroy() {
     this.later.run([]);
     this.clock.pause();
-    this.clack.close();
+    this.senses.close();
     this.curves.destroy();
     this.scene.release();
     this.phase.release();

@@ -16,10 +16,10 @@ export class Scene {
     this.motion = null;
     this.time = 0;
     this.arrows = false;
-    /** Called with the number of a contact that is passed. */
-    this.onContact = (/** @type {number} */ _k) => {};
     this.flash = -1;
     this.flashAt = 0;
+    /** Who wants little motion sees no flashes. */
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     /** @type {Motion | null} a run that is drawn behind, in outline */
     this.pinned = null;
     /** Where the balls were last drawn, in pixels of the canvas. */
@@ -72,7 +72,6 @@ export class Scene {
         if (contacts[k] > this.time) {
           this.flash = this.motion?.block.arrays.contact_kind[k] ?? -1;
           this.flashAt = performance.now();
-          this.onContact(k);
         }
         break;
       }
@@ -215,7 +214,7 @@ export class Scene {
    */
   drawFlash(context, pose, unit) {
     const age = (performance.now() - this.flashAt) / 1000;
-    if (this.flash < 0 || this.flash > 1 || age > FLASH || pose.balls.length < 2) return;
+    if (this.calm.matches || this.flash < 0 || this.flash > 1 || age > FLASH || pose.balls.length < 2) return;
     const [a, b] = pose.balls;
     const [x, y] = this.place(0.5 * (a.x + b.x), 0.5 * (a.y + b.y));
     context.globalAlpha = 1 - age / FLASH;
