@@ -234,6 +234,12 @@ def live(browser: Any, address: str) -> None:
         rate = page.evaluate(FRAMES, 1000 * SECONDS)
         more = "" if slower == 1 else f", processor {slower} times slower"
         line(f"Live: pictures a second at 10x{more}", f"{rate:.1f}", asked)
+        for choice in ("Sound", "Hear the angle", "Describe"):
+            page.get_by_label(choice, exact=True).check()
+        heard = page.evaluate(FRAMES, 1000 * SECONDS)
+        line(f"Live: with sound and description{more}", f"{heard / rate:.2f} of them", "0.95")
+        for choice in ("Sound", "Hear the angle", "Describe"):
+            page.get_by_label(choice, exact=True).uncheck()
     page.context.close()
 
 

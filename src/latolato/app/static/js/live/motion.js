@@ -2,6 +2,7 @@
 
 import { ballsOf } from "../model/block.js";
 import { poseOf, SHOWN_RADIUS } from "../shared/motion.js";
+import { Log } from "../shared/swings.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 /** @typedef {import("./toy.js").Toy} Toy */
@@ -77,14 +78,31 @@ export class LiveMotion {
   constructor(toy, history) {
     this.toy = toy;
     this.history = history;
-    this.about = { options: { drive: "harmonic", gravity: toy.system.gravity } };
     this.balls = ballsOf(toy.system);
+    /** What the balls did. */
+    this.log = new Log(this.balls);
+    toy.onContact = (time, kind, speeds) => {
+      const { angles } = toy.system;
+      this.log.meet(time, kind, speeds, speeds.slice(angles));
+    };
+    this.follow();
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
     this.naturalFrequency = toy.system.naturalFrequency;
     this.end = Infinity;
     this.reach = toy.controls.drive_amplitude;
     this.top = 0;
+  }
+
+  /** What the hand does, and what draws the balls down. */
+  get about() {
+    return { options: { ...this.toy.controls, drive: "harmonic", gravity: this.toy.system.gravity } };
+  }
+
+  /** Note what the balls did on their way to this instant. */
+  follow() {
+    const { angles, velocities, time } = this.toy;
+    this.log.move(time, (row) => [angles[row], velocities[row]]);
   }
 
   /** @param {Ball} ball */

@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void, sound: (on: boolean) => void}} Actions
+ *   low: () => void, speed: (times: number) => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -35,8 +35,6 @@ export function makeParts(ratios, actions) {
       actions.speed(Number(/** @type {HTMLSelectElement} */ (event.target).value)) } },
     ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 },
       t("speedText", { speed })))),
-    sound: el("input", { type: "checkbox", on: { change: (/** @type {Event} */ event) =>
-      actions.sound(/** @type {HTMLInputElement} */ (event.target).checked) } }),
     notice: el("p", { class: "notes", role: "status" }),
     error: el("p", { class: "error", role: "alert", hidden: true }),
     status: el("p", { class: "readout" }),
@@ -53,16 +51,17 @@ export function makeParts(ratios, actions) {
  *   of the last one
  * @param {{field: HTMLElement, question: HTMLElement}} preset
  * @param {HTMLElement} knobs
+ * @param {HTMLElement} senses sound, description and the list of keys
  */
-export function layOut(parts, keeper, preset, knobs) {
+export function layOut(parts, keeper, preset, knobs, senses) {
   return el("div", { class: "view live" }, el("div", { class: "desk" }, preset.question,
     el("div", { class: "bench" },
       el("section", { class: "stage" }, parts.canvas,
-        parts.status, el("div", { class: "stage-tools" }, el("label", { class: "check" }, parts.sound, t("sound"))),
+        parts.status, el("div", { class: "stage-tools" }),
         el("div", { class: "stage-messages" }, parts.notice, parts.error)),
       el("div", { class: "panel" }, parts.angle.figure,
         el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, keeper.button,
-          el("label", { for: parts.speed.id }, t("speed")), parts.speed)),
+          el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses),
       keeper.result),
     el("aside", { class: "side" },
       el("div", { class: "card" }, preset.field), knobs,

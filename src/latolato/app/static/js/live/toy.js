@@ -83,6 +83,9 @@ export class Toy {
     /** Contacts since the start, and the hardest since this was last set to zero [rad/s]. */
     this.contacts = 0;
     this.clack = 0;
+    /** Called with each contact: time, kind and the velocities before and after, of all balls. */
+    this.onContact = (/** @type {number} */ _time, /** @type {number} */ _kind,
+      /** @type {number[]} */ _speeds) => {};
     /** @type {Recording | null} */
     this.recording = null;
     this.awaitsRecording = false;
@@ -341,7 +344,9 @@ export class Toy {
     for (let i = 0; i < rows; i += 1) {
       const speeds = [0, 1, 2, 3].map((row) => table[row * ROOM + i]);
       const kind = Number(kernels.numbers(kinds)[i]);
-      recording?.addContact(kernels.numbers(times)[i], kind, speeds);
+      const at = kernels.numbers(times)[i];
+      recording?.addContact(at, kind, speeds);
+      this.onContact(at, kind, speeds);
       if (kind >= REST) continue;
       this.contacts += 1;
       const closing = system.angles === 2 ? speeds[0] - speeds[1] : 2 * speeds[0];

@@ -1,6 +1,5 @@
 /** Live: the toy runs in real time while hands change everything. */
 
-import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
@@ -21,6 +20,7 @@ import { specify } from "../model/case.js";
 import { inPagesWords } from "../model/words.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
+import { Senses } from "../shared/senses.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
@@ -65,9 +65,7 @@ export class LiveView {
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
     this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value), KEYS);
-    this.clack = new Clack();
     this.parts = makeParts(RATIOS, {
-      sound: (on) => { this.clack.on = on; },
       pause: () => this.pause(),
       push: () => this.push(),
       restart: () => this.restart(),
@@ -76,7 +74,10 @@ export class LiveView {
       speed: (times) => { this.pace.speed = times; },
     });
     this.showPause();
-    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root);
+    this.senses = new Senses(this.parts.canvas,
+      () => [{ title: t("keysHere"), actions: this.actions() }]);
+    this.senses.narrator.labels = page.registry.options;
+    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses.root);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
@@ -86,16 +87,19 @@ export class LiveView {
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);
-    /** @type {() => void} */
-    this.unsubscribe = () => {};
+    /** @type {(() => void)[]} what ends listening */
+    this.releases = [];
   }
 
   show() {
     this.shown = true;
-    this.unsubscribe = this.page.store.subscribe((_, changed) => {
-      if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
-        void this.begin();
-    });
+    // Elsewhere on the page arrows scroll.
+    const anywhere = Object.entries(this.actions()).filter(([key]) => !key.startsWith("Arrow"));
+    this.releases.push(followKeys(document, Object.fromEntries(anywhere)),
+      this.page.store.subscribe((_, changed) => {
+        if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
+          void this.begin();
+      }));
     if (this.wish() !== this.signature || !this.toy) void this.begin();
     this.pace.rest();
     this.parts.canvas.focus({ preventScroll: true });
@@ -104,7 +108,7 @@ export class LiveView {
 
   hide() {
     this.shown = false;
-    this.unsubscribe();
+    for (const release of this.releases.splice(0)) release();
     this.keeper.finish();
   }
 
@@ -170,6 +174,9 @@ export class LiveView {
     this.root.classList.toggle("single", single);
     this.parts.energy.title.textContent = t("curveEnergy", { whose: whose(this.motion) });
     this.watch.begin(single);
+    const { motion } = this;
+    this.senses.loudest = LOUDEST * system.naturalFrequency;
+    this.senses.narrator.begin({ motion: /** @type {any} */ (motion), log: () => motion.log });
     this.rescale();
     this.pace.rest();
     this.dirty = true;
@@ -233,6 +240,7 @@ export class LiveView {
       if (option) store.option(name, textOf(option, value));
       return;
     }
+    this.senses.narrator.turned(name, this.toy.controls[name], value);
     this.toy.set({ [name]: value });
     this.dirty = true;
     if (name === "drive_amplitude") this.rescale();
@@ -258,10 +266,10 @@ export class LiveView {
     if (this.paused || !toy || !motion) return;
     try {
       this.pace.move(toy, now, () => {
+        motion.follow();
         const clacks = toy.clack > SOFTEST;
         this.watch.add(motion, clacks);
         if (clacks) {
-          this.clack.sound(toy.clack / (LOUDEST * toy.system.naturalFrequency));
           this.scene.flash(motion.pose(), toy.clack);
         }
         toy.clack = 0;
@@ -284,6 +292,7 @@ export class LiveView {
     if (!this.shown) return;
     requestAnimationFrame(this.draw);
     this.move(now);
+    if (this.toy) this.senses.move(this.toy.time, !this.paused, this.pace.speed);
     if (!this.dirty || !this.motion || !this.toy) return;
     this.dirty = false;
     const { toy, motion, pace } = this;
@@ -336,17 +345,26 @@ export class LiveView {
     if (this.toy) this.take("frequency_ratio", String(ratio), ratio);
   }
 
-  /** Return what each key does. @returns {Record<string, () => void>} */
+  /** Return what each key does. @returns {import("../shared/keys.js").Actions} */
   actions() {
+    const turn = (/** @type {string} */ name, /** @type {number} */ way) =>
+      () => this.knobs.all[name]?.turn(way);
     return {
-      ArrowUp: () => this.knobs.all.drive_amplitude?.turn(1),
-      ArrowDown: () => this.knobs.all.drive_amplitude?.turn(-1),
-      ArrowRight: () => this.knobs.all.drive_frequency?.turn(1),
-      ArrowLeft: () => this.knobs.all.drive_frequency?.turn(-1),
-      d: () => this.knobs.all.damping?.turn(1), D: () => this.knobs.all.damping?.turn(-1),
-      e: () => this.knobs.all.restitution?.turn(1), E: () => this.knobs.all.restitution?.turn(-1),
-      p: () => this.push(), r: () => this.restart(), c: () => this.keeper.toggle(),
-      1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
+      " ": { text: "keyPlay", act: () => this.pause() },
+      ArrowUp: { text: "keyAmplitudeUp", act: turn("drive_amplitude", 1) },
+      ArrowDown: { text: "keyAmplitudeDown", act: turn("drive_amplitude", -1) },
+      ArrowRight: { text: "keyFrequencyUp", act: turn("drive_frequency", 1) },
+      ArrowLeft: { text: "keyFrequencyDown", act: turn("drive_frequency", -1) },
+      d: { text: "keyDampingUp", act: turn("damping", 1) },
+      D: { text: "keyDampingDown", act: turn("damping", -1) },
+      e: { text: "keyRestitutionUp", act: turn("restitution", 1) },
+      E: { text: "keyRestitutionDown", act: turn("restitution", -1) },
+      p: { text: "keyPush", act: () => this.push() },
+      r: { text: "keyRestart", act: () => this.restart() },
+      c: { text: "keyRecord", act: () => this.keeper.toggle() },
+      1: { text: "keyHigh", act: () => this.ratio(RATIOS.high) },
+      2: { text: "keyLow", act: () => this.ratio(RATIOS.low) },
+      ...this.senses.actions(),
     };
   }
 

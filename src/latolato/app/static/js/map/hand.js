@@ -1,5 +1,7 @@
 /** What mouse, finger and keys do on a map: choose a point, drag a box, pan, zoom. */
 
+import { followKeys } from "../shared/keys.js";
+
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./chart.js").Box} Box */
 /**
@@ -16,7 +18,7 @@ const PAN_SHARE = 0.2;
 const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
 /**
- * Let a canvas follow the hand.
+ * Let a canvas follow the hand; returns what its keys do.
  * @param {HTMLElement} root what has the focus
  * @param {MapChart} chart
  * @param {Listener} listener
@@ -69,19 +71,30 @@ export function followHand(root, chart, listener, panning) {
   });
   canvas.addEventListener("pointercancel", () => { end(); chart.draw(); });
   canvas.addEventListener("pointerleave", () => { if (!pressed) listener.hover(null); });
-  root.addEventListener("keydown", (e) => {
-    if (e.ctrlKey || e.metaKey || e.altKey) return;
-    const far = [chart.grid?.width ?? 0, chart.grid?.height ?? 0].map((n) =>
+  const move = (/** @type {KeyboardEvent} */ { key, shiftKey }) => {
+    const [x, y] = WAYS[key];
+    const [columns, rows] = [chart.grid?.width ?? 0, chart.grid?.height ?? 0].map((n) =>
       Math.max(1, Math.round(PAN_SHARE * n)));
-    const way = WAYS[e.key];
-    if (way && e.shiftKey) listener.pan(way[0] * far[0], way[1] * far[1]);
-    else if (way) listener.step(way[0], way[1]);
-    else if (e.key === "Enter") listener.enter();
-    else if (e.key === "Escape") {
-      if (pressed) { end(); chart.draw(); } else listener.back();
-    } else if (e.key === "+" || e.key === "=") listener.scale(0.5);
-    else if (e.key === "-") listener.scale(2);
-    else return;
-    e.preventDefault();
-  });
+    if (shiftKey) listener.pan(x * columns, y * rows);
+    else listener.step(x, y);
+  };
+  const leave = () => {
+    if (!pressed) {
+      listener.back();
+      return;
+    }
+    end();
+    chart.draw();
+  };
+  /** @type {import("../shared/keys.js").Actions} */
+  const actions = {
+    ...Object.fromEntries(Object.keys(WAYS).map((key) => [key, { text: "keyCross", act: move }])),
+    Enter: { text: "keyRun", act: () => listener.enter() },
+    "+": { text: "keyZoomIn", act: () => listener.scale(0.5) },
+    "=": { text: "keyZoomIn", act: () => listener.scale(0.5) },
+    "-": { text: "keyZoomOut", act: () => listener.scale(2) },
+    Escape: { text: "keyZoomBack", act: leave },
+  };
+  followKeys(root, actions);
+  return actions;
 }

@@ -5,6 +5,7 @@ import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
 import { el, tell } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
+import { followKeys, KeyList } from "../shared/keys.js";
 import { spanText } from "../shared/left.js";
 import { t } from "../strings.js";
 import { Misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
@@ -94,7 +95,7 @@ export class MapView {
     this.chart = new MapChart(canvas);
     this.bar = new ColourBar(bar);
     this.cursor = new Cursor(this, readout);
-    followHand(this.field, this.chart, {
+    const keys = followHand(this.field, this.chart, {
       hover: (at) => this.cursor.tell(at),
       pick: (x, y) => { this.cursor.put(x, y); void this.cursor.run(); },
       box: (box) => this.travel.zoom(box),
@@ -102,14 +103,19 @@ export class MapView {
       step: (columns, rows) => this.cursor.step(columns, rows),
       enter: () => void this.cursor.run(),
     }, () => this.tools.panning);
-    this.unsubscribe = () => {};
+    this.keys = new KeyList(() => [{ title: t("keysHere"), actions: { ...keys, ...this.help } }]);
+    /** @type {import("../shared/keys.js").Actions} */
+    this.help = { "?": { text: "keyHelp", act: () => this.keys.open() } };
+    readout.after(this.keys.root);
+    /** @type {(() => void)[]} what ends listening */
+    this.releases = [];
   }
 
   show() {
     this.shown = true;
-    this.unsubscribe = this.page.store.subscribe((_, changed) => {
+    this.releases.push(followKeys(document, this.help), this.page.store.subscribe((_, changed) => {
       if (changed !== "view") this.update(changed !== "extra" && changed !== "options");
-    });
+    }));
     if (this.page.registry.server) void this.findStored();
     const { registry, store } = this.page;
     const { scenario, extra } = store.state;
@@ -121,7 +127,7 @@ export class MapView {
 
   hide() {
     this.shown = false;
-    this.unsubscribe();
+    for (const release of this.releases.splice(0)) release();
     this.point.preview.rest();
     this.files.stop();
     if (this.grid?.complete && !this.next) return;

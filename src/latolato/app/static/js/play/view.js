@@ -48,6 +48,7 @@ export class PlayView {
     this.more = drawer("moreParameters", form);
     const place = el("div", { class: "player" });
     this.player = new Player(place);
+    this.player.senses.narrator.labels = page.registry.options;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.player.messages.append(this.notes, this.choice);
     this.player.tools.append(this.makeShare());

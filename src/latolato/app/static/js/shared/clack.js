@@ -1,44 +1,52 @@
-/** The sound of two balls that meet. */
+/** The sound of two balls that meet: a short burst of noise, as hard wood gives it. */
 
-const LENGTH = 0.05; // s
-const PITCH = 2400; // Hz
-// Clacks follow each other by at least this time, however fast the run is played.
-const PAUSE = 0.03; // s
+const LENGTH = 0.06; // s
+// The burst dies away by this factor in so long.
+const DECAY = 0.012; // s
+// Balls that meet above the hand sound a little higher.
+const PITCH = { bottom: 1500, top: 1900 }; // Hz
+const SHARPNESS = 3;
+// The harder the balls meet, the brighter the burst.
+const BRIGHTNESS = [2500, 9000]; // Hz
+const VOLUME = 1.6;
 
-export class Clack {
-  constructor() {
-    this.on = false;
-    /** @type {AudioContext | null} */
-    this.context = null;
-    this.last = 0;
+/** @type {WeakMap<BaseAudioContext, AudioBuffer>} */
+const bursts = new WeakMap();
+
+/**
+ * Return noise that dies away; it is the same each time.
+ * @param {BaseAudioContext} context
+ */
+function burstOf(context) {
+  const known = bursts.get(context);
+  if (known) return known;
+  const burst = context.createBuffer(1, Math.ceil(LENGTH * context.sampleRate), context.sampleRate);
+  const samples = burst.getChannelData(0);
+  let seed = 1;
+  for (let i = 0; i < samples.length; i += 1) {
+    seed = (16807 * seed) % 2147483647; // Park and Miller, 1988
+    samples[i] = (2 * seed / 2147483647 - 1) * Math.exp(-i / (DECAY * context.sampleRate));
   }
+  bursts.set(context, burst);
+  return burst;
+}
 
-  /**
-   * Sound once, the louder the faster the balls met.
-   * @param {number} loudness from 0 to 1
-   */
-  sound(loudness) {
-    if (!this.on) return;
-    this.context ??= new AudioContext();
-    const { context } = this;
-    const now = context.currentTime;
-    if (now - this.last < PAUSE) return;
-    this.last = now;
-    const tone = context.createOscillator();
-    const volume = context.createGain();
-    tone.frequency.setValueAtTime(PITCH, now);
-    tone.frequency.exponentialRampToValueAtTime(PITCH / 3, now + LENGTH);
-    volume.gain.setValueAtTime(0.4 * Math.min(Math.max(loudness, 0.05), 1), now);
-    volume.gain.exponentialRampToValueAtTime(1e-3, now + LENGTH);
-    tone.connect(volume).connect(context.destination);
-    tone.start(now);
-    tone.stop(now + LENGTH);
-  }
-
-  /** Give the sound card back. */
-  close() {
-    this.on = false;
-    void this.context?.close();
-    this.context = null;
-  }
+/**
+ * Let balls be heard that meet at an instant.
+ * @param {BaseAudioContext} context
+ * @param {AudioNode} out
+ * @param {number} at [s] of the context
+ * @param {number} loudness from 0 to 1
+ * @param {"bottom" | "top"} kind
+ */
+export function playClack(context, out, at, loudness, kind) {
+  const source = new AudioBufferSourceNode(context, { buffer: burstOf(context) });
+  const [dull, bright] = BRIGHTNESS;
+  const wood = new BiquadFilterNode(context,
+    { type: "bandpass", frequency: PITCH[kind], Q: SHARPNESS });
+  const force = new BiquadFilterNode(context,
+    { type: "lowpass", frequency: dull + loudness * (bright - dull) });
+  source.connect(wood).connect(force)
+    .connect(new GainNode(context, { gain: VOLUME * loudness })).connect(out);
+  source.start(at);
 }

@@ -7,7 +7,10 @@ import UPlot from "../../vendor/uPlot.esm.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE } from "./axis.js";
 import { envelope, isDense } from "./band.js";
+import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
+import { followKeys } from "./keys.js";
+import { inText } from "./narrator.js";
 import { drawShades } from "./shades.js";
 import { short } from "./units.js";
 
@@ -17,8 +20,9 @@ import { short } from "./units.js";
  * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
  * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
  *   axis?: "right"}} Curve
- * @typedef {{label: string | ((motion: Motion) => string), height?: number | (() => number),
- *   curves: (motion: Motion) => Curve[],
+ * A quantity ("angle", "energy", "power") lets a chart be described in a sentence.
+ * @typedef {{label: string | ((motion: Motion) => string), quantity?: string,
+ *   height?: number | (() => number), curves: (motion: Motion) => Curve[],
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
@@ -68,6 +72,20 @@ export class Curves {
     this.setting = false;
     // Pointers are shown together within these charts only: other charts have times of their own.
     this.sync = freshId();
+    const zoomBy = (/** @type {number} */ share) => {
+      const [from, to] = this.span;
+      const middle = Math.min(Math.max(this.clock.time, from), to);
+      this.zoom(middle - 0.5 * share * (to - from), middle + 0.5 * share * (to - from));
+    };
+    const panBy = (/** @type {number} */ share) => this.pan(share * (this.span[1] - this.span[0]));
+    /** @type {import("./keys.js").Actions} */
+    this.actions = {
+      "+": { text: "keyCloser", act: () => zoomBy(0.5) },
+      "-": { text: "keyFarther", act: () => zoomBy(2) },
+      "0": { text: "keyWhole", act: () => this.zoom(0, this.motion?.end ?? 1) },
+      ArrowLeft: { text: "keyEarlier", act: () => panBy(-0.2) },
+      ArrowRight: { text: "keyLater", act: () => panBy(0.2) },
+    };
     this.unsubscribe = clock.subscribe((time) => this.move(time));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(root);
@@ -107,7 +125,21 @@ export class Curves {
       queueMicrotask(() => this.move(this.clock.time));
     });
     tasks[0]?.();
-    return tasks.slice(1);
+    return [...tasks.slice(1), () => this.describe(motion)];
+  }
+
+  /**
+   * Say in words what the charts show.
+   * @param {Motion} motion
+   */
+  describe(motion) {
+    const { time } = motion;
+    for (const { host, panel, curves } of this.charts) {
+      if (!panel.quantity) continue;
+      const own = curves.filter(({ paint, axis }) => paint !== "faint" && !axis).map(({ values }) => values);
+      const text = inText(curvesOf(panel.quantity, time, own));
+      host.setAttribute("aria-label", `${nameOf(labelOf(panel, motion), curves)}. ${text}`);
+    }
   }
 
   /**
@@ -141,13 +173,12 @@ export class Curves {
       }));
       const head = el("div", { class: "playhead" });
       const host = el("div", {
-        class: "chart", tabindex: "0", role: "img",
-        "aria-label": `${label}: ${all[i].map((c) => c.label).join(", ")}`,
+        class: "chart", tabindex: "0", role: "img", "aria-label": nameOf(label, all[i]),
         on: {
-          keydown: (/** @type {KeyboardEvent} */ e) => this.key(e),
           wheel: (/** @type {WheelEvent} */ e) => this.wheel(e),
         },
       });
+      followKeys(host, this.actions);
       this.root.append(el("figure", { class: "panel" },
         el("figcaption", {}, el("strong", {}, label), legend), host));
       // Empty: `show` fills one chart after the other.
@@ -369,26 +400,6 @@ export class Curves {
     queueMicrotask(() => this.move(this.clock.time));
   }
 
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    const [from, to] = this.span;
-    const width = to - from;
-    const middle = Math.min(Math.max(this.clock.time, from), to);
-    /** @type {Record<string, () => void>} */
-    const actions = {
-      "+": () => this.zoom(middle - 0.25 * width, middle + 0.25 * width),
-      "-": () => this.zoom(middle - width, middle + width),
-      "0": () => this.zoom(0, this.motion?.end ?? 1),
-      ArrowLeft: () => this.pan(-0.2 * width),
-      ArrowRight: () => this.pan(0.2 * width),
-    };
-    const action = actions[event.key];
-    if (!action) return;
-    event.preventDefault();
-    event.stopPropagation();
-    action();
-  }
-
   /**
    * Zoom about the pointer with Ctrl, move with Shift or a sideways wheel; else the page scrolls.
    * @param {WheelEvent} event
@@ -451,6 +462,13 @@ export class Curves {
     for (const { plot } of this.charts) plot.destroy();
   }
 }
+
+/**
+ * Return the name of a chart.
+ * @param {string} label
+ * @param {Curve[]} curves
+ */
+const nameOf = (label, curves) => `${label}: ${curves.map((curve) => curve.label).join(", ")}`;
 
 /**
  * @param {Panel} panel

@@ -21,6 +21,7 @@ const LARGE = 0.1;
 export function anglePanel({ wrapped = false, pivot = false } = {}) {
   return {
     label: t("curveAngle"),
+    quantity: "angle",
     curves: (motion) => [
       ...motion.balls.map((ball) => {
         const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES);
@@ -60,6 +61,7 @@ export function wrap(angle) {
 export const ENERGY_PANELS = [
   {
     label: (motion) => t("curveEnergy", { whose: whose(motion) }),
+    quantity: "energy",
     curves: (motion) => [
       { label: t("kinetic"), paint: "kinetic", values: summed(motion, "kinetic_energy") },
       { label: t("potential"), paint: "potential", values: summed(motion, "potential_energy") },
@@ -68,6 +70,7 @@ export const ENERGY_PANELS = [
   },
   {
     label: (motion) => t("curvePower", { whose: whose(motion) }),
+    quantity: "power",
     height: 140,
     curves: (motion) => [
       { label: t("drivePower"), paint: "gain", values: summed(motion, "drive_power") },

@@ -1,14 +1,15 @@
 /** The player: animation, angles over time, transport and, when asked for, more of one run. */
 
 import { t } from "../strings.js";
-import { Clack } from "./clack.js";
 import { Clock } from "./clock.js";
 import { el, freshId } from "./dom.js";
 import { followKeys } from "./keys.js";
 import { MoreCurves } from "./more.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
+import { Senses } from "./senses.js";
 import { Start } from "./start.js";
+import { logOf } from "./swings.js";
 import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -30,34 +31,33 @@ export class Player {
     this.pinned = null;
     this.readAt = 0;
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
-    this.clack = new Clack();
     this.timeline = new Timeline(this.clock);
     this.more = new MoreCurves(this.clock);
+    this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
+      { title: t("keysOfCurve"), actions: this.curves.actions }]);
     /** What stands on the stage: buttons above, messages below. */
-    this.tools = el("div", { class: "stage-tools" }, ...this.makeSwitches());
+    this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch());
     this.messages = el("div", { class: "stage-messages" });
     this.stage = el("div", { class: "stage" }, canvas, this.tools, this.messages);
     this.bench = el("div", { class: "bench" }, this.stage,
-      el("div", { class: "panel" }, this.timeline.root, this.makeTransport()));
+      el("div", { class: "panel" }, this.timeline.root, this.makeTransport(), this.senses.root));
     root.append(this.bench, this.more.root);
     this.scene = new Scene(canvas);
     this.start = new Start(this.scene, this.clock);
     canvas.after(this.scene.legend, this.start.said);
-    this.scene.onContact = (k) => {
-      const { arrays } = /** @type {Motion} */ (this.motion).block;
-      if (arrays.contact_kind[k] > 1) return;
-      this.clack.sound(Math.abs(arrays.angular_velocity_before[k]) / this.fastest);
-    };
-    this.fastest = 1;
     // Both sets of curves show the same stretch of time.
     this.curves.onSpan = (from, to) => {
       if (this.more.drawn) this.more.curves.setSpan(from, to);
     };
     this.more.curves.onZoom = (from, to) => this.curves.zoom(from, to);
     this.clock.subscribe((time) => this.move(time));
-    /** @type {Record<string, () => void>} what each key does */
-    this.actions = { " ": () => this.clock.toggle(), ",": () => this.stepBy(-1),
-      ".": () => this.stepBy(1) };
+    /** @type {import("./keys.js").Actions} */
+    this.actions = {
+      " ": { text: "keyPlay", act: () => this.clock.toggle() },
+      ",": { text: "keyBack", act: () => this.stepBy(-1) },
+      ".": { text: "keyOn", act: () => this.stepBy(1) },
+      ...this.senses.actions(),
+    };
     followKeys(root, this.actions);
   }
 
@@ -66,16 +66,9 @@ export class Player {
     return this.timeline.curves;
   }
 
-  makeSwitches() {
-    const toggle = (/** @type {string} */ text, /** @type {string} */ hint,
-      /** @type {(is: boolean) => void} */ change) => {
-      const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
-      return el("label", { class: "check", title: t(hint) }, box, t(text));
-    };
-    return [
-      toggle("sound", "soundHint", (is) => { this.clack.on = is; }),
-      toggle("arrows", "arrowsHint", (is) => this.scene.showArrows(is)),
-    ];
+  makeArrowsSwitch() {
+    const box = el("input", { type: "checkbox", on: { change: () => this.scene.showArrows(box.checked) } });
+    return el("label", { class: "check", title: t("arrowsHint") }, box, t("arrows"));
   }
 
   makeTransport() {
@@ -110,7 +103,10 @@ export class Player {
     if (this.clock.time > motion.end) this.clock.time = 0;
     this.scene.show(motion);
     const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
-    this.fastest = Math.max(-slow, fast, 1e-9);
+    this.senses.loudest = 2 * Math.max(-slow, fast, 1e-9);
+    /** @type {import("./swings.js").Log | null} */
+    let log = null;
+    this.senses.narrator.replace({ motion, log: () => { log ??= logOf(motion); return log; } });
     this.timeline.show(motion, this.pinned);
     this.more.show(motion, this.pinned);
     this.move(this.clock.time);
@@ -149,6 +145,7 @@ export class Player {
     this.scene.move(time);
     this.timeline.move(time);
     this.more.move(time);
+    this.senses.move(time, this.clock.playing, this.clock.speed);
     const label = this.clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
     const now = performance.now();
@@ -160,7 +157,7 @@ export class Player {
 
   destroy() {
     this.clock.pause();
-    this.clack.close();
+    this.senses.close();
     this.curves.destroy();
     this.more.destroy();
     this.scene.release();

@@ -34,8 +34,6 @@ export class Scene {
     this.arrows = false;
     /** What the arrows mean; it stands where the page puts it. */
     this.legend = el("ul", { class: "legend of-arrows", hidden: true });
-    /** Called with the number of a contact that is passed. */
-    this.onContact = (/** @type {number} */ _k) => {};
     this.flashes = new Flashes();
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
@@ -97,7 +95,6 @@ export class Scene {
         const { arrays } = motion.block;
         if (arrays.contact_kind[k] <= TOP)
           this.flash(motion.pose(motion.contacts[k]), motion.closingSpeed(k));
-        this.onContact(k);
       }
     }
     this.time = time;

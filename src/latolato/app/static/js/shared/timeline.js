@@ -3,6 +3,7 @@
 import { t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "./dom.js";
+import { Later } from "./later.js";
 import { anglePanel } from "./panels.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -40,6 +41,7 @@ export class Timeline {
     this.root = el("div", { class: "timeline" }, place, this.scrub);
     this.curves = new Curves(place, clock, [this.panel()], { follows: true });
     this.curves.onLayout = () => this.align();
+    this.later = new Later();
   }
 
   panel() {
@@ -58,7 +60,7 @@ export class Timeline {
     this.wrapped.hidden = !motion.balls.some(({ row }) =>
       motion.values("angle", row)?.some((angle) => Math.abs(angle) > HALF_TURN));
     this.curves.panels = [this.panel()];
-    this.curves.show(motion, pinned);
+    this.later.run(this.curves.show(motion, pinned));
     this.move(this.clock.time);
   }
 

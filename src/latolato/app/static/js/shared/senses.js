@@ -1,0 +1,110 @@
+/** A motion for those who hear it: its description, its clacks and tones, and its keys. */
+
+import { t } from "../strings.js";
+import { el } from "./dom.js";
+import { KeyList } from "./keys.js";
+import { Narrator } from "./narrator.js";
+import { Sound } from "./sound.js";
+
+/** @typedef {import("./keys.js").Actions} Actions */
+/** @typedef {import("./narrator.js").Source} Source */
+
+const KEPT = "latolato.senses";
+// What passed in a longer time of the page, as after a jump, is not heard.
+const LONGEST = 0.3; // s
+
+/** @type {Record<string, boolean> | null} */
+let known = null;
+
+/** Return what was chosen, in this view or another one, now or the last time. */
+function choices() {
+  if (known) return known;
+  try {
+    known = { ...JSON.parse(localStorage.getItem(KEPT) ?? "{}") };
+  } catch {
+    known = {}; // spoiled by somebody, or the browser keeps nothing
+  }
+  return /** @type {Record<string, boolean>} */ (known);
+}
+
+/**
+ * Keep a choice.
+ * @param {string} name
+ * @param {boolean} on
+ */
+function choose(name, on) {
+  choices()[name] = on;
+  try {
+    localStorage.setItem(KEPT, JSON.stringify(known));
+  } catch {
+    // The choice holds for this visit.
+  }
+}
+
+export class Senses {
+  /**
+   * @param {HTMLCanvasElement} stage
+   * @param {() => {title: string, actions: Actions}[]} keys of the view
+   */
+  constructor(stage, keys) {
+    this.sound = new Sound();
+    this.narrator = new Narrator();
+    this.keys = new KeyList(keys);
+    this.heard = 0;
+    /** The speed at which balls are as loud as it gets [rad/s]. */
+    this.loudest = 1;
+    const { line, about } = this.narrator;
+    const others = stage.getAttribute("aria-describedby");
+    stage.setAttribute("aria-describedby", others ? `${about.id} ${others}` : about.id);
+    const choice = (/** @type {string} */ name, /** @type {string | undefined} */ title,
+      /** @type {(on: boolean) => void} */ turn) => {
+      const box = el("input", { type: "checkbox", checked: choices()[name] === true, on: { change: () => {
+        choose(name, box.checked);
+        turn(box.checked);
+      } } });
+      turn(box.checked);
+      return el("label", { class: "check", title }, box, t(name));
+    };
+    this.root = el("div", { class: "row senses" },
+      choice("sound", undefined, (on) => { this.sound.clacks = on; }),
+      choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
+      choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
+      el("button", { type: "button", class: "plain", on: { click: () => this.narrator.answer() } },
+        t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
+      this.keys.root, line, about);
+  }
+
+  /** Return the keys that every motion has. @returns {Actions} */
+  actions() {
+    return {
+      w: { text: "keyWhat", act: () => this.narrator.answer() },
+      "?": { text: "keyHelp", act: () => this.keys.open() },
+    };
+  }
+
+  /**
+   * Follow the motion to an instant.
+   * @param {number} time
+   * @param {boolean} isPlaying
+   * @param {number} speed seconds of the motion in one of the page
+   */
+  move(time, isPlaying, speed) {
+    const { sound, narrator } = this;
+    const since = time - this.heard;
+    if (isPlaying && narrator.source) {
+      const { motion, log } = narrator.source;
+      if (sound.clacks && since > 0 && since < LONGEST * speed)
+        for (const { time: at, kind, speed: closing } of log().between(this.heard, time))
+          if (kind === "bottom" || kind === "top")
+            sound.clack((time - at) / speed, closing / this.loudest, kind);
+      if (sound.tones) sound.follow(motion.balls.map((ball) => motion.angle(ball, time)));
+    }
+    this.heard = time;
+    narrator.move(time, isPlaying);
+  }
+
+  close() {
+    this.narrator.end();
+    this.sound.close();
+  }
+}
