@@ -212,8 +212,9 @@ def test_a_larger_question_takes_longer_by_its_steps(no_timings):
     assert seconds_of(function, {**arguments, "angle_points": 101}) is None
     timed("basins", "fig04a", {**size, "angle_points": "2"}, 1.5, rest=1.0)
     assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
-    # Of another kind of system nothing is known yet.
-    question = AnalysisRequest.from_json({"analysis": "basins", "scenario": "fig02"})
+    # Of another system nothing is known yet: a step may take ten times as long there.
+    other = {"analysis": "basins", "scenario": "fig04a", "options": {"restitution": "0.5"}}
+    question = AnalysisRequest.from_json({**other, "settings": size})
     assert seconds_of(question.function, question.arguments()) is None
 
 
@@ -235,7 +236,7 @@ def test_an_answer_tells_how_far_it_is_and_is_timed(no_timings, tmp_path):
     assert all(0.0 < share < 1.0 for share in shares)
     assert shares
     (file,) = (cache_directory() / "timings").iterdir()
-    assert b"basins Pendulum" in file.read_bytes()
+    assert b"basins " in file.read_bytes()
 
 
 def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):

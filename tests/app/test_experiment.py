@@ -120,6 +120,19 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert "±" in row.inner_text()
     assert "the pivot is at rest" in page.locator(".cards").inner_text()
 
+    # The answer first, then picture, curves, numbers and what can be taken home.
+    swings = BALL.natural_frequency / (2.0 * np.pi)
+    answer = page.locator(".finding strong")
+    assert float(answer.inner_text().split()[2]) == pytest.approx(swings, rel=0.005)
+    assert "±" in answer.inner_text()
+    for width in (1366, 390):
+        page.set_viewport_size({"width": width, "height": 900})
+        tops = [page.locator(place).first.bounding_box()["y"]
+                for place in (".finding", ".clip-box", ".cards", ".clip-exports")]  # fmt: skip
+        assert tops == sorted(tops)
+    assert page.locator(".clip-form").bounding_box()["y"] > tops[2]  # on a phone
+    page.set_viewport_size({"width": 1280, "height": 900})
+
     assert serious_faults(page) == []
 
     # Where the balls are drawn is where they are, in the frame that is on show.

@@ -48,6 +48,28 @@ test("work that becomes far slower is told so in few steps, and near the truth a
     assert.ok(seconds > 0.6 * (820 - time) - 5 && seconds < 1.2 * (820 - time) + 1);
 });
 
+test("a halt within the work is measured neither before nor after it", () => {
+  let time = 0;
+  const left = new TimeLeft(null, () => time);
+  for (; left.share < 0.24; time += 0.1) left.heed(left.share + 0.03);
+  assert.ok(left.seconds < 4);
+  time += 60; // it compiles
+  left.heed(0.28);
+  assert.equal(left.seconds, null);
+  for (; left.share < 0.6; time += 0.1) left.heed(left.share + 0.02);
+  assert.ok(Math.abs(left.seconds - (1 - left.share) / 0.2) < 0.5);
+});
+
+test("what was done before the first moment is no rate", () => {
+  let time = 0;
+  const left = new TimeLeft(null, () => time);
+  left.heed(0.15);
+  assert.equal(left.rate, 0);
+  time = 1;
+  left.heed(0.32);
+  assert.ok(Math.abs(left.rate - 0.17) < 1e-9);
+});
+
 test("what was measured before counts until the work itself is measured", () => {
   let time = 0;
   const left = new TimeLeft(30, () => time);

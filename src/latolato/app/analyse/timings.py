@@ -13,8 +13,8 @@ from pathlib import Path
 from latolato.core import cache
 from latolato.core.versions import version_of
 
-# So many of the latest answers of a kind are kept.
-_KEPT = 8
+# So many of the latest answers of a kind are kept, and so many kinds.
+_KEPT, _KINDS = 8, 300
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,10 @@ def timings_of(kind: str) -> list[Timing]:
 def keep_timing(kind: str, timing: Timing) -> None:
     """Keep how long an answer took; a folder that cannot be written keeps nothing."""
     known = _read()
-    known[kind] = [*known.get(kind, []), list(astuple(timing))][-_KEPT:]
+    latest = [*known.pop(kind, []), list(astuple(timing))][-_KEPT:]
+    kept = [*known.items(), (kind, latest)][-_KINDS:]
     with suppress(OSError):
-        cache.write(_path(), json.dumps(known).encode())
+        cache.write(_path(), json.dumps(dict(kept)).encode())
 
 
 def _read() -> dict[str, list[list[float]]]:

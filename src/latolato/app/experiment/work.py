@@ -15,6 +15,7 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.experiment.description import EXPORTS, Description
+from latolato.app.experiment.finding import finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.core.errors import InputError
@@ -136,9 +137,11 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     (folder / "points.bin").write_bytes(points_block(table, task.video))
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
+    cards = fits_of(table, description, folder, (task.video.width, task.video.height))
     result = {
         "warnings": task.warnings,
-        "fits": fits_of(table, description, folder, (task.video.width, task.video.height)),
+        "finding": finding_of(table, cards, trial),
+        "fits": cards,
         "trial": trial,
         "no_trial": why,
     }

@@ -445,6 +445,7 @@ export const STRINGS = {
   stage_tracking: "tracking",
   stage_fitting: "fitting",
   stage_drawing: "drawing",
+  findingHere: "What the video shows will stand here, once it is tracked.",
   stageOf: "{stage} …",
   progressOf: "{stage}, {percent} %",
   frameRate: "{rate} frames a second",

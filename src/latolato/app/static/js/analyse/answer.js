@@ -44,16 +44,6 @@ export function valuesAt(panel, x, y) {
 }
 
 /**
- * Return the answer as a headline, its first sentence, and what is to be said beside it.
- * @param {string} verdict
- * @returns {[string, string]}
- */
-export function headlineOf(verdict) {
-  const end = verdict.search(/(?<=[.!?]) (?=\p{Lu})/u);
-  return end < 0 ? [verdict, ""] : [verdict.slice(0, end), verdict.slice(end + 1)];
-}
-
-/**
  * Return the card of a picture, with words on how to read it; without a picture it keeps its place.
  * @param {import("./questions.js").Asking} form the question
  * @param {...(Node | null)} content
@@ -86,10 +76,6 @@ export class Answer {
     const notes = about.warnings.map((/** @type {string} */ text) =>
       el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
     this.after = el("div", { class: "after" });
-    const [headline, beside] = headlineOf(about.verdict);
-    /** What the answer is, for the line under the question. */
-    this.words = [el("strong", { lang: ENGLISH }, headline),
-      beside && el("span", { lang: ENGLISH }, ` ${beside}`)];
     this.root = el("div", { class: "main" },
       pictureCard(form, ...notes, block.arrays.png ? this.picture(block) : null, this.choice),
       this.after,

@@ -2,6 +2,7 @@
 
 import { askJson, newest, Offline } from "../shared/api.js";
 import { el, freshId } from "../shared/dom.js";
+import { findingPlace, showFinding } from "../shared/finding.js";
 import { Form } from "../shared/form.js";
 import { JobLine } from "../shared/jobs.js";
 import { heldOptions, withLaws } from "../shared/laws.js";
@@ -52,7 +53,7 @@ export class AnalyseView {
     this.title = el("h2", { class: "asks", lang: ENGLISH });
     this.of = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
-    this.finding = el("p", { class: "finding", role: "status" });
+    this.finding = findingPlace();
     this.unfit = el("div", { class: "unfit-note", hidden: true });
     this.asking = el("div", { class: "row asking" }, this.go, this.cost);
     const submit = (/** @type {Event} */ event) => {
@@ -170,8 +171,7 @@ export class AnalyseView {
   clear() {
     const isFit = !(this.what in (this.about?.unfit ?? {}));
     this.finding.hidden = !isFit;
-    this.finding.classList.add("waiting");
-    this.finding.textContent = t("answerHere");
+    showFinding(this.finding, t("answerHere"), false);
     this.answer.replaceChildren(...(isFit ? [pictureCard(this.forms[this.what])] : []));
     this.asking.hidden = true;
     this.point.rest();
@@ -322,8 +322,7 @@ export class AnalyseView {
         options: withOptions(question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
         : t("pointSaidStart", { values: words })));
     answer.after.append(this.point.root);
-    this.finding.classList.remove("waiting");
-    this.finding.replaceChildren(...answer.words.filter((words) => words !== ""));
+    showFinding(this.finding, block.about.verdict, true);
     this.answer.replaceChildren(answer.root);
     this.root.dataset.answered = question.analysis;
     this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);

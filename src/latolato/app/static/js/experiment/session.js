@@ -13,7 +13,7 @@ import { Track } from "./track.js";
  *   about: {width: number, height: number, frames: number, duration: number} | null,
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
  *   hasPivot: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
- *   track: Track | null,
+ *   track: Track | null, finding: string,
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
  *   field: string | null, stage: string | null, share: number, left: TimeLeft,
  *   mode: "setup" | "result",
@@ -57,7 +57,7 @@ export class Session {
     /** @type {Clip} */
     const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
       proposed: {}, radius: 0, hasPivot: false, hasBalls: false, isProposed: true, truth: {},
-      track: null, fits: {},
+      track: null, finding: "", fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
       left: new TimeLeft(), mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
@@ -182,9 +182,9 @@ export class Session {
     const block = await this.work(clip, (follow) =>
       this.desk.job({ do: "track", clip: clip.key, description }, follow));
     if (!block) return;
-    const { fits, warnings, no_trial: noTrial, trials } = block.about;
+    const { finding, fits, warnings, no_trial: noTrial, trials } = block.about;
     const track = new Track(inner(block, "points"));
-    Object.assign(clip, { track, fits, warnings, noTrial });
+    Object.assign(clip, { track, finding, fits, warnings, noTrial });
     clip.mode = "result";
     clip.files = new Set();
     clip.tracked += 1;

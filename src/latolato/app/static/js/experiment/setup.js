@@ -2,7 +2,7 @@
 
 import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
-import { spanText } from "../shared/left.js";
+import { SOON, spanText } from "../shared/left.js";
 import { short, toSi } from "../shared/units.js";
 import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
@@ -150,7 +150,7 @@ export function stageText({ stage, share, left, about }) {
   const name = t(`stage_${stage ?? "waiting"}`);
   if (!share) return t("stageOf", { stage: name });
   const text = t("progressOf", { stage: name, percent: Math.round(100 * share) });
-  if (!left.rate || left.seconds === null) return text;
+  if (!left.rate || left.seconds === null || (left.total ?? 0) <= SOON) return text;
   const rate = about && OF_FRAMES.includes(stage ?? "")
     ? `${t("frameRate", { rate: short(left.rate * about.frames, 2) })}, ` : "";
   return `${text}: ${rate}${t("timeLeft", { left: spanText(left.seconds) })}`;

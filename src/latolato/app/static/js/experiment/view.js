@@ -2,6 +2,7 @@
 
 import { Curves } from "../shared/curves.js";
 import { el, refresh } from "../shared/dom.js";
+import { findingPlace, showFinding } from "../shared/finding.js";
 import { textOf } from "../shared/laws.js";
 import { openState } from "../shared/links.js";
 import { short } from "../shared/units.js";
@@ -42,17 +43,19 @@ export class ExperimentView {
     this.welcome = el("div", { class: "welcome" },
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
         el("ol", {}, ...["step1", "step2", "step3"].map((s) => el("li", {}, t(s))))));
+    this.finding = findingPlace();
     this.notes = el("p", { class: "notes", role: "status" });
+    this.said = el("section", { class: "card answer" }, this.finding, this.notes);
     this.cards = el("div", { class: "cards" });
     this.player = el("div", { class: "player" }, this.screen.root, curves, this.cards);
     this.trials = el("section", { class: "card clip-trials" });
-    this.side = el("aside", { class: "side" }, this.list, this.form, this.exports);
+    this.side = el("aside", { class: "side" }, this.list, this.form);
     this.root = el("div", { class: "view split experiment", on: {
       dragover: (/** @type {DragEvent} */ e) => this.dragged(e, true),
       dragleave: (/** @type {DragEvent} */ e) => this.dragged(e, false),
       drop: (/** @type {DragEvent} */ e) => this.dropped(e),
     } },
-    this.side, el("div", { class: "main" }, this.welcome, this.notes, this.player, this.trials));
+    this.side, el("div", { class: "main" }, this.welcome, this.said, this.player, this.trials, this.exports));
     this.session = new Session(() => this.update());
     this.update();
   }
@@ -106,6 +109,11 @@ export class ExperimentView {
     const warnings = clip?.mode === "result" ? clip.warnings : [];
     this.notes.textContent = [...(isGone ? [t("offline")] : []),
       ...warnings.map((text) => t("warning", { text }))].join(" ");
+    const isAnswer = clip?.mode === "result";
+    const text = isAnswer ? clip.finding : t("findingHere");
+    this.finding.hidden = !clip?.about;
+    if (this.finding.textContent !== text) showFinding(this.finding, text, isAnswer);
+    this.said.hidden = this.finding.hidden && this.notes.textContent === "";
     if (clip?.about && clip.url) this.showClip(clip);
     this.updateTrials();
   }

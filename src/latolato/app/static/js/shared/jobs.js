@@ -4,13 +4,10 @@ import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
-import { spanText, TimeLeft } from "./left.js";
+import { SOON, spanText, TimeLeft } from "./left.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
-
-// Of shorter work nobody asks how much is left.
-const SOON = 5; // s
 
 /**
  * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and

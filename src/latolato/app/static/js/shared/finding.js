@@ -1,0 +1,25 @@
+/** An answer in words: its first sentence is a headline. */
+
+import { ENGLISH } from "../strings.js";
+import { el } from "./dom.js";
+
+/** Return an empty place for an answer, which screen readers read when it comes. */
+export function findingPlace() {
+  return el("p", { class: "finding", role: "status" });
+}
+
+/**
+ * Show an answer; without one its place says what will stand there.
+ * @param {HTMLElement} place
+ * @param {string} text
+ * @param {boolean} isAnswer
+ */
+export function showFinding(place, text, isAnswer) {
+  place.classList.toggle("waiting", !isAnswer);
+  // Answers are written by Python, in English.
+  place.lang = isAnswer ? ENGLISH : "";
+  const end = text.search(/(?<=[.!?]) (?=\p{Lu})/u);
+  const [headline, beside] = end < 0 ? [text, ""] : [text.slice(0, end), text.slice(end)];
+  if (!isAnswer) place.textContent = text;
+  else place.replaceChildren(el("strong", {}, headline), beside);
+}

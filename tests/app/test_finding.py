@@ -1,0 +1,106 @@
+"""What a tracked video shows in one sentence, with the numbers of its fits."""
+
+import numpy as np
+import pytest
+
+from latolato.app.experiment.finding import finding_of
+from latolato.experiment.track_table import track_table
+from track_tables import decay_table
+
+
+def value(number, sigma=0.0):
+    return {"value": number, "sigma": sigma}
+
+
+DECAY = {"values": {"natural_frequency": value(8.928, 0.019), "decay_rate": value(0.0182, 2e-4)}}
+DRIVE = {"values": {"drive_amplitude": value(0.02, 1e-4), "drive_frequency": value(15.1, 0.02)}}
+RESTITUTION = {"values": {"restitution": value(0.9, 0.02)}}
+TRIAL = {
+    "largest_angle": np.radians(62.0), "largest_angle_sigma": np.radians(1.0), "note": "",
+    "class": "weak", "borderline": False,
+}  # fmt: skip
+ERROR = {"error": "the pivot is at rest"}
+
+
+def table(duration=6.0, balls=1, flag="ok", angle=0.6):
+    """A swing of 1.2 s as a tracker sees it, with one flag for all frames."""
+    one = decay_table(length=0.363, mass=0.1, duration=duration, angle=angle)
+    columns = {"time": one.time.values}
+    for ball in range(1, balls + 1):
+        columns |= {
+            f"angle_{ball}": one.angle_1.values, f"flag_{ball}": np.full(len(one.time), flag),
+            f"angle_sigma_{ball}": one.angle_sigma_1.values,
+        }  # fmt: skip
+    return track_table(columns, {"length": 0.363})
+
+
+def test_a_free_swing_says_how_often_and_how_fast_it_fades():
+    told = finding_of(table(), {"drive": ERROR, "decay": DECAY}, None)
+    assert told.startswith(
+        "It swings 1.421 ± 0.003 times a second and loses half of its swing every 38.1 ± 0.4 s. "
+    )
+    assert "±" in told
+
+
+def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
+    values = {"natural_frequency": value(8.928, 0.019), "decay_rate": value(-1e-4, 2e-4)}
+    told = finding_of(table(), {"decay": {"values": values}}, None)
+    assert "was not found: film it for longer." in told
+    assert "every" not in told
+
+
+@pytest.mark.parametrize(
+    "more, words",
+    [
+        ({}, "out to 62.0 ± 1.0°. The swing lasts, beyond 45°."),
+        ({"class": "strong", "borderline": True}, "beyond 90°: strong motion, but only just."),
+        ({"class": "none"}, "The swing ends below 45°."),
+        ({"note": "not settled in the last part"}, "The motion has not settled in this video."),
+    ],
+)
+def test_a_driven_swing_says_what_the_drive_is_and_how_far_it_goes(more, words):
+    told = finding_of(table(), {"drive": DRIVE, "decay": ERROR}, {**TRIAL, **more})
+    assert told.startswith(
+        "Shaken with an amplitude of 20.00 ± 0.10 mm, 2.403 ± 0.003 times a second, the ball swings"
+    )
+    assert told.endswith(words)
+
+
+def test_without_a_trial_the_largest_angle_is_told():
+    assert "out to about 34°" in finding_of(table(), {"drive": DRIVE}, None)
+
+
+@pytest.mark.parametrize(
+    "flag, angle, fits, words",
+    [
+        ("ok", 0.6, {}, "The balls were not seen to touch."),
+        ("collision", 0.6, {}, "The balls touch below. What a collision does is not seen"),
+        ("collision", 0.6, {"restitution": RESTITUTION},
+         "The balls clack below: a collision keeps 0.90 ± 0.02 of their speed."),
+        ("collision", 2.5, {"restitution": RESTITUTION}, "The balls clack below and above:"),
+    ],
+)  # fmt: skip
+def test_two_balls_say_what_their_collisions_do(flag, angle, fits, words):
+    told = finding_of(table(balls=2, flag=flag, angle=angle), {"drive": DRIVE, **fits}, TRIAL)
+    assert "the balls swing out to 62.0 ± 1.0°." in told
+    assert words in told
+
+
+def test_without_a_fit_tracking_gives_the_period():
+    period = 2.0 * np.pi * np.sqrt(0.363 / 9.8)
+    told = finding_of(table(duration=9.0, angle=0.05), {"drive": ERROR, "decay": ERROR}, None)
+    assert told.startswith("It swings once in ")
+    number, sigma = told.removeprefix("It swings once in ").removesuffix(" s.").split(" ± ")
+    assert abs(float(number) - period) < 4.0 * float(sigma) + 2e-3
+
+
+def test_where_nothing_was_found_it_says_what_to_do():
+    told = finding_of(table(duration=0.8), {"drive": ERROR, "decay": ERROR}, None)
+    assert told.startswith(
+        "No swing was found. At least three swings must be seen: film for longer"
+    )
+
+
+def test_a_ball_that_was_hardly_seen_is_not_trusted():
+    told = finding_of(table(flag="lost"), {"decay": DECAY}, None)
+    assert "Only 0 % of the samples were seen: do not trust the numbers" in told
