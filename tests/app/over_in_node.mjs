@@ -4,7 +4,7 @@ import { readFileSync } from "node:fs";
 import { InputError } from "../../src/latolato/app/static/js/model/rules.js";
 import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
-import { tongueEdges } from "../../src/latolato/app/static/js/map/tongue.js";
+import { tongueEdges } from "../../src/latolato/app/static/js/model/tongue.js";
 import { parseTrials, placedTrials } from "../../src/latolato/app/static/js/map/trials.js";
 
 const { registry, cases } = JSON.parse(readFileSync(0, "utf8"));

@@ -5,13 +5,14 @@ import re
 
 from latolato.app import STATIC
 
-LISTED = re.compile(r"\| `(?P<file>[\w.]+)` .*`(?P<sum>[0-9a-f]{64})` \|")
+LISTED = re.compile(r"\| `(?P<file>[\w./-]+)` .*`(?P<sum>[0-9a-f]{64})` \|")
 
 
 def test_every_vendored_script_is_listed_with_its_checksum():
     folder = STATIC / "vendor"
     listed = dict(LISTED.findall((folder / "README.md").read_text(encoding="utf-8")))
-    present = {p.name for p in folder.iterdir() if p.suffix in (".js", ".css", ".ts")}
+    scripts = (p for p in folder.rglob("*") if p.suffix in (".js", ".css", ".ts"))
+    present = {p.relative_to(folder).as_posix() for p in scripts}
     assert present == set(listed)
     for name, known in listed.items():
         assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == known

@@ -1,7 +1,7 @@
 /** Amplitudes and frequencies in the coordinates of a map, and the curves of theory over it. */
 
 import { general, InputError } from "../model/rules.js";
-import { changeBetween, tongueEdges } from "./tongue.js";
+import { changeBetween, tongueEdges } from "../model/tongue.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{name: string, xs: Float64Array, ys: Float64Array, dashed: boolean}} NamedLine */

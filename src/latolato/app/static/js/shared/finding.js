@@ -17,7 +17,8 @@ export function findingPlace() {
 export function showFinding(place, text, isAnswer) {
   place.classList.toggle("waiting", !isAnswer);
   // Answers are written by Python, in English.
-  place.lang = isAnswer ? ENGLISH : "";
+  if (isAnswer) place.lang = ENGLISH;
+  else place.removeAttribute("lang");
   const end = text.search(/(?<=[.!?]) (?=\p{Lu})/u);
   const [headline, beside] = end < 0 ? [text, ""] : [text.slice(0, end), text.slice(end)];
   if (!isAnswer) place.textContent = text;
