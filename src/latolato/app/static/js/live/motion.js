@@ -96,7 +96,8 @@ export class LiveMotion {
 
   /** What the hand does, and what draws the balls down. */
   get about() {
-    return { options: { ...this.toy.controls, drive: "harmonic", gravity: this.toy.system.gravity } };
+    const { controls, system, isShaken } = this.toy;
+    return { options: { ...controls, drive: isShaken ? "measured_pivot" : "harmonic", gravity: system.gravity } };
   }
 
   /** Note what the balls did on their way to this instant. */
@@ -149,7 +150,7 @@ export class LiveMotion {
   }
 
   /**
-   * Follow how high the balls went lately; returns whether the box has to change.
+   * Follow how high the balls went lately, and a shaken pivot; returns whether the box has to change.
    * @param {number} largest angle of the last seconds [rad]
    */
   rise(largest) {
@@ -158,7 +159,9 @@ export class LiveMotion {
     const needed = side * Math.sin(above) + this.reach;
     const before = this.top;
     this.top += (needed > before ? GROW : SHRINK) * (needed - before);
-    return Math.abs(this.top - before) > 1e-5 * side;
+    const beyond = this.toy.isShaken ? Math.abs(this.toy.pivot.height) - this.reach : 0;
+    if (beyond > 0) this.reach += GROW * beyond;
+    return Math.max(Math.abs(this.top - before), beyond) > 1e-5 * side;
   }
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */

@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void}} Actions
+ *   low: () => void, speed: (times: number) => void, shake: () => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -29,6 +29,7 @@ export function makeParts(ratios, actions) {
       t("pause")),
     push: button(t("push"), "P", actions.push),
     restart: button(t("restart"), "R", actions.restart),
+    shake: button(t("shakeIt"), "S", actions.shake),
     high: button(t("highFrequency", { ratio: ratios.high }), "1", actions.high),
     low: button(t("lowFrequency", { ratio: ratios.low }), "2", actions.low),
     speed: el("select", { id: freshId(), on: { change: (/** @type {Event} */ event) =>
@@ -60,7 +61,7 @@ export function layOut(parts, keeper, preset, knobs, senses) {
         parts.status, el("div", { class: "stage-tools" }),
         el("div", { class: "stage-messages" }, parts.notice, parts.error)),
       el("div", { class: "panel" }, parts.angle.figure,
-        el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, keeper.button,
+        el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, parts.shake, keeper.button,
           el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses),
       keeper.result),
     el("aside", { class: "side" },

@@ -14,6 +14,7 @@ import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
 import { layOut, makeParts } from "../live/parts.js";
+import { Shake } from "../live/shake.js";
 import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
 import { specify } from "../model/case.js";
@@ -64,6 +65,7 @@ export class LiveView {
     this.readAt = 0;
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
+    this.shake = new Shake(() => this.toy, () => this.showShake());
     this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value), KEYS);
     this.parts = makeParts(RATIOS, {
       pause: () => this.pause(),
@@ -72,8 +74,10 @@ export class LiveView {
       high: () => this.ratio(RATIOS.high),
       low: () => this.ratio(RATIOS.low),
       speed: (times) => { this.pace.speed = times; },
+      shake: () => void this.shake.toggle(),
     });
     this.showPause();
+    this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
     this.senses.narrator.labels = page.registry.options;
@@ -83,7 +87,7 @@ export class LiveView {
     const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
       this.toy?.hold({ ball: ball.row, angle });
     followDrag(this.scene, { lead, drop: () => this.toy?.hold(null),
-      grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0) });
+      grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0), lift: (height) => this.shake.drag(height) });
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);
@@ -110,6 +114,7 @@ export class LiveView {
     this.shown = false;
     for (const release of this.releases.splice(0)) release();
     this.keeper.finish();
+    this.shake.end();
   }
 
   /** Return what the address asks for, as a text to compare. */
@@ -131,7 +136,7 @@ export class LiveView {
       const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
       if (signature !== this.signature) return;
       this.start(new Toy(kernels, each, cosineOf(each)));
-      this.parts.notice.textContent = isByCosine(each.drive.kind) ? "" : t("liveCosine");
+      if (!isByCosine(each.drive.kind)) this.parts.notice.textContent = t("liveCosine");
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (signature === this.signature) this.refuse(error);
@@ -178,6 +183,7 @@ export class LiveView {
     this.senses.loudest = LOUDEST * system.naturalFrequency;
     this.senses.narrator.begin({ motion: /** @type {any} */ (motion), log: () => motion.log });
     this.rescale();
+    this.shake.apply();
     this.pace.rest();
     this.dirty = true;
     this.allow(true);
@@ -189,8 +195,8 @@ export class LiveView {
    * @param {boolean} hasToy
    */
   allow(hasToy) {
-    const { toggle, push, restart, high, low } = this.parts;
-    for (const button of [toggle, push, restart, high, low, this.keeper.button])
+    const { toggle, push, restart, high, low, shake } = this.parts;
+    for (const button of [toggle, push, restart, high, low, shake, this.keeper.button])
       button.disabled = !hasToy;
   }
 
@@ -240,6 +246,8 @@ export class LiveView {
       if (option) store.option(name, textOf(option, value));
       return;
     }
+    // These are of the cosine.
+    if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
     this.senses.narrator.turned(name, this.toy.controls[name], value);
     this.toy.set({ [name]: value });
     this.dirty = true;
@@ -302,13 +310,22 @@ export class LiveView {
     this.watch.draw(this.paused, this.parts.more.open);
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
-    const text = motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
+    const text = toy.isShaken ? "liveReadoutShaken"
+      : motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
     const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
     this.showRatio();
     this.keeper.show();
+    this.shake.watch();
+  }
+
+  /** Show what shakes the pivot now. */
+  showShake() {
+    this.parts.shake.setAttribute("aria-pressed", String(this.shake.isOn));
+    this.parts.notice.textContent = this.shake.text;
+    if (!this.toy?.isShaken) this.rescale();
   }
 
   showRatio() {
@@ -360,6 +377,7 @@ export class LiveView {
       e: { text: "keyRestitutionUp", act: turn("restitution", 1) },
       E: { text: "keyRestitutionDown", act: turn("restitution", -1) },
       p: { text: "keyPush", act: () => this.push() },
+      s: { text: "keyShake", act: () => void this.shake.toggle() },
       r: { text: "keyRestart", act: () => this.restart() },
       c: { text: "keyRecord", act: () => this.keeper.toggle() },
       1: { text: "keyHigh", act: () => this.ratio(RATIOS.high) },
