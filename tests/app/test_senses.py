@@ -143,6 +143,15 @@ def test_live_tells_what_a_key_changes(page):
     page.keyboard.press("ArrowUp")
     wait_until_said(page, "The driving amplitude is larger now.")
     wait_until_said(page, "The balls swing as high as before, up to 175 degrees.")
+    # A key that changes nothing, at the end of what a toy takes, is no change.
+    page.keyboard.press("Space")
+    page.evaluate("() => window.latolato.views.live.knobs.restitution.give(1)")
+    wait_until_said(page, "The coefficient of restitution is larger now.")
+    page.keyboard.press("e")
+    page.wait_for_timeout(900)
+    assert said(page) == "The coefficient of restitution is larger now."
+    names = [text_of(node, "name") for node in accessible(page)]
+    assert any("angle [°]. The angles lie between -17" in name for name in names)
 
 
 def test_charts_say_what_they_show(page):
@@ -316,6 +325,7 @@ def test_a_described_view_is_accessible_also_enlarged(page, view):
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("w")
     assert page.locator(".narration").is_visible()
+    page.evaluate("async () => (await import('./js/shared/dom.js')).tell('A message.')")
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         page.wait_for_timeout(200)

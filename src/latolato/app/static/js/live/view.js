@@ -77,6 +77,7 @@ export class LiveView {
       this.senses.root);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
+    this.senses.narrator.onDescribe = () => this.watch.describe();
     followHand(this.parts.canvas, this.scene, () => this.motion,
       (aim) => this.toy?.hold(aim));
     followKeys(this.root, this.actions());
