@@ -84,6 +84,7 @@ export class LiveView {
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses.root);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
+    this.senses.narrator.onDescribe = () => this.watch.describe();
     const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
       this.toy?.hold({ ball: ball.row, angle });
     followDrag(this.scene, { lead, drop: () => this.toy?.hold(null),

@@ -1,5 +1,7 @@
 /** The curves of a live toy: the last seconds of its angles and energies. */
 
+import { curvesOf } from "../shared/describe.js";
+import { inText } from "../shared/narrator.js";
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
@@ -21,6 +23,8 @@ export class Watch {
     this.angle = new Strip(angle, { least: [-15, 15], curves: [LEFT, RIGHT] });
     this.energy = new Strip(energy, { least: [0, 1e-6], curves: ENERGIES });
     this.angle.history = this.energy.history = this.history;
+    this.labels = [{ strip: this.angle, quantity: "angle" }, { strip: this.energy, quantity: "energy" }]
+      .map((each) => ({ ...each, label: each.strip.canvas.getAttribute("aria-label") }));
     this.turn = false;
   }
 
@@ -52,6 +56,19 @@ export class Watch {
     const { marks } = this.angle;
     marks.push(time);
     while (marks[0] < time - SPAN) marks.shift();
+  }
+
+  /** Say in words what the curves show. */
+  describe() {
+    const { history } = this;
+    if (history.count < 2) return;
+    const inOrder = (/** @type {Float64Array} */ values) =>
+      Float64Array.from({ length: history.count }, (_, k) => values[history.at(k)]);
+    for (const { strip, quantity, label } of this.labels) {
+      const curves = strip.curves.map(({ name }) => inOrder(history.values[name]));
+      const text = inText(curvesOf(quantity, inOrder(history.time), curves));
+      strip.canvas.setAttribute("aria-label", `${label}. ${text}`);
+    }
   }
 
   /** Return the largest angle of the last seconds, either way [rad]. */

@@ -30,6 +30,8 @@ export class Narrator {
     this.line = el("p", { class: "narration unseen", "aria-live": "polite" });
     /** What the stage shows, where a reader looks for that. */
     this.about = el("p", { class: "unseen", id: freshId() });
+    /** Called when the stage is described anew, so that others are as well. */
+    this.onDescribe = () => {};
     /** The labels of options. @type {Record<string, {label: string}>} */
     this.labels = {};
     /** @type {Source | null} */
@@ -41,6 +43,8 @@ export class Narrator {
     this.since = 0;
     /** @type {Sentence | null} */
     this.last = null;
+    /** What was just changed, from which value to which. @type {Record<string, [number, number]>} */
+    this.turns = {};
     /** What is compared with a change. @type {{source: Source, outline: Outline | null} | null} */
     this.before = null;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -52,6 +56,7 @@ export class Narrator {
    * @param {Sentence[]} sentences
    */
   say(sentences) {
+    if (!sentences.length) return;
     this.saidAt = this.clock();
     this.from = this.time;
     this.line.textContent = inText(sentences);
@@ -61,6 +66,7 @@ export class Narrator {
   begin(source) {
     clearTimeout(this.timer);
     this.before = null;
+    this.turns = {};
     this.source = source;
     this.from = this.since = 0;
     this.last = null;
@@ -110,7 +116,7 @@ export class Narrator {
    */
   changed(name, before, now) {
     const label = this.labels[name]?.label;
-    if (!label || typeof before !== "number" || typeof now !== "number") return [];
+    if (!label || typeof before !== "number" || typeof now !== "number" || now === before) return [];
     return [{ name: now > before ? "moreOf" : "lessOf", values: { name: label } }];
   }
 
@@ -125,8 +131,12 @@ export class Narrator {
     if (!source) return;
     this.before ??= { source, outline: outline(source.log(), time - REACTION, time) };
     this.since = time;
+    this.turns[name] = [this.turns[name]?.[0] ?? before, now];
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.say(this.changed(name, before, now)), SETTLE);
+    this.timer = setTimeout(() => {
+      this.say(Object.entries(this.turns).flatMap(([each, ends]) => this.changed(each, ...ends)));
+      this.turns = {};
+    }, SETTLE);
   }
 
   /**
@@ -190,7 +200,9 @@ export class Narrator {
    */
   describe(time) {
     const { source } = this;
-    if (source) this.about.textContent = inText([startOf(source.motion), ...placesOf(source.motion, time)]);
+    if (!source) return;
+    this.about.textContent = inText([startOf(source.motion), ...placesOf(source.motion, time)]);
+    this.onDescribe();
   }
 
   /** Stop waiting. */
