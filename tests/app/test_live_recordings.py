@@ -192,7 +192,7 @@ def test_a_browser_that_keeps_nothing_says_so(page):
     page.add_init_script("Object.defineProperty(window, 'indexedDB', { value: undefined })")
     open_live(page)
     record(page, push=True)
-    page.get_by_text("This browser keeps nothing for the page").wait_for()
+    page.get_by_text("This browser did not keep it").wait_for()
     page.get_by_text("Recordings in this browser: 1").wait_for()
     page.get_by_role("button", name="Open in Play").click()
     end_of_play(page)

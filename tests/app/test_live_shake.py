@@ -138,11 +138,21 @@ def test_a_refused_sensor_is_explained(page, script, sentence):
     wait_for_toy(page, "!toy.isShaken")
 
 
-def test_a_granted_sensor_shakes(page):
-    page.add_init_script("DeviceMotionEvent.requestPermission = async () => 'granted'")
+def test_a_granted_sensor_shakes_and_the_screen_stays_on(page):
+    page.add_init_script(
+        """DeviceMotionEvent.requestPermission = async () => "granted";
+        window.locks = 0;
+        const release = async () => { window.locks -= 1; };
+        const request = async () => { window.locks += 1; return { release }; };
+        Object.defineProperty(navigator, "wakeLock", { value: { request } });"""
+    )
     open_live(page)
     shake(page)
     wait_for_toy(page, "toy.isShaken")
+    assert page.evaluate("() => window.locks") == 1
+    page.keyboard.press("s")
+    wait_for_toy(page, "!toy.isShaken")
+    assert page.evaluate("() => window.locks") == 0
 
 
 def test_the_pivot_can_be_dragged(page):

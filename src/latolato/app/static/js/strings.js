@@ -190,7 +190,7 @@ export const STRINGS = {
   recordingOther: "It is not a recording of latolato. Recordings are the files that Save writes.",
   recordingCut: "It is a recording, but a part of it is missing. Save it once more where it was made.",
   recordingNewer: "It was made by a newer latolato. Reload this page or update the program.",
-  recordingUnkept: "This browser keeps nothing for the page, as in some private windows. Save the recording before you leave.",
+  recordingUnkept: "This browser did not keep it, as in some private windows or on a full disk. Save it before you leave the page.",
   recordingsFull: "The oldest recordings made room: the browser keeps the newest {count}, up to {size} MB.",
   liveReadoutShaken: "t = {time} s · the pivot is shaken",
   shakeIt: "Shake it",

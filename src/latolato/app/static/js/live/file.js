@@ -106,15 +106,16 @@ function isWhole({ systems, drives, quantities }, { about, arrays, options }) {
  */
 function haveShapes(arrays, { balls, contact_kinds: kinds }) {
   const rows = Math.max(...balls.map((/** @type {any} */ { row }) => row)) + 1;
+  const isKind = (/** @type {any} */ value) => value in kinds;
   return Object.entries(arrays).every(([name, array]) => {
     const { shape, values } = array ?? {};
     if (!Array.isArray(shape) || !Array.isArray(values)) return false;
-    const of = CONTACTS.includes(name) ? "contact_time" : name === "strobe" ? "strobe" : "time";
-    const length = arrays[of].values?.length;
-    const isColumn = name === of || name === "contact_kind";
-    const isEven = isColumn ? shape.length === 1 : shape.length === 2 && [1, rows].includes(shape[0]);
-    const isKind = (/** @type {any} */ value) => value in kinds;
-    return isEven && shape[shape.length - 1] === length && values.length === (isColumn ? 1 : shape[0]) * length
+    const along = CONTACTS.includes(name) ? "contact_time" : name === "strobe" ? "strobe" : "time";
+    const length = arrays[along].values?.length;
+    const isPlain = name === along || name === "contact_kind";
+    const known = isPlain ? [[length]] : [[1, length], [rows, length]];
+    return known.some((each) => String(each) === String(shape))
+      && values.length === (isPlain ? length : shape[0] * length)
       && values.every(name === "contact_kind" ? isKind : isNumber);
   });
 }

@@ -61,8 +61,12 @@ export class Shelf {
           for (const name of [ENTRIES, BLOCKS]) request.result.createObjectStore(name);
         };
         const database = await answer(request);
-        // A newer page may have another version to make.
-        database.onversionchange = () => database.close();
+        // Another page may need a newer version, or the data of the page may be cleared: then anew.
+        database.onversionchange = () => {
+          database.close();
+          this.opening = null;
+        };
+        database.onclose = () => { this.opening = null; };
         return database;
       } catch {
         return null;
