@@ -6,28 +6,8 @@ import math
 
 import pytest
 
-import latolato as ll
 from browser_checks import serious_faults
-
-# How long a page may take to show its toy [ms].
-PATIENCE = 240_000
-
-
-def open_live(page, query=""):
-    page.goto(f"/?view=live{query}")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
-    page.wait_for_function("() => window.latolato.views.live.toy.time > 0.05")
-
-
-def of_toy(page, what):
-    """A number of the toy."""
-    return page.evaluate(f"() => window.latolato.views.live.toy.{what}")
-
-
-def wait_for_toy(page, condition, **options):
-    """Wait until a condition of the toy holds."""
-    page.wait_for_function(f"() => {{ const {{ toy }} = window.latolato.views.live; "
-                           f"return {condition}; }}", **options)  # fmt: skip
+from live_pages import PATIENCE, of_toy, open_live, wait_for_toy
 
 
 def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
@@ -157,63 +137,6 @@ def test_the_trick_of_fig12_can_be_done_by_hand(page):
     page.wait_for_function(
         "() => window.latolato.views.live.watch.history.range(['right'])[1] > 35", timeout=30_000
     )
-
-
-def test_a_recording_opens_in_play_as_a_run(page, tmp_path):
-    open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.3")
-    page.keyboard.press("2")
-    wait_for_toy(page, "toy.recording?.duration > 0.8")
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_text("make the same motion again").wait_for()
-    for button, name in (("CSV", "live.csv"), ("CSV of contacts", "live.contacts.csv")):
-        with page.expect_download() as caught:
-            page.get_by_role("button", name=button, exact=True).click()
-        assert caught.value.suggested_filename == name
-        caught.value.save_as(tmp_path / name)
-    run = ll.load(tmp_path / "live.csv")
-    assert run.attrs["drive"] == "staged_harmonic"
-    page.get_by_role("button", name="Open in Play").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert "drive=staged_harmonic" in page.url
-    end = page.evaluate("() => window.latolato.views.play.player.clock.end")
-    assert end == pytest.approx(run["time"].values[-1])
-
-
-def test_a_recording_with_a_push_opens_as_it_was_kept(page):
-    open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.2")
-    page.keyboard.press("p")
-    wait_for_toy(page, "toy.recording?.duration > 0.7")
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_text("A hand took part").wait_for()
-    page.get_by_role("button", name="Open in Play").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    page.get_by_text("the hand", exact=True).wait_for()
-    assert page.evaluate("() => window.latolato.views.play.player.motion.about.by_hand")
-    slider = page.get_by_label("driving amplitude, slider")
-    if slider.count():  # whoever changes a parameter gets a run of these parameters
-        runs = page.locator("[data-runs]").get_attribute("data-runs")
-        slider.focus()
-        slider.press("ArrowRight")
-        page.wait_for_function(
-            "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
-        )
-        assert not page.evaluate("() => window.latolato.views.play.player.motion.about.by_hand")
-
-
-def test_a_recording_ends_when_it_is_as_long_as_it_may_be(page):
-    open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.1")
-    page.evaluate(
-        """() => Object.defineProperty(window.latolato.views.live.toy.recording, "isFull",
-          { get: () => true })"""
-    )
-    page.get_by_role("button", name="Open in Play").wait_for()
-    assert of_toy(page, "recording") is None
 
 
 def test_a_toy_that_is_not_seen_stands_still(page):

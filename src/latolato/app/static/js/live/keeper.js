@@ -1,15 +1,16 @@
-/** The recording of a live motion: its button, and what becomes of it. */
+/** The recording of a live motion: its button, and the recordings that the browser keeps. */
 
-import { el } from "../shared/dom.js";
+import { el, freshId } from "../shared/dom.js";
 import { saveFile } from "../shared/jobs.js";
-import { textOf } from "../shared/laws.js";
-import { openState } from "../shared/links.js";
+import { openState, textsOf } from "../shared/links.js";
+import { MOST_BYTES, MOST_KEPT, shelf } from "../shared/storage.js";
 import { columnsTable, contactsTable } from "../model/files.js";
 import { t } from "../strings.js";
-import { SAME } from "./recording.js";
+import { fileText, readFile } from "./file.js";
 
 /** @typedef {import("../main.js").Page} Page */
-/** @typedef {import("./recording.js").Recording} Recording */
+/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("../shared/storage.js").Entry} Entry */
 
 // A longer address is not understood by every server.
 const LONGEST_ADDRESS = 6000;
@@ -23,18 +24,42 @@ export class Keeper {
     this.page = page;
     this.toy = toy;
     this.running = false;
-    this.kept = 0;
+    /** @type {Entry[]} */
+    this.entries = [];
     this.button = el("button", { type: "button", "aria-pressed": "false", class: "record", on: {
       click: () => this.toggle() } });
-    this.result = el("div", { class: "recorded", role: "status" });
+    this.text = el("p", { role: "status" });
+    this.select = el("select", { id: freshId() });
+    this.actions = this.makeActions();
+    this.input = el("input", { type: "file", accept: ".json,application/json", hidden: true,
+      "aria-label": t("recordingOpen"), on: { change: () => void this.read() } });
+    this.count = el("summary", {});
+    this.list = el("details", {}, this.count, this.actions, el("div", { class: "actions" },
+      button(t("recordingOpen"), () => this.input.click()), this.input));
+    this.result = el("div", { class: "recorded" }, this.text, this.list);
     this.show();
+    // The toy comes first.
+    setTimeout(() => void this.refresh());
+  }
+
+  /** Return the list of recordings, and what can be done with the one that is chosen there. */
+  makeActions() {
+    const table = (/** @type {string} */ kind, /** @type {typeof columnsTable} */ make) =>
+      button(t(`file_${kind}`), () => void this.use((_, block) => saveFile(
+        new Blob([make(this.page.registry, block)], { type: "text/csv" }), `live.${kind}`)));
+    return el("div", { class: "actions" },
+      el("label", { for: this.select.id }, t("recording")), this.select,
+      button(t("openInPlay"), () => void this.use((entry) => this.open(entry)), "play"),
+      button(t("recordingSave"), () => void this.use((entry, block) => this.save(entry, block))),
+      table("csv", columnsTable), table("contacts.csv", contactsTable),
+      button(t("recordingDelete"), () => void this.remove()));
   }
 
   toggle() {
     if (this.running) this.finish();
     else if (this.toy()) {
       this.running = true;
-      this.result.replaceChildren();
+      this.text.textContent = "";
       this.toy()?.record();
       this.show();
     }
@@ -54,48 +79,116 @@ export class Keeper {
     this.button.setAttribute("aria-pressed", String(this.running));
   }
 
-  /** End the recording, if there is one, and offer it. */
+  /** End the recording, if there is one, and keep it. */
   finish() {
-    const toy = this.toy();
-    const recording = toy?.finish();
+    const recording = this.toy()?.finish();
     this.running = false;
     this.show();
-    if (!toy || !recording) return;
-    const again = recording.again();
-    const reproduces = !recording.byHand && recording.deviation(again) <= SAME;
-    const note = reproduces ? "recordedExact" : recording.byHand ? "recordedHand" : "recordedChaos";
+    if (!recording) return;
     const { registry } = this.page;
-    const file = (/** @type {string} */ kind, /** @type {typeof columnsTable} */ table) =>
-      el("button", { type: "button", on: { click: () => saveFile(
-        new Blob([table(registry, recording.block(again))], { type: "text/csv" }), `live.${kind}`) } },
-      t(`file_${kind}`));
-    this.result.replaceChildren(
-      el("p", {}, t("recorded", { time: recording.duration.toFixed(1) }), " ", t(note)),
-      el("div", { class: "actions" },
-        el("button", { type: "button", class: "play",
-          on: { click: () => this.open(recording, again, reproduces) } }, t("openInPlay")),
-        file("csv", columnsTable),
-        toy.system.contacts && file("contacts.csv", contactsTable)));
+    const again = recording.again();
+    const block = recording.block(again);
+    const { duration } = recording;
+    const options = recording.isRun(again) ? textsOf(registry, recording.options()) : null;
+    void this.keep({ created: Date.now(), duration, options }, block,
+      [t("recorded", { time: duration.toFixed(1) }), block.about.note]);
+  }
+
+  /**
+   * Keep a recording, and say what became of it.
+   * @param {Omit<Entry, "id" | "bytes">} about
+   * @param {Block} block
+   * @param {string[]} texts what to say first
+   */
+  async keep(about, block, texts) {
+    const { entry, isKept, gone } = await shelf.put(about, block);
+    if (!isKept) texts.push(t("recordingUnkept"));
+    if (gone) texts.push(t("recordingsFull", { count: MOST_KEPT, size: MOST_BYTES / 1e6 }));
+    this.text.textContent = texts.join(" ");
+    await this.refresh(entry.id);
+    this.list.open = true;
+  }
+
+  /**
+   * List what the browser keeps.
+   * @param {string} [chosen] id of the one to choose
+   */
+  async refresh(chosen = this.select.value) {
+    this.entries = await shelf.list();
+    const { lang } = document.documentElement;
+    this.select.replaceChildren(...this.entries.map(({ id, created, duration }) =>
+      el("option", { value: id, selected: id === chosen }, t("recordingName", {
+        date: new Date(created).toLocaleString(lang, { dateStyle: "medium", timeStyle: "medium" }),
+        time: duration.toFixed(1) }))));
+    this.count.textContent = t("recordings", { count: this.entries.length });
+    this.actions.hidden = this.entries.length === 0;
+  }
+
+  /**
+   * Do something with the chosen recording.
+   * @param {(entry: Entry, block: Block) => void} act
+   */
+  async use(act) {
+    const entry = this.entries.find(({ id }) => id === this.select.value);
+    if (!entry) return;
+    const block = await shelf.block(entry.id);
+    if (block) act(entry, block);
+    else {
+      this.text.textContent = t("recordingGone");
+      await this.refresh();
+    }
   }
 
   /**
    * Show a recording in Play: by its parameters if they make it again, else as it was kept.
-   * @param {Recording} recording
-   * @param {import("../model/simulate.js").Run} again
-   * @param {boolean} reproduces
+   * @param {Entry} entry
    */
-  open(recording, again, reproduces) {
-    const { store, registry } = this.page;
-    const options = Object.fromEntries(Object.entries(recording.options())
-      .map(([name, value]) => [name, textOf(registry.options[name], value)]));
-    if (reproduces && new URLSearchParams(options).toString().length < LONGEST_ADDRESS) {
+  open({ id, options }) {
+    const { store } = this.page;
+    if (options && new URLSearchParams(options).toString().length < LONGEST_ADDRESS) {
       openState(this.page, { view: "play", scenario: null, options });
       return;
     }
-    // This page alone has it, so an embedded one opens it itself.
-    this.kept += 1;
-    const name = String(this.kept);
-    this.page.recordings = { ...this.page.recordings, [name]: recording.block(again) };
-    store.set({ view: "play", extra: { ...store.state.extra, "play.recording": name } }, "view");
+    // A page that is embedded opens it itself: the browser may keep it for this place alone.
+    store.set({ view: "play", extra: { ...store.state.extra, "play.recording": id } }, "view");
   }
+
+  /**
+   * @param {Entry} entry
+   * @param {Block} block
+   */
+  save(entry, block) {
+    const date = new Date(entry.created).toISOString().slice(0, 19).replaceAll(":", "-");
+    saveFile(new Blob([fileText(this.page.registry, entry, block)], { type: "application/json" }),
+      `latolato ${date}.json`);
+  }
+
+  async remove() {
+    await shelf.remove(this.select.value);
+    this.text.textContent = t("recordingDeleted");
+    await this.refresh();
+  }
+
+  /** Keep the recording of the file that was chosen. */
+  async read() {
+    const file = this.input.files?.[0];
+    this.input.value = ""; // so that the same file can be chosen again
+    if (!file) return;
+    try {
+      const { about, block } = readFile(this.page.registry, await file.text());
+      await this.keep(about, block, [t("recordingOpened", { name: file.name })]);
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      this.text.textContent = t("recordingRefused", { name: file.name, text: error.message });
+    }
+  }
+}
+
+/**
+ * @param {string} text
+ * @param {() => void} click
+ * @param {string} [kind] a class
+ */
+function button(text, click, kind) {
+  return el("button", { type: "button", class: kind, on: { click } }, text);
 }

@@ -59,6 +59,8 @@ export class Recording {
     this.case = each;
     /** Whether anything but the drive was changed: a push, a drag, damping or restitution. */
     this.byHand = false;
+    /** Whether the pivot was shaken, which no drive has parameters for. */
+    this.isShaken = false;
     /** @type {Change[]} */
     this.changes = [];
     const { sample_rows_count: rows, pivot_rows, ball_rows } = layout;
@@ -104,8 +106,12 @@ export class Recording {
     this.changes.push(change);
   }
 
-  /** Return the drive, whose time begins with the recording. */
+  /**
+   * Return the drive, whose time begins with the recording; the heights of a shaken pivot are columns.
+   * @returns {import("../model/laws.js").Drive}
+   */
   drive() {
+    if (this.isShaken) return { kind: "measured_pivot", moves: true, parameters: {} };
     const { amplitude, frequency, phase } = this.cosine;
     return this.changes.length
       ? { kind: "staged_harmonic", moves: true, parameters: stagesOf(this.cosine, this.changes) }
@@ -133,12 +139,25 @@ export class Recording {
   }
 
   /**
-   * Return the run of the same start and drive, at the same instants.
-   * @returns {Run}
+   * Return the case of the same start and drive, at the same instants.
+   * @returns {Case}
    */
+  whole() {
+    return { ...this.case, options: this.options(), drive: this.drive(), offset: null,
+      times: this.samples.column(0), duration: this.duration };
+  }
+
+  /** Return the run of the same start and drive; null where the pivot was shaken. */
   again() {
-    return run({ ...this.case, options: this.options(), drive: this.drive(), offset: null,
-      times: this.samples.column(0), duration: this.duration });
+    return this.isShaken ? null : run(this.whole());
+  }
+
+  /**
+   * Return whether this is the run of its options.
+   * @param {Run | null} again
+   */
+  isRun(again) {
+    return again !== null && !this.byHand && this.deviation(again) <= SAME;
   }
 
   /**
@@ -198,18 +217,22 @@ export class Recording {
 
   /**
    * Return what was recorded as Play shows runs.
-   * @param {Run} again
+   * @param {Run | null} again
    */
   block(again) {
     const { time: [time], ...columns } = this.columns();
     const { contact_time, contact_kind, angular_velocity_before: before,
       angular_velocity_after: after } = this.contactColumns();
-    const block = blockOf({ ...again, time, columns, warnings: [], status: "complete",
+    const unknown = { case: this.whole(), strobes: new Float64Array(0), energyResidual: NaN, step: NaN,
+      halvings: 0, grazes: 0, compressionTime: [NaN], compressionFraction: [NaN] };
+    const block = blockOf({ ...again ?? unknown, time, columns, warnings: [], status: "complete",
       contacts: { time: contact_time[0], kind: Uint8Array.from(contact_kind[0]), before, after } });
     const { about } = block;
     for (const name of OF_RUNS) delete about.attributes[name];
-    about.attributes.note = t(this.byHand ? "recordedHandNote" : "recordedNote");
-    return { ...block, about: { ...about, by_hand: this.byHand, python: "", command: "",
-      note: t(this.byHand ? "recordedHand" : "recordedChaos") } };
+    const notes = [this.isShaken && t("recordedShakenNote"), this.byHand && t("recordedHandNote")];
+    about.attributes.note = notes.filter(Boolean).join("; ") || t("recordedNote");
+    const note = this.isShaken ? "recordedShaken" : this.byHand ? "recordedHand"
+      : this.isRun(again) ? "recordedExact" : "recordedChaos";
+    return { ...block, about: { ...about, by_hand: this.byHand, python: "", command: "", note: t(note) } };
   }
 }

@@ -18,7 +18,7 @@ import { t } from "../strings.js";
 
 // Beyond it, a run that is computed is announced.
 const PATIENCE = 700; // ms
-// Where the address names a recording of Live that this page still has.
+// Where the address names a recording of Live that the browser keeps.
 const RECORDING = "play.recording";
 
 export class PlayView {
@@ -78,17 +78,13 @@ export class PlayView {
     this.player.clock.pause();
   }
 
-  /** Return the recording that the address names, null without one. */
-  recording() {
-    const { store, recordings } = this.page;
-    const name = store.state.extra[RECORDING];
-    if (name === undefined) return null;
-    const recording = recordings && Object.hasOwn(recordings, name) ? recordings[name] : null;
-    if (!recording) {
-      tell(t("recordingGone"));
-      store.keep(RECORDING, null);
-    }
-    return recording;
+  /** Return the recording that the address names, null if this browser does not have it. */
+  async recording() {
+    const { store } = this.page;
+    const { shelf } = await import("../shared/storage.js");
+    const block = await shelf.block(store.state.extra[RECORDING]);
+    if (!block) store.keep(RECORDING, null);
+    return block;
   }
 
   /**
@@ -133,7 +129,12 @@ export class PlayView {
       // The button that agreed is gone.
       if (isAgreed) this.choice.querySelector("button")?.focus();
     }, isAgreed ? 0 : PATIENCE);
-    const pending = this.recording() ?? this.runner.compute({ scenario, options }, { isAgreed });
+    const compute = () => this.runner.compute({ scenario, options }, { isAgreed });
+    let isGone = false;
+    const pending = RECORDING in store.state.extra ? this.recording().then((recording) => {
+      isGone = recording === null;
+      return recording ?? compute();
+    }) : compute();
     this.form.build();
     try {
       const block = await pending;
@@ -144,6 +145,11 @@ export class PlayView {
       this.player.show(motion);
       const { warnings, note } = block.about;
       this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text })).join(" "));
+      if (isGone) {
+        this.note(t("recordingGone"), t("openLive"), () => {
+          store.set({ view: "live" }, "view");
+        });
+      }
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);

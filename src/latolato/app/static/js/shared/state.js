@@ -9,7 +9,7 @@
 
 /**
  * What all views are given: the server's registry, and the state that they share.
- * @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page
+ * @typedef {{registry: any, store: Store}} Page
  */
 
 /** The scenario that is shown where the address names nothing. */
