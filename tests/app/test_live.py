@@ -128,6 +128,28 @@ def test_the_work_of_a_hand_is_a_column(tmp_path):
     assert "hand" in dataset.attrs["note"]
 
 
+def test_the_heights_of_a_shaken_pivot_make_the_same_motion_in_python(tmp_path):
+    shake = (60, "shake", {"amplitude": 0.02, "frequency": 12.0})
+    job = Job("fig02", 360, [(60, "record", None), shake], options={"initial_angle": "40 deg"})
+    (done,) = move_toys(tmp_path, job)
+    recording, dataset = done["recording"], done["dataset"]
+    assert recording["deviation"] is None
+    assert dataset.attrs["drive"] == recording["options"]["drive"] == "measured_pivot"
+    assert "pivot_height is its motion" in dataset.attrs["note"]
+    time = dataset["time"].values
+    scenario = scenario_of(Job("fig02", 0, options=STILL))
+    run = ll.simulate(
+        scenario.system,
+        ll.MeasuredPivot(times=time, pivot_heights=dataset["pivot_height"].values),
+        initial_angle=float(dataset["angle"][0]),
+        initial_angular_velocity=float(dataset["angular_velocity"][0]),
+        duration=time[-1], times=time,
+    )  # fmt: skip
+    # Between samples the spline rounds off the kinks of the acceleration, sixty a second.
+    np.testing.assert_allclose(dataset["angle"], run["angle"], rtol=0, atol=5e-4)
+    np.testing.assert_allclose(dataset["pivot_velocity"], run["pivot_velocity"], rtol=0, atol=1e-3)
+
+
 def test_every_scenario_makes_a_toy(tmp_path):
     done = move_toys(tmp_path, *(Job(name, 2) for name in RUNS))
     assert [name for name, each in zip(RUNS, done, strict=True) if not each["isByCosine"]] == [

@@ -12,6 +12,13 @@ const [folder] = process.argv.slice(2);
 const { registry, toys } = JSON.parse(readFileSync(join(folder, "toys.json"), "utf8"));
 const modules = { 1: await startKernels("one"), 2: await startKernels("two") };
 const done = [];
+
+/** What shakes a pivot with this amplitude and frequency. */
+function leadOf({ amplitude, frequency }) {
+  return { rate: 2, dampingRatio: 0.5, at: (wall) => ({ height: 0,
+    acceleration: -amplitude * frequency ** 2 * Math.cos(frequency * wall / 1000) }) };
+}
+
 for (const [number, { request, ticks, actions }] of toys.entries()) {
   const each = await specify(registry, request);
   const kernels = modules[each.system.angles];
@@ -19,8 +26,9 @@ for (const [number, { request, ticks, actions }] of toys.entries()) {
   const steps = [];
   const angles = [];
   for (let tick = 0; tick < ticks; tick += 1) {
-    for (const [at, name, value] of actions) if (at === tick) toy[name](value);
-    toy.advance((tick + 1) / 60);
+    for (const [at, name, value] of actions)
+      if (at === tick) toy[name](name === "shake" ? leadOf(value) : value);
+    toy.advance((tick + 1) / 60, 1000 * (tick + 1) / 60);
     angles.push(toy.angles);
     steps.push(kernels.get(toy.run, "settings.step"));
   }
@@ -30,6 +38,6 @@ for (const [number, { request, ticks, actions }] of toys.entries()) {
     writeFileSync(join(folder, `${number}.${name}`), table(registry, recording.block(again)));
   done.push({ angles, steps, controls: toy.controls, isByCosine: isByCosine(each.drive.kind),
     recording: recording && { options: recording.options(), byHand: recording.byHand,
-      deviation: recording.deviation(again) } });
+      deviation: again && recording.deviation(again) } });
 }
 writeFileSync(join(folder, "done.json"), JSON.stringify(done));

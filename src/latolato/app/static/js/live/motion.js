@@ -72,13 +72,17 @@ export class LiveMotion {
   /** @param {Toy} toy */
   constructor(toy) {
     this.toy = toy;
-    this.about = { options: { drive: "harmonic", gravity: toy.system.gravity } };
     this.balls = ballsOf(toy.system);
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
     this.end = Infinity;
     this.reach = toy.controls.drive_amplitude;
     this.top = 0;
+  }
+
+  get about() {
+    const { system, isShaken } = this.toy;
+    return { options: { drive: isShaken ? "measured_pivot" : "harmonic", gravity: system.gravity } };
   }
 
   /** @param {Ball} ball */
@@ -107,7 +111,10 @@ export class LiveMotion {
     return name === "angular_velocity" ? toy.velocities[row] : NaN;
   }
 
-  /** Return the heights that the pivot reaches, as far as is known. */
+  /**
+   * Return the heights that the pivot reaches, as far as is known.
+   * @returns {[number, number]}
+   */
   values() {
     return [-this.reach, this.reach];
   }
@@ -121,7 +128,7 @@ export class LiveMotion {
   }
 
   /**
-   * Follow how high the balls went lately; returns whether the box has to change.
+   * Follow how high the balls went lately, and a shaken pivot; returns whether the box has to change.
    * @param {number} largest angle of the last seconds [rad]
    */
   rise(largest) {
@@ -130,7 +137,9 @@ export class LiveMotion {
     const needed = side * Math.sin(above) + this.reach;
     const before = this.top;
     this.top += (needed > before ? GROW : SHRINK) * (needed - before);
-    return Math.abs(this.top - before) > 1e-5 * side;
+    const beyond = this.toy.isShaken ? Math.abs(this.toy.pivot.height) - this.reach : 0;
+    if (beyond > 0) this.reach += GROW * beyond;
+    return Math.max(Math.abs(this.top - before), beyond) > 1e-5 * side;
   }
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */

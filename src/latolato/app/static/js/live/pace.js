@@ -43,7 +43,8 @@ export class Pace {
     const until = begun + this.speed * Math.min(since / 1000, MOST_BEHIND);
     const stop = this.clock() + BUDGET;
     while (toy.time < until && this.clock() < stop) {
-      toy.advance(Math.min(toy.time + LONGEST, until));
+      const next = Math.min(toy.time + LONGEST, until);
+      toy.advance(next, now - (1000 * (until - next)) / this.speed);
       moved();
     }
     this.wanted += since;

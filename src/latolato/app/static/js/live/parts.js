@@ -5,7 +5,8 @@ import { t } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void, sound: (on: boolean) => void}} Actions
+ *   low: () => void, speed: (times: number) => void, sound: (on: boolean) => void,
+ *   shake: () => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -29,6 +30,7 @@ export function makeParts(ratios, actions) {
       t("pause")),
     push: button(t("push"), "P", actions.push),
     restart: button(t("restart"), "R", actions.restart),
+    shake: button(t("shakeIt"), "S", actions.shake),
     high: button(t("highFrequency", { ratio: ratios.high }), "1", actions.high),
     low: button(t("lowFrequency", { ratio: ratios.low }), "2", actions.low),
     speed: el("select", { id: freshId(), on: { change: (/** @type {Event} */ event) =>
@@ -56,7 +58,7 @@ export function makeParts(ratios, actions) {
 export function layOut(parts, record, recorded, preset) {
   return el("div", { class: "view live" },
     el("section", { class: "stage" }, parts.canvas, parts.status,
-      el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, record,
+      el("div", { class: "row" }, parts.toggle, parts.push, parts.restart, parts.shake, record,
         el("label", { for: parts.speed.id }, t("speed")), parts.speed,
         el("label", { class: "check" }, parts.sound, t("sound"))),
       recorded, parts.notice, parts.error),

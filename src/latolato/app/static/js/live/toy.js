@@ -3,7 +3,7 @@
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
 import { LEDGER, recordOf } from "../model/simulate.js";
-import { SteeredDrive } from "./drive.js";
+import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Recording } from "./recording.js";
 
 /**
@@ -90,7 +90,10 @@ export class Toy {
     this.held = null;
     this.pushed = 0;
     this.speed = 0;
-    this.drive = new SteeredDrive(kernels, cosine);
+    this.steered = new SteeredDrive(kernels, cosine);
+    this.shaken = new ShakenDrive(kernels, this.limits.drive_amplitude[1]);
+    /** The one that moves the pivot. @type {SteeredDrive | ShakenDrive} */
+    this.drive = this.steered;
     this.balls = kernels.take("ball", balls.length);
     const blind = kernels.hooks(kernels.layout.occasions.map(() => []));
     this.run = this.begin({}).run;
@@ -155,16 +158,45 @@ export class Toy {
    */
   set(values) {
     this.check(values);
-    const { controls, system, drive, recording } = this;
+    const { controls, system, recording } = this;
     Object.assign(controls, values);
     if ("damping" in values) for (const ball of system.balls) ball.damping = values.damping;
     system.restitution = values.restitution ?? system.restitution;
     if (recording && ("damping" in values || "restitution" in values)) recording.byHand = true;
-    if ("drive_amplitude" in values || "drive_frequency" in values) {
-      drive.settle(this.time);
-      const change = drive.steer(this.time, controls.drive_amplitude, controls.drive_frequency);
-      recording?.steer(change);
-    }
+    if (!this.isShaken && ("drive_amplitude" in values || "drive_frequency" in values)) this.steer();
+    this.prepare();
+  }
+
+  /** Change the cosine of the pivot to what was asked for last. */
+  steer() {
+    const { controls, recording, steered, time } = this;
+    steered.settle(time);
+    const change = steered.steer(time, controls.drive_amplitude, controls.drive_frequency);
+    recording?.steer(change);
+  }
+
+  /** Whether something else than the cosine moves the pivot. */
+  get isShaken() {
+    return this.drive === this.shaken;
+  }
+
+  /**
+   * Let something shake the pivot from now on; null leaves it to the cosine again. Height and velocity
+   * are continuous.
+   * @param {import("./drive.js").Lead | null} lead
+   */
+  shake(lead) {
+    const { controls, shaken, steered } = this;
+    if (lead && this.isShaken) shaken.lead = lead;
+    else if (lead) {
+      shaken.begin(this.pivot, lead);
+      this.drive = shaken;
+      if (this.recording) this.recording.isShaken = true;
+    } else if (this.isShaken) {
+      steered.resume(this.time, this.pivot, controls.drive_frequency, shaken.limit);
+      this.drive = steered;
+      this.steer();
+    } else return;
     this.prepare();
   }
 
@@ -216,10 +248,12 @@ export class Toy {
   /**
    * Move on; throws if the motion left the range of numbers or cannot be followed.
    * @param {number} stop in s, at most `LONGEST` from now
+   * @param {number} [wall] of the page's clock then [ms]
    */
-  advance(stop) {
+  advance(stop, wall = performance.now()) {
     const { kernels, run } = this;
-    if (this.drive.settle(this.time)) this.prepare();
+    if (this.isShaken) this.shaken.move(this.time, stop, wall);
+    else if (this.steered.settle(this.time)) this.prepare();
     if (this.awaitsRecording && this.drive.isSteady && !this.held) this.beginRecording();
     const kick = this.kick(stop - this.time);
     const speed = largest(this.velocities) + largest(kick);
@@ -285,8 +319,8 @@ export class Toy {
    */
   begin(more) {
     const fields = recordOf({ ...this.case, system: this.system }, 0);
-    return begin(this.kernels, { ...fields, follows_ledger: 0, follows_tension: 0, ...more },
-      this.drive.stretches);
+    return begin(this.kernels, { ...fields, follows_ledger: 0, follows_tension: 0,
+      ...this.drive.bounds, ...more }, this.drive.stretches);
   }
 
   /**
@@ -354,8 +388,9 @@ export class Toy {
     this.awaitsRecording = false;
     const { kernels, system, present } = this;
     const balls = system.balls.map((ball) => ({ ...ball }));
-    this.recording = new Recording(kernels.layout, this.drive.from(this.time),
+    this.recording = new Recording(kernels.layout, this.steered.from(this.time),
       { ...this.case, system: { ...system, balls }, angles: this.angles, velocities: this.velocities });
+    this.recording.isShaken = this.isShaken;
     for (const name of LEDGER) {
       kernels.set(this.run, `state.${name}`, 0);
       present.samples[kernels.layout.sample_rows[name]] = 0;

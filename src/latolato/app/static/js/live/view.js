@@ -13,6 +13,7 @@ import { KEYS, Knob } from "../live/knob.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
 import { layOut, makeParts } from "../live/parts.js";
+import { Shake } from "../live/shake.js";
 import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
 import { specify } from "../model/case.js";
@@ -59,6 +60,7 @@ export class LiveView {
     this.readAt = 0;
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
+    this.shake = new Shake(() => this.toy, () => this.showShake());
     /** @type {Record<string, Knob>} */
     this.knobs = {};
     this.clack = new Clack();
@@ -70,13 +72,15 @@ export class LiveView {
       high: () => this.ratio(RATIOS.high),
       low: () => this.ratio(RATIOS.low),
       speed: (times) => { this.pace.speed = times; },
+      shake: () => void this.shake.toggle(),
     });
     this.showPause();
+    this.showShake();
     this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     followHand(this.parts.canvas, this.scene, () => this.motion,
-      (aim) => this.toy?.hold(aim));
+      (aim) => this.toy?.hold(aim), (height) => this.shake.drag(height));
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);
@@ -100,6 +104,7 @@ export class LiveView {
     this.shown = false;
     this.unsubscribe();
     this.keeper.finish();
+    this.shake.end();
   }
 
   /** Return what the address asks for, as a text to compare. */
@@ -121,7 +126,7 @@ export class LiveView {
       const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
       if (signature !== this.signature) return;
       this.start(new Toy(kernels, each, cosineOf(each)));
-      this.parts.notice.textContent = isByCosine(each.drive.kind) ? "" : t("liveCosine");
+      if (!isByCosine(each.drive.kind)) this.parts.notice.textContent = t("liveCosine");
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (signature === this.signature) this.refuse(error);
@@ -163,6 +168,7 @@ export class LiveView {
     this.root.classList.toggle("single", single);
     this.watch.begin(single);
     this.rescale();
+    this.shake.apply();
     this.pace.rest();
     this.dirty = true;
     this.allow(true);
@@ -174,8 +180,8 @@ export class LiveView {
    * @param {boolean} hasToy
    */
   allow(hasToy) {
-    const { toggle, push, restart, high, low } = this.parts;
-    for (const button of [toggle, push, restart, high, low, this.keeper.button])
+    const { toggle, push, restart, high, low, shake } = this.parts;
+    for (const button of [toggle, push, restart, high, low, shake, this.keeper.button])
       button.disabled = !hasToy;
   }
 
@@ -206,6 +212,8 @@ export class LiveView {
       if (option) store.option(name, textOf(option, value));
       return;
     }
+    // These are of the cosine.
+    if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
     this.toy.set({ [name]: value });
     this.dirty = true;
     if (name === "drive_amplitude") this.rescale();
@@ -260,19 +268,31 @@ export class LiveView {
     if (!this.dirty || !this.motion || !this.toy) return;
     this.dirty = false;
     const { toy, motion, pace } = this;
-    if (motion.rise(this.watch.largest())) this.scene.box = motion.box();
+    if (motion.rise(this.watch.largest())) {
+      this.scene.box = motion.box();
+      this.scene.pivotRange = motion.values();
+    }
     this.scene.time = toy.time;
     this.scene.draw();
     this.watch.draw(this.paused);
     if (now - this.readAt < READ_EVERY) return;
     this.readAt = now;
-    const text = motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
+    const text = toy.isShaken ? "liveReadoutShaken"
+      : motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
     const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
     this.showRatio(ratio);
     this.keeper.show();
+    this.shake.watch();
+  }
+
+  /** Show what shakes the pivot now. */
+  showShake() {
+    this.parts.shake.setAttribute("aria-pressed", String(this.shake.isOn));
+    this.parts.notice.textContent = this.shake.text;
+    if (!this.toy?.isShaken) this.rescale();
   }
 
   /** @param {number} ratio of the driving frequency to the natural one */
@@ -317,6 +337,7 @@ export class LiveView {
       d: () => this.knobs.damping?.turn(1), D: () => this.knobs.damping?.turn(-1),
       e: () => this.knobs.restitution?.turn(1), E: () => this.knobs.restitution?.turn(-1),
       p: () => this.push(), r: () => this.restart(), c: () => this.keeper.toggle(),
+      s: () => void this.shake.toggle(),
       1: () => this.ratio(RATIOS.high), 2: () => this.ratio(RATIOS.low), " ": () => this.pause(),
     };
   }
