@@ -51,7 +51,8 @@ _BALLS = (
     const wanted = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
     let [n, x, y] = [0, 0, 0];
     for (let i = 0; i < data.length; i += 4)
-      if (wanted.every((value, k) => Math.abs(value - data[i + k]) < 4)) {
+      // Trails have the same colour and are not opaque.
+      if (data[i + 3] === 255 && wanted.every((value, k) => Math.abs(value - data[i + k]) < 4)) {
         n += 1;
         x += (i / 4) % width + 0.5;
         y += Math.floor(i / 4 / width) + 0.5;
