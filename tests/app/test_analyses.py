@@ -208,7 +208,7 @@ def test_a_larger_question_takes_longer_by_its_steps(no_timings):
     function, arguments = timed("basins", "fig04a", size, 2.0, rest=1.0)
     larger = {**arguments, "angle_points": 30, "velocity_points": 20}
     assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)
-    # Far larger ones are not foretold: small ones spend their time with other things.
+    # Of far larger ones nothing is predicted: small ones spend their time on other things.
     assert seconds_of(function, {**arguments, "angle_points": 101}) is None
     timed("basins", "fig04a", {**size, "angle_points": "2"}, 1.5, rest=1.0)
     assert seconds_of(function, larger) == pytest.approx(1.0 + 6.0 * 2.0)

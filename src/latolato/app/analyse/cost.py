@@ -20,7 +20,7 @@ _STEPS_PER_PERIOD = 40.0
 _WATCHED = 48.0
 # With a second run at a tenth of the tolerance all motion is computed once more.
 _TWICE = 2.0
-# Answers up to so many times larger than those that were timed are foretold.
+# Times are predicted for answers up to so many times larger than those that were timed.
 _REACH = 10.0
 
 
@@ -97,7 +97,7 @@ def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> fl
     steps, most = steps_of(function, arguments), max((each.steps for each in timed), default=0.0)
     if steps > _REACH * most:
         return None
-    # Small ones take their time with other things than steps, and a first one with loading.
+    # Small ones spend their time on other things than steps, and a first one on loading code.
     large = [each for each in timed if each.steps >= 0.5 * most]
     rate = statistics.median_low(each.seconds / each.steps for each in large)
     return statistics.median_low(each.rest for each in timed) + rate * steps

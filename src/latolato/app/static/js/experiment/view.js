@@ -44,6 +44,8 @@ export class ExperimentView {
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
         el("ol", {}, ...["step1", "step2", "step3"].map((s) => el("li", {}, t(s))))));
     this.finding = findingPlace();
+    /** What the place of the answer says: screen readers read each change. */
+    this.shown = "";
     this.notes = el("p", { class: "notes", role: "status" });
     this.said = el("section", { class: "card answer" }, this.finding, this.notes);
     this.cards = el("div", { class: "cards" });
@@ -112,7 +114,8 @@ export class ExperimentView {
     const isAnswer = clip?.mode === "result";
     const text = isAnswer ? clip.finding : t("findingHere");
     this.finding.hidden = !clip?.about;
-    if (this.finding.textContent !== text) showFinding(this.finding, text, isAnswer);
+    if (this.shown !== text) showFinding(this.finding, text, isAnswer);
+    this.shown = text;
     this.said.hidden = this.finding.hidden && this.notes.textContent === "";
     if (clip?.about && clip.url) this.showClip(clip);
     this.updateTrials();

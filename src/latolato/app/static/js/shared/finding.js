@@ -19,8 +19,10 @@ export function showFinding(place, text, isAnswer) {
   // Answers are written by Python, in English.
   if (isAnswer) place.lang = ENGLISH;
   else place.removeAttribute("lang");
-  const end = text.search(/(?<=[.!?]) (?=\p{Lu})/u);
-  const [headline, beside] = end < 0 ? [text, ""] : [text.slice(0, end), text.slice(end)];
-  if (!isAnswer) place.textContent = text;
+  // A number stays in one line with its uncertainty.
+  const whole = text.replaceAll(" ± ", "\u00a0±\u00a0");
+  const end = whole.search(/(?<=[.!?]) (?=\p{Lu})/u);
+  const [headline, beside] = end < 0 ? [whole, ""] : [whole.slice(0, end), whole.slice(end)];
+  if (!isAnswer) place.textContent = whole;
   else place.replaceChildren(el("strong", {}, headline), beside);
 }
