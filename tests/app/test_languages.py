@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 
 from latolato.app import STATIC
+from latolato.app.analyse.forms import forms as questions
+from latolato.app.analyse.forms import label_of
 from latolato.app.forms import registry
 
 NODE = Path(sys.executable).parent / "node"
@@ -25,8 +27,8 @@ GAP = re.compile(r"\{(\w+)\}")
 FILLED = "7"
 # What refusals are put together from.
 CLAUSES = [
-    "7 and 7", "7 and 7 set the same thing: choose another axis", "a level", "a number",
-    "a number in 7", "above 7", "as a plain number", "at least 7", "at most 7", "below 7",
+    "7 and 7", "7, both balls", "7, per ball", "7 and 7 set the same thing: choose another axis",
+    "a level", "a number", "a number in 7", "above 7", "as a plain number", "at least 7", "at most 7", "below 7",
     "both axes show the 7: choose another one", "contact", "contact law", "did you mean '7'?",
     "drive", "failed at t = 7 s: the motion left the range of numbers", "give 7", "got",
     "in 7 (or a unit that converts to it)", "known are 7", "larger", "leave it out", "left",
@@ -96,6 +98,15 @@ def texts_of_registry() -> Iterator[str]:
         yield from (scenario["title"], scenario["description"])
 
 
+def texts_of_questions() -> Iterator[str]:
+    """Yield what Analyse calls its questions, their options and what diagrams vary."""
+    for form in questions().values():
+        yield from (form["title"], form["group"], form["term"], form["reading"])
+        for option in form["options"].values():
+            yield from (option["label"], *option["choices"].values())
+    yield from map(label_of, registry()["axes"])
+
+
 def texts_of_refusals() -> Iterator[str]:
     """Yield what modules refuse input with, with something in each gap."""
     begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
@@ -136,7 +147,7 @@ def one_line(text: str) -> str:
 
 def needed_texts() -> list[str]:
     """Return every text that is born as data, once."""
-    texts = [*texts_of_registry(), *texts_of_refusals(), *CLAUSES]
+    texts = [*texts_of_registry(), *texts_of_questions(), *texts_of_refusals(), *CLAUSES]
     return list(dict.fromkeys(line for line in map(one_line, texts) if line))
 
 

@@ -509,6 +509,7 @@ export function t(name, values = {}) {
 
 /**
  * Return a text that was born as data in the language of the page; as it is where that has none.
+ * A label that begins a line, with a capital, is that of the label.
  * @param {string} text in English
  * @returns {string}
  */
@@ -516,6 +517,9 @@ export function tr(text) {
   const line = text.replace(/\s+/g, " ").trim();
   const known = spoken.texts.get(line);
   if (known !== undefined) return known;
+  const [begun, capital] = [line.charAt(0).toLowerCase(), line.charAt(0).toUpperCase()];
+  const label = capital === begun ? undefined : spoken.texts.get(begun + line.slice(1));
+  if (label !== undefined) return label.charAt(0).toUpperCase() + label.slice(1);
   for (const { shape, gaps, text: other } of spoken.shapes) {
     const parts = shape.exec(line);
     if (parts) return filled(other, Object.fromEntries(gaps.map((gap, i) => [gap, tr(parts[i + 1])])));

@@ -13,7 +13,7 @@ import { ENGLISH, t, tr } from "../strings.js";
 import { Answer } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
-import { QuestionList } from "./questions.js";
+import { QuestionList, translateQuestions } from "./questions.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {import("./questions.js").Asking} Asking */
@@ -46,9 +46,9 @@ export class AnalyseView {
     this.presets = presetField(page);
     this.go = el("button", { type: "submit", class: "play", disabled: true }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
-    this.title = el("h2", { class: "asks", lang: ENGLISH });
+    this.title = el("h2", { class: "asks" });
     this.term = el("p", { class: "hint" });
-    this.reading = el("p", { lang: ENGLISH });
+    this.reading = el("p", {});
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
     this.unfit = el("div", { class: "unfit-note", hidden: true });
     const submit = (/** @type {Event} */ event) => {
@@ -110,9 +110,12 @@ export class AnalyseView {
     try {
       if (!Object.keys(this.forms).length) {
         this.forms = await askJson("api/analyses");
+        translateQuestions(this.forms);
         this.list.build(this.forms);
       }
-      this.about = await askJson("api/analyses/about", this.request);
+      const about = await askJson("api/analyses/about", this.request);
+      for (const each of Object.values(about.parameters)) each.label = tr(each.label);
+      this.about = about;
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
