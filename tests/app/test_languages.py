@@ -9,6 +9,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -23,17 +24,19 @@ from latolato.app.forms import registry
 NODE = Path(sys.executable).parent / "node"
 FILES = sorted((STATIC / "languages").glob("*.json"))
 GAP = re.compile(r"\{(\w+)\}")
+# What the tables of stories hold that readers see.
+TOLD = ("title", "summary", "text", "question", "answer", "label")
 # Stands for what a refusal has in a gap.
 FILLED = "7"
 # What refusals are put together from.
 CLAUSES = [
     "7 and 7", "7, both balls", "7, per ball", "7 and 7 set the same thing: choose another axis",
-    "a level", "a number", "a number in 7", "above 7", "as a plain number", "at least 7", "at most 7", "below 7",
-    "both axes show the 7: choose another one", "contact", "contact law", "did you mean '7'?",
-    "drive", "failed at t = 7 s: the motion left the range of numbers", "give 7", "got",
-    "in 7 (or a unit that converts to it)", "known are 7", "larger", "leave it out", "left",
-    "longer", "must be 7", "observable", "option", "parameter", "right", "shorter",
-    "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
+    "a level", "a number", "a number in 7", "above 7", "as a plain number", "at least 7",
+    "at most 7", "below 7", "both axes show the 7: choose another one", "contact", "contact law",
+    "did you mean '7'?", "drive", "failed at t = 7 s: the motion left the range of numbers",
+    "give 7", "got", "in 7 (or a unit that converts to it)", "known are 7", "larger",
+    "leave it out", "left", "longer", "must be 7", "observable", "option", "parameter", "right",
+    "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
     "the contact law 7", "the run 7; later samples are NaN", "use 7",
 ]  # fmt: skip
 # Return the texts of a language that are not translated, and its texts that nothing needs.
@@ -107,10 +110,20 @@ def texts_of_questions() -> Iterator[str]:
     yield from map(label_of, registry()["axes"])
 
 
+def texts_of_stories(part: Any) -> Iterator[str]:
+    """Yield what a story, or a part of one, says."""
+    parts = part.items() if isinstance(part, dict) else enumerate(part)
+    for key, value in parts:
+        if isinstance(value, dict | list):
+            yield from texts_of_stories(value)
+        elif key in TOLD:
+            yield value
+
+
 def texts_of_refusals() -> Iterator[str]:
     """Yield what modules refuse input with, with something in each gap."""
     begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
-    for folder in ("model", "map", "live"):
+    for folder in ("model", "map", "live", "story"):
         for path in sorted((STATIC / "js" / folder).glob("*.js")):
             source = path.read_text(encoding="utf-8")
             for match in begins.finditer(source):
@@ -147,7 +160,14 @@ def one_line(text: str) -> str:
 
 def needed_texts() -> list[str]:
     """Return every text that is born as data, once."""
-    texts = [*texts_of_registry(), *texts_of_questions(), *texts_of_refusals(), *CLAUSES]
+    stories = [tomllib.loads(path.read_text("utf-8")) for path in STATIC.glob("stories/*.toml")]
+    texts = [
+        *texts_of_registry(),
+        *texts_of_questions(),
+        *texts_of_stories(stories),
+        *texts_of_refusals(),
+        *CLAUSES,
+    ]
     return list(dict.fromkeys(line for line in map(one_line, texts) if line))
 
 
