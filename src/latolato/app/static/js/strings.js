@@ -488,7 +488,7 @@ export function setLanguage(code, { strings, texts }) {
     .sort((a, b) => letters(b) - letters(a)).map((text) => ({ text: texts[text],
       gaps: Array.from(text.matchAll(GAP), ([, gap]) => gap),
       shape: new RegExp(`^${text.split(GAP).map((part, i) =>
-        (i % 2 ? "(.+?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
+        (i % 2 ? "(.*?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
     shapes });
 }
