@@ -9,6 +9,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,22 +17,26 @@ from typing import Any
 import pytest
 
 from latolato.app import STATIC
+from latolato.app.analyse.forms import forms as questions
+from latolato.app.analyse.forms import label_of
 from latolato.app.forms import registry
 
 NODE = Path(sys.executable).parent / "node"
 FILES = sorted((STATIC / "languages").glob("*.json"))
 GAP = re.compile(r"\{(\w+)\}")
+# What the tables of stories hold that readers see.
+TOLD = ("title", "summary", "text", "question", "answer", "label")
 # Stands for what a refusal has in a gap.
 FILLED = "7"
 # What refusals are put together from.
 CLAUSES = [
-    "7 and 7", "7 and 7 set the same thing: choose another axis", "a level", "a number",
-    "a number in 7", "above 7", "as a plain number", "at least 7", "at most 7", "below 7",
-    "both axes show the 7: choose another one", "contact", "contact law", "did you mean '7'?",
-    "drive", "failed at t = 7 s: the motion left the range of numbers", "give 7", "got",
-    "in 7 (or a unit that converts to it)", "known are 7", "larger", "leave it out", "left",
-    "longer", "must be 7", "observable", "option", "parameter", "right", "shorter",
-    "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
+    "7 and 7", "7, both balls", "7, per ball", "7 and 7 set the same thing: choose another axis",
+    "a level", "a number", "a number in 7", "above 7", "as a plain number", "at least 7",
+    "at most 7", "below 7", "both axes show the 7: choose another one", "contact", "contact law",
+    "did you mean '7'?", "drive", "failed at t = 7 s: the motion left the range of numbers",
+    "give 7", "got", "in 7 (or a unit that converts to it)", "known are 7", "larger",
+    "leave it out", "left", "longer", "must be 7", "observable", "option", "parameter", "right",
+    "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
     "the contact law 7", "the run 7; later samples are NaN", "use 7",
 ]  # fmt: skip
 # Return the texts of a language that are not translated, and its texts that nothing needs.
@@ -93,13 +98,34 @@ def texts_of_registry() -> Iterator[str]:
         for variable in observable["variables"].values():
             yield from (variable["label"], *(name for name, _ in variable["classes"]))
     for scenario in about["scenarios"].values():
-        yield from (scenario["title"], scenario["description"])
+        yield from (
+            scenario[key] for key in ("title", "question", "description") if key in scenario
+        )
+
+
+def texts_of_questions() -> Iterator[str]:
+    """Yield what Analyse calls its questions, their options and what diagrams vary."""
+    for form in questions().values():
+        yield from (form["title"], form["group"], form["term"], form["reading"])
+        for option in form["options"].values():
+            yield from (option["label"], *option["choices"].values())
+    yield from map(label_of, registry()["axes"])
+
+
+def texts_of_stories(part: Any) -> Iterator[str]:
+    """Yield what a story, or a part of one, says."""
+    parts = part.items() if isinstance(part, dict) else enumerate(part)
+    for key, value in parts:
+        if isinstance(value, dict | list):
+            yield from texts_of_stories(value)
+        elif key in TOLD:
+            yield value
 
 
 def texts_of_refusals() -> Iterator[str]:
     """Yield what modules refuse input with, with something in each gap."""
     begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
-    for folder in ("model", "map", "live"):
+    for folder in ("model", "map", "live", "story"):
         for path in sorted((STATIC / "js" / folder).glob("*.js")):
             source = path.read_text(encoding="utf-8")
             for match in begins.finditer(source):
@@ -136,8 +162,15 @@ def one_line(text: str) -> str:
 
 def needed_texts() -> list[str]:
     """Return every text that is born as data, once."""
-    texts = [*texts_of_registry(), *texts_of_refusals(), *CLAUSES]
-    return list(dict.fromkeys(line for line in map(one_line, texts) if line))
+    stories = [tomllib.loads(path.read_text("utf-8")) for path in STATIC.glob("stories/*.toml")]
+    texts = [
+        *texts_of_registry(),
+        *texts_of_questions(),
+        *texts_of_stories(stories),
+        *texts_of_refusals(),
+        *CLAUSES,
+    ]
+    return list(dict.fromkeys(line for line in map(one_line, texts) if not line.isdigit() and line))
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

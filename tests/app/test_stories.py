@@ -124,9 +124,11 @@ def test_a_site_lists_the_files_of_a_teacher(tmp_path):
     folder = tmp_path / "stories"
     (folder / "mine.toml").write_text(example())
     (folder / "spoilt.toml").write_text("title = ")
+    (folder / "other.toml").write_bytes(b"title = '\xe9'")
     write_site(tmp_path)
     listed = {e["name"]: e for e in json.loads((folder / "contents.json").read_text())}
     assert listed["mine"]["steps"] == 1
+    assert listed["other"]["error"] == "this is not a text in UTF-8"
     assert listed["spoilt"]["error"] == "this is not TOML: look at line 1"
 
 
@@ -152,6 +154,8 @@ BROKEN = [
      "step 1, look: there is no preset 'fig20': did you mean 'fig02'?"),
     ('view = "play"', 'view = "stage"',
      "step 1, look: there is no view 'stage': known are play, live, map"),
+    ('view = "play"', 'view = "play"\nextra = { scenario = "toy" }',
+     'step 1, look: extra must be a table of texts with names such as "map.x"'),
     ("right = true", "right = false", "step 1, predict: one choice must be right, got 0"),
     ("right = true", "right = 1", "step 1, predict, choice 2: right must be true or false"),
     ('length = "1 m"', 'lenght = "1 m"',
@@ -598,11 +602,12 @@ def test_stories_are_accessible_and_have_room(page, theme, place):
         assert_panels_have_room(page)
 
 
-def test_a_phone_sees_the_stage_above_the_panel(page):
+@pytest.mark.parametrize("place", [("first_clack", 1), ("upside_down", 6), ("high_then_low", 6)])
+def test_a_phone_sees_the_stage_above_the_panel(page, place):
     page.set_viewport_size(SIZES[1])
-    page.goto(address("first_clack", 1))
+    page.goto(address(*place))
     page.locator(".story-step").wait_for()
-    page.wait_for_timeout(1000)
+    page.wait_for_timeout(2500)  # the map is there, and its first point
     stage = page.locator("main canvas").first.bounding_box()
     panel = page.locator("#story").bounding_box()
     assert stage["y"] >= 0

@@ -61,7 +61,11 @@ def read(path: Path) -> dict[str, Any]:
         If it is no TOML, or something in it is missing, unknown or of the wrong type.
     """
     with reading(path):
-        tables = parse(path.read_text(encoding="utf-8"))
+        try:
+            text = path.read_text(encoding="utf-8")
+        except UnicodeDecodeError as error:
+            raise InputError("this is not a text in UTF-8") from error
+        tables = parse(text)
         check(tables)
     return tables
 
@@ -200,7 +204,10 @@ _TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "whole": (lambda value: isinstance(value, int), "a whole number"),
     "switch": (lambda value: isinstance(value, bool), "true or false"),
     "options": (_is_table_of(str, int, float, list), "a table of options"),
-    "extra": (_is_table_of(str), "a table of texts"),
+    "extra": (
+        lambda value: _is_table_of(str)(value) and all("." in name for name in value),
+        'a table of texts with names such as "map.x"',
+    ),
 }
 # What is written as a text.
 _BASIC = dict.fromkeys(

@@ -42,6 +42,7 @@ test("a language has its own plural forms, and data is translated by its English
   assert.equal(t("pause"), STRINGS.pause, "what is missing is shown in English");
   assert.deepEqual([1, 3, 5].map((count) => t("mapTrialCount", { count })), ["1 pokus", "3 pokusa", "5 pokusā"]);
   assert.equal(tr("The first\npush"), "Prvi zamah", "lines are broken anywhere");
+  assert.equal(tr("Length"), "Duljina", "labels begin with a capital on a line of their own");
   assert.equal(tr("length, right ball"), "duljina, desna kugla");
   assert.equal(tr("toString"), "toString");
 });

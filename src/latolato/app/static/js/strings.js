@@ -215,7 +215,9 @@ export const STRINGS = {
   challengesList: "Challenges",
   storiesSteps: "{count} steps, about {minutes} minutes",
   storiesMinutes: "about {minutes} minutes",
-  storiesBroken: "“{name}” cannot be told: {error}.",
+  storiesBroken: "The story “{name}” cannot be told: {error}.",
+  storyUnknown: "There is no story “{name}”.",
+  storyOwnGone: "The story file that you opened is not here any more. Open it again.",
   storiesOwn: "A story of your own",
   storiesOwnHint: "A story is a text file that teachers can write. It stays on this computer.",
   storiesOpen: "Open a story file",
@@ -774,7 +776,7 @@ export function setLanguage(code, { strings, texts }) {
     .sort((a, b) => letters(b) - letters(a)).map((text) => ({ text: texts[text],
       gaps: Array.from(text.matchAll(GAP), ([, gap]) => gap),
       shape: new RegExp(`^${text.split(GAP).map((part, i) =>
-        (i % 2 ? "(.+?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
+        (i % 2 ? "(.*?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
     shapes });
 }
@@ -795,6 +797,7 @@ export function t(name, values = {}) {
 
 /**
  * Return a text that was born as data in the language of the page; as it is where that has none.
+ * A label that begins a line, with a capital, is that of the label.
  * @param {string} text in English
  * @returns {string}
  */
@@ -802,6 +805,9 @@ export function tr(text) {
   const line = text.replace(/\s+/g, " ").trim();
   const known = spoken.texts.get(line);
   if (known !== undefined) return known;
+  const [begun, capital] = [line.charAt(0).toLowerCase(), line.charAt(0).toUpperCase()];
+  const label = capital === begun ? undefined : spoken.texts.get(begun + line.slice(1));
+  if (label !== undefined) return label.charAt(0).toUpperCase() + label.slice(1);
   for (const { shape, gaps, text: other } of spoken.shapes) {
     const parts = shape.exec(line);
     if (parts) return filled(other, Object.fromEntries(gaps.map((gap, i) => [gap, tr(parts[i + 1])])));

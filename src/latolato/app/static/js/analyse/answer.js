@@ -51,7 +51,7 @@ export function valuesAt(panel, x, y) {
 export function pictureCard({ reading, term, summary, notes }, ...content) {
   return el("section", { class: "card" }, ...(content.length ? content
     : [el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))]),
-  el("p", { class: "reading-of", lang: ENGLISH }, reading),
+  el("p", { class: "reading-of" }, reading),
   el("p", { class: "hint", title: `${summary} ${notes}` }, t("termOf", { term })));
 }
 

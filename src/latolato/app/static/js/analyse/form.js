@@ -113,10 +113,10 @@ export class AnalysisForm {
     const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
     this.errors[name] = error;
     const long = field.several || input instanceof HTMLSelectElement;
-    return el("div", { class: `field analysis ${long ? "several" : ""}`, lang: ENGLISH },
+    return el("div", { class: `field analysis ${long ? "several" : ""}` },
       el("label", { for: id, title: field.description }, field.label),
       el("span", { class: "entry" }, input, unit && el("span", { class: "unit" }, unit)),
-      el("p", { class: brief ? "unseen" : "hint", id: hintId }, field.description), error);
+      el("p", { class: brief ? "unseen" : "hint", id: hintId, lang: ENGLISH }, field.description), error);
   }
 
   /** Return what is typed, by option; empty fields are left out. */

@@ -1,7 +1,7 @@
 /** The questions that can be asked, in groups; one is chosen. */
 
 import { el } from "../shared/dom.js";
-import { ENGLISH, t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /** @typedef {{title: string, group: string, term: string, reading: string, first: string[],
  *   summary: string, notes: string, run: string[],
@@ -9,6 +9,21 @@ import { ENGLISH, t } from "../strings.js";
 
 // Beside the picture there is room for the whole list; above it there is not.
 const NARROW = "(max-width: 800px)";
+
+/**
+ * Put what the program calls questions, their options and choices in the language of the page;
+ * descriptions stay as they are.
+ * @param {Record<string, Asking>} forms
+ */
+export function translateQuestions(forms) {
+  for (const form of Object.values(forms)) {
+    for (const key of /** @type {const} */ (["title", "group", "term", "reading"])) form[key] = tr(form[key]);
+    for (const field of Object.values(form.options)) {
+      field.label = tr(field.label);
+      field.choices = Object.fromEntries(Object.entries(field.choices).map(([key, text]) => [key, tr(text)]));
+    }
+  }
+}
 
 export class QuestionList {
   /** @param {(name: string) => void} chosen */
@@ -27,8 +42,7 @@ export class QuestionList {
    */
   build(forms) {
     const groups = [...new Set(Object.values(forms).map(({ group }) => group))];
-    this.body.replaceChildren(...groups.map((group) => el("section", { lang: ENGLISH },
-      el("h3", {}, group),
+    this.body.replaceChildren(...groups.map((group) => el("section", {}, el("h3", {}, group),
       el("ul", {}, ...Object.entries(forms).filter(([, form]) => form.group === group)
         .map(([name, form]) => el("li", {}, this.button(name, form)))))));
   }

@@ -15,7 +15,7 @@ import { ENGLISH, t, tr } from "../strings.js";
 import { Answer, pictureCard } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
-import { QuestionList } from "./questions.js";
+import { QuestionList, translateQuestions } from "./questions.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {import("./questions.js").Asking} Asking */
@@ -50,7 +50,7 @@ export class AnalyseView {
     // Outside of its form, where the answer will stand.
     this.go = el("button", { type: "submit", class: "play", form: id }, t("compute"));
     this.cost = el("span", { class: "soft", role: "status" });
-    this.title = el("h2", { class: "asks", lang: ENGLISH });
+    this.title = el("h2", { class: "asks" });
     this.of = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
     this.finding = findingPlace();
@@ -114,9 +114,12 @@ export class AnalyseView {
     try {
       if (!Object.keys(this.forms).length) {
         this.forms = await askJson("api/analyses");
+        translateQuestions(this.forms);
         this.list.build(this.forms);
       }
-      this.about = await askJson("api/analyses/about", this.request);
+      const about = await askJson("api/analyses/about", this.request);
+      for (const each of Object.values(about.parameters)) each.label = tr(each.label);
+      this.about = about;
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {

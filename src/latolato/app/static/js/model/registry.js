@@ -54,7 +54,7 @@ import { loadJson } from "../kernels/load.js";
 export function translateRegistry({ systems, drives, contact_laws: laws, options, axes, observables,
   scenarios }, translated) {
   const put = (/** @type {any} */ entry, /** @type {string[]} */ ...keys) => {
-    for (const key of keys) entry[key] = translated(entry[key]);
+    for (const key of keys) if (entry[key]) entry[key] = translated(entry[key]);
   };
   for (const part of [systems, drives, laws])
     for (const law of Object.values(part)) put(law, "description");
@@ -67,7 +67,7 @@ export function translateRegistry({ systems, drives, contact_laws: laws, options
       for (const named of variable.classes) named[0] = translated(named[0]);
     }
   }
-  for (const scenario of Object.values(scenarios)) put(scenario, "title", "description");
+  for (const scenario of Object.values(scenarios)) put(scenario, "title", "question", "description");
 }
 
 /**

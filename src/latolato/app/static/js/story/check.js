@@ -21,8 +21,8 @@ const TYPES = {
   switch: [(value) => typeof value === "boolean", "true or false"],
   options: [(value) => isTable(value) && Object.values(value).every((part) =>
     ["string", "number"].includes(typeof part) || Array.isArray(part)), "a table of options"],
-  extra: [(value) => isTable(value) && Object.values(value).every((part) =>
-    typeof part === "string"), "a table of texts"],
+  extra: [(value) => isTable(value) && Object.entries(value).every(([name, part]) =>
+    name.includes(".") && typeof part === "string"), 'a table of texts with names such as "map.x"'],
 };
 // All other types are written as texts.
 const [isText, TEXT] = TYPES.text;

@@ -3,6 +3,7 @@
 import { loadJson } from "../kernels/load.js";
 import { contentOf } from "../kernels/content.js";
 import { InputError } from "../model/rules.js";
+import { t } from "../strings.js";
 import { check } from "./check.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -53,11 +54,11 @@ export async function load(registry, name) {
   if (name === OWN) {
     const kept = ownFile();
     if (kept) return named(kept.name, () => read(registry, kept.text));
-    throw new InputError("The story file that you opened is not here any more: open it again.");
+    throw new InputError(t("storyOwnGone"));
   }
   const known = (await loadContents()).map((entry) => entry.name);
   if (!known.includes(name))
-    throw new InputError(`There is no story “${name}”.`);
+    throw new InputError(t("storyUnknown", { name }));
   const text = await (await contentOf(`stories/${name}.toml`)).text();
   return named(`${name}.toml`, () => read(registry, text));
 }
@@ -72,7 +73,7 @@ async function named(name, work) {
     return await work();
   } catch (error) {
     throw error instanceof InputError
-      ? new InputError(`The story “${name}” cannot be told: ${error.message}.`) : error;
+      ? new InputError(t("storiesBroken", { name, error: error.message })) : error;
   }
 }
 

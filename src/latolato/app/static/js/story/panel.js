@@ -13,8 +13,10 @@ import { told } from "./texts.js";
 
 /** @typedef {import("./check.js").Table} Table */
 
-// As in story.css.
-const NARROW = "(max-width: 800px)";
+// As in story.css: there the panel lies at the bottom.
+const NARROW = "(max-width: 800px) and (min-height: 561px)";
+// A view that has just come has found its size by then.
+const LAID_OUT = 500; // ms
 
 export class StoryPanel {
   /**
@@ -192,9 +194,7 @@ export class StoryPanel {
     }
     if (this.block === undefined) return;
     part?.heed(this.block, store.state.extra);
-    // On a phone the panel lies at the bottom: what it speaks of comes to the top.
-    if (this.seen !== part && matchMedia(NARROW).matches)
-      document.querySelector("main canvas")?.scrollIntoView({ block: "start" });
+    if (this.seen !== part && matchMedia(NARROW).matches) setTimeout(bringUp, LAID_OUT);
     this.seen = part;
   }
 
@@ -229,6 +229,11 @@ export class StoryPanel {
     const { store } = this.page;
     store.set({ view, extra: withoutStory(store.state.extra) }, "view");
   }
+}
+
+/** Bring what a step speaks of to the top, above a panel at the bottom. */
+function bringUp() {
+  document.querySelector("main canvas")?.scrollIntoView({ block: "start" });
 }
 
 /** @param {Record<string, string>} extra */
