@@ -4,6 +4,7 @@ TITLES = {
     "play": "Play",
     "map": "Map",
     "live": "Live",
+    "story": "Stories",
     "paper": "The paper\N{RIGHT SINGLE QUOTATION MARK}s claims, recalculated",
     "experiment": "Experiment",
     "analyse": "Analyse",

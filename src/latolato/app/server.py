@@ -130,13 +130,13 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
-    from latolato.app import downloads
+    from latolato.app import downloads, stories
     from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
     from latolato.app.experiment import routes as clips
     from latolato.app.map import routes as maps
 
-    views = (maps, downloads, paper, analyses, clips)
+    views = (maps, downloads, paper, analyses, clips, stories)
     return [route for view in views for route in view.routes()]
 
 

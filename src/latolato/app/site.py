@@ -14,6 +14,7 @@ from pathlib import Path
 
 from latolato.app import STATIC
 from latolato.app.forms import registry
+from latolato.app.stories import contents as contents_of_stories
 from latolato.core.errors import InputError
 
 # What a browser keeps at the first visit; the report and the documentation as they are read.
@@ -59,6 +60,10 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     about = registry() | {"server": False, "docs": docs is not None}
     (folder / "registry.json").write_text(
         json.dumps(about, separators=(",", ":")), encoding="utf-8"
+    )
+    # Those of a teacher, who has put files into the folder of an earlier site, are among them.
+    (folder / "stories" / "contents.json").write_text(
+        json.dumps(contents_of_stories(folder / "stories")), encoding="utf-8"
     )
     for name, source in (("report", report), ("docs", docs)):
         if source is not None and source.resolve() != (folder / name).resolve():

@@ -14,6 +14,7 @@ const VIEWS = {
   play: async () => (await import("./play/view.js")).PlayView,
   map: async () => (await import("./map/view.js")).MapView,
   live: async () => (await import("./live/view.js")).LiveView,
+  story: async () => (await import("./story/view.js")).StoryView,
   paper: async () => (await import("./paper/view.js")).PaperView,
   experiment: async () => (await import("./experiment/view.js")).ExperimentView,
   analyse: async () => (await import("./analyse/view.js")).AnalyseView,
@@ -129,6 +130,20 @@ class ProgramView {
   hide() {}
 }
 
+/**
+ * Tell a story beside the views as soon as an address names one.
+ * @param {Page} page
+ */
+function startStories(page) {
+  const begin = (/** @type {string} */ changed) => {
+    if (!("story.name" in page.store.state.extra)) return;
+    end();
+    void import("./story/panel.js").then(({ StoryPanel }) => new StoryPanel(page, changed));
+  };
+  const end = page.store.subscribe((_, changed) => begin(changed));
+  begin("address");
+}
+
 /** Keep the site in the browser, so that it opens without a network. */
 function keepOffline() {
   // A site that is embedded leaves that to the page around it; pages of the program change with it.
@@ -146,4 +161,5 @@ if (!isReadable(location.search, registry.format)) {
   store.state = parse("");
 }
 startViews({ registry, store });
+startStories({ registry, store });
 if (!registry.server) keepOffline();

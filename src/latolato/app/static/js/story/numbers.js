@@ -1,0 +1,180 @@
+/** Numbers of stories, made of a run as `latolato.app.stories` makes them. */
+
+import { row } from "../shared/block.js";
+
+/** @typedef {import("../shared/block.js").Block} Block */
+
+// Samples from here on show how a motion has settled.
+const LATE = 0.75;
+// A motion repeats if the angle does, to this share of its range, within so many drive periods.
+const REPEATS = 0.01;
+const LONGEST_PERIOD = 16;
+// Up to this angle a swing grows as the small-angle equation does [rad].
+const SMALL = (20 * Math.PI) / 180;
+
+/**
+ * Return the largest of some numbers, -Infinity of none.
+ * @param {ArrayLike<number>} values
+ */
+function largest(values) {
+  let most = -Infinity;
+  for (let i = 0; i < values.length; i += 1) if (values[i] > most) most = values[i];
+  return most;
+}
+
+/** @param {ArrayLike<number>} values */
+function sizes(values) {
+  return Float64Array.from(values, Math.abs);
+}
+
+/**
+ * Return the angles of the first ball.
+ * @param {Block} block
+ */
+function first(block) {
+  return row(block, "angle", 0);
+}
+
+/**
+ * Return when contacts of some kinds happen.
+ * @param {Block} block
+ * @param {string[]} kinds
+ */
+function contacts({ arrays, about }, kinds) {
+  return [...arrays.contact_time].filter((_, i) =>
+    kinds.includes(about.contact_kinds[arrays.contact_kind[i]]));
+}
+
+/**
+ * Return a value between samples.
+ * @param {ArrayLike<number>} time increasing
+ * @param {ArrayLike<number>} values
+ * @param {number} at
+ */
+function between(time, values, at) {
+  let [low, high] = [0, time.length - 1];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (time[middle] <= at) low = middle;
+    else high = middle;
+  }
+  return values[low] + ((at - time[low]) / (time[high] - time[low])) * (values[high] - values[low]);
+}
+
+/** @param {Block} block */
+function lateAngle({ arrays, shapes }) {
+  const { time, angle } = arrays;
+  const start = LATE * time[time.length - 1];
+  const count = shapes.angle[1];
+  return largest(sizes(angle.filter((_, i) => time[i % count] >= start)));
+}
+
+/**
+ * Return when the first ball first reaches an angle, linear between samples [s].
+ * @param {Block} block
+ * @param {number} angle
+ */
+function timeToAngle(block, angle) {
+  const { time } = block.arrays;
+  const size = sizes(first(block));
+  const after = size.findIndex((value) => value >= angle);
+  if (after <= 0) return after === 0 ? 0 : NaN;
+  const share = (angle - size[after - 1]) / (size[after] - size[after - 1]);
+  return time[after - 1] + share * (time[after] - time[after - 1]);
+}
+
+/**
+ * Return the mean time from one passage upwards through zero to the next, in the second half [s].
+ * @param {Block} block
+ */
+function swingPeriod(block) {
+  const { time } = block.arrays;
+  const angle = first(block);
+  const start = 0.5 * time[time.length - 1];
+  /** @type {number[]} */
+  const passages = [];
+  for (let i = 0; i + 1 < time.length; i += 1)
+    if (time[i] >= start && angle[i] < 0 && angle[i + 1] >= 0)
+      passages.push(time[i] - (angle[i] * (time[i + 1] - time[i])) / (angle[i + 1] - angle[i]));
+  if (passages.length < 2) return NaN;
+  return (passages[passages.length - 1] - passages[0]) / (passages.length - 1);
+}
+
+/**
+ * Return after how many drive periods the angle of the first ball repeats, in the last quarter.
+ * @param {Block} block
+ */
+function responsePeriod(block) {
+  const { time, strobe } = block.arrays;
+  const angle = first(block);
+  const at = [...strobe].filter((each) => each >= LATE * time[time.length - 1])
+    .map((each) => between(time, angle, each));
+  const limit = REPEATS * (largest(angle) + largest(angle.map((value) => -value)));
+  for (let period = 1; period <= Math.min(LONGEST_PERIOD, at.length >> 1); period += 1)
+    if (at.slice(period).every((value, i) => Math.abs(value - at[i]) < limit)) return period;
+  return NaN;
+}
+
+/**
+ * Return the slope of the logarithm of the peaks up to the first that is not small, in the later
+ * half of them [1/s]: what dies away has gone by then.
+ * @param {Block} block
+ */
+function growthRate(block) {
+  const { time } = block.arrays;
+  const size = sizes(first(block));
+  /** @type {number[]} */
+  let peaks = [];
+  for (let i = 1; i + 1 < size.length; i += 1)
+    if (size[i] > size[i - 1] && size[i] >= size[i + 1]) {
+      if (size[i] > SMALL) break;
+      peaks.push(i);
+    }
+  peaks = peaks.slice(peaks.length >> 1);
+  if (peaks.length < 2) return NaN;
+  const mean = (/** @type {number[]} */ values) => values.reduce((sum, each) => sum + each, 0) / values.length;
+  const [x, y] = [peaks.map((i) => time[i]), peaks.map((i) => Math.log(size[i]))];
+  const [midX, midY] = [mean(x), mean(y)];
+  return mean(x.map((each, i) => (each - midX) * (y[i] - midY))) / mean(x.map((each) => (each - midX) ** 2));
+}
+
+/**
+ * Return the largest angular frequency of the drive [rad/s].
+ * @param {Block} block
+ */
+function fastestDrive({ about: { options } }) {
+  return options.drive_frequencies ? largest(options.drive_frequencies) : options.drive_frequency ?? NaN;
+}
+
+/** @param {Block} block */
+function driveSpeed(block) {
+  return (block.about.options.drive_amplitude ?? NaN) * fastestDrive(block);
+}
+
+/** @type {Record<string, (block: Block, angle: number) => number>} */
+const QUANTITIES = {
+  largest_angle: ({ arrays }) => largest(sizes(arrays.angle)),
+  late_angle: lateAngle,
+  final_angle: (block) => first(block)[first(block).length - 1],
+  farthest_from_top: ({ arrays }) => largest(arrays.angle.map((angle) => Math.abs(Math.PI - Math.abs(angle)))),
+  time_to_angle: timeToAngle,
+  top_time: (block) => contacts(block, ["top"])[0] ?? NaN,
+  contacts: (block) => contacts(block, ["bottom", "top"]).length,
+  top_contacts: (block) => contacts(block, ["top"]).length,
+  swing_period: swingPeriod,
+  shakes_per_swing: (block) => (swingPeriod(block) * fastestDrive(block)) / (2 * Math.PI),
+  response_period: responsePeriod,
+  growth_rate: growthRate,
+  drive_speed: driveSpeed,
+  drive_acceleration_ratio: (block) => (driveSpeed(block) * fastestDrive(block)) / block.about.options.gravity,
+};
+
+/**
+ * Return a quantity of a run [SI], NaN where the run has none, as for what never happens.
+ * @param {string} name
+ * @param {Block} block
+ * @param {number} [angle] for `time_to_angle`, which one [rad]
+ */
+export function quantity(name, block, angle = NaN) {
+  return QUANTITIES[name](block, angle);
+}

@@ -1,0 +1,242 @@
+/** The panel of a story beside the view that it shows: it follows the address, and changes it. */
+
+import { LongRunError, Runner } from "../model/client.js";
+import { InputError } from "../model/rules.js";
+import { el, tell } from "../shared/dom.js";
+import { openLink } from "../shared/links.js";
+import { t } from "../strings.js";
+import { Challenge, SCORE } from "./challenge.js";
+import { load, loadSchema } from "./files.js";
+import { runOnShow, shownBy } from "./look.js";
+import { NOT_YET, Step } from "./step.js";
+import { told } from "./texts.js";
+
+/** @typedef {import("./check.js").Table} Table */
+
+// As in story.css: there the panel lies at the bottom.
+const NARROW = "(max-width: 800px) and (min-height: 561px)";
+// A view that has just come has found its size by then.
+const LAID_OUT = 500; // ms
+
+export class StoryPanel {
+  /**
+   * @param {import("../shared/state.js").Page} page
+   * @param {string} changed in the address: a story that was chosen takes the focus
+   */
+  constructor(page, changed) {
+    this.page = page;
+    this.runner = new Runner(page.registry);
+    /** @type {import("./check.js").Schema} */
+    this.schema = /** @type {any} */ (null);
+    /** What is told. @type {Table | null} */
+    this.tables = null;
+    this.name = "";
+    /** @type {Step | Challenge | null} */
+    this.part = null;
+    this.partAt = 0;
+    /** @type {Step | Challenge | null} the part that was last brought into view */
+    this.seen = null;
+    this.counted = "";
+    this.takesFocus = false;
+    this.body = el("div", { class: "story-body" });
+    this.title = el("h2", {});
+    const fold = el("button", { type: "button", class: "plain story-fold", "aria-expanded": "true", on: { click: () => {
+      const isOpen = !this.root.classList.toggle("folded");
+      fold.setAttribute("aria-expanded", String(isOpen));
+    } } }, t("storyFold"));
+    const leave = el("button", { type: "button", class: "plain", "aria-label": t("storyLeave"), title: t("storyLeave"),
+      on: { click: () => this.leave(this.page.store.state.view) } }, "×");
+    this.place = el("p", { class: "story-place" });
+    this.progress = el("progress", { "aria-hidden": "true" });
+    this.nav = el("div", { class: "actions" });
+    this.root = el("aside", { class: "story", id: "story", "aria-label": t("story") },
+      el("div", { class: "story-top" }, this.place, fold, leave), this.progress, this.title, this.body, this.nav);
+    document.getElementById("main")?.before(this.root);
+    page.store.subscribe((_, now) => void this.follow(now));
+    void this.follow(changed);
+  }
+
+  /** What the address keeps of the story. */
+  get kept() {
+    const { extra } = this.page.store.state;
+    const count = this.tables?.steps?.length ?? 1;
+    const step = Number(extra["story.step"] ?? 1);
+    return { name: extra["story.name"], answers: extra["story.answers"] ?? "",
+      step: Number.isInteger(step) ? Math.min(Math.max(step, 1), count) : 1,
+      goesOn: extra["story.tried"] === "1" };
+  }
+
+  /**
+   * Show what the address names.
+   * @param {string} changed
+   */
+  async follow(changed) {
+    const { state } = this.page.store;
+    const { name } = this.kept;
+    const isOpen = name !== undefined && state.view !== "story";
+    document.documentElement.toggleAttribute("data-story", isOpen);
+    this.root.hidden = !isOpen;
+    if (!isOpen) {
+      this.name = "";
+      return;
+    }
+    if (name !== this.name) {
+      this.name = name;
+      this.tables = this.part = null;
+      this.takesFocus = changed === "preset";
+      await this.open(name);
+    }
+    if (!this.tables || name !== this.name) return;
+    // A score belongs to the parameters with which it came.
+    if (SCORE in state.extra && ["options", "preset"].includes(changed))
+      this.page.store.keep(SCORE, null);
+    this.show();
+    await this.count();
+  }
+
+  /** @param {string} name */
+  async open(name) {
+    try {
+      this.schema = await loadSchema();
+      const tables = await load(this.page.registry, name);
+      if (name !== this.name) return;
+      this.tables = tables;
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      this.refuse(error.message);
+      return;
+    }
+    // An address that names a story alone shows what the story shows.
+    const { scenario, options } = this.page.store.state;
+    if (!scenario && !Object.keys(options).length) this.lookAgain();
+  }
+
+  /**
+   * Say why there is no story, and lead on.
+   * @param {string} text
+   */
+  refuse(text) {
+    this.place.textContent = this.title.textContent = "";
+    this.progress.hidden = true;
+    this.body.replaceChildren(el("p", { class: "error", role: "alert" }, text));
+    this.nav.replaceChildren(this.listLink());
+  }
+
+  listLink() {
+    const { state } = this.page.store;
+    return openLink(this.page, { ...state, view: "story", extra: withoutStory(state.extra) }, t("storyAll"));
+  }
+
+  /** Show the step or the challenge, as far as the reader is. */
+  show() {
+    const { step, answers, goesOn } = this.kept;
+    const tables = /** @type {Table} */ (this.tables);
+    if (!this.part || this.partAt !== step) {
+      this.partAt = step;
+      this.counted = "";
+      this.title.textContent = told(tables.title);
+      this.part = tables.task ? new Challenge(this, tables)
+        : new Step(this, tables.steps[step - 1], { answer: (choice) => this.answer(choice),
+          goOn: () => this.page.store.keep("story.tried", "1") });
+      this.body.replaceChildren(this.part.root);
+      this.body.scrollTop = this.root.scrollTop = 0;
+      this.makeNav(step);
+      if (this.takesFocus) this.part.head.focus();
+      this.takesFocus = false;
+    }
+    if (this.part instanceof Step) this.part.show(answers[step - 1] ?? NOT_YET, goesOn);
+  }
+
+  /** @param {number} step */
+  makeNav(step) {
+    const { steps, title } = /** @type {Table} */ (this.tables);
+    const again = el("button", { type: "button", on: { click: () => this.lookAgain() } }, t("storyLook"));
+    this.progress.hidden = !steps;
+    this.place.textContent = steps ? t("storyStep", { step, count: steps.length }) : "";
+    if (!steps) {
+      this.nav.replaceChildren(again, this.listLink());
+      return;
+    }
+    [this.progress.max, this.progress.value] = [steps.length, step];
+    const isLast = step === steps.length;
+    const next = () => {
+      if (!isLast) this.go(step + 1);
+      else {
+        tell(t("storyFinished", { title: told(title) }));
+        this.leave("story");
+      }
+    };
+    this.nav.replaceChildren(
+      el("button", { type: "button", disabled: step === 1, on: { click: () => this.go(step - 1) } }, t("storyBack")),
+      again,
+      el("button", { type: "button", class: "play", on: { click: next } }, t(isLast ? "storyFinish" : "storyNext")));
+  }
+
+  /** Compute the run on show, and let the step or the challenge look at it. */
+  async count() {
+    const { registry, store } = this.page;
+    const { part } = this;
+    const { extra } = store.state;
+    const request = part instanceof Challenge ? part.request() : runOnShow(registry, store.state);
+    const text = JSON.stringify(request);
+    if (text !== this.counted) {
+      this.counted = text;
+      this.block = undefined;
+      /** @type {import("../shared/block.js").Block | null | undefined} */
+      const block = request && await this.runner.compute(request).catch((error) => {
+        if (error instanceof DOMException && error.name === "AbortError") return undefined;
+        // The view says what is wrong.
+        if (error instanceof InputError || error instanceof LongRunError) return null;
+        throw error;
+      });
+      if (text !== this.counted || part !== this.part) return;
+      this.block = block;
+    }
+    if (this.block === undefined) return;
+    part?.heed(this.block, store.state.extra);
+    if (this.seen !== part && matchMedia(NARROW).matches) setTimeout(bringUp, LAID_OUT);
+    this.seen = part;
+  }
+
+  /** @param {number} choice from 1 on */
+  answer(choice) {
+    const { answers, step } = this.kept;
+    const all = answers.padEnd(step, NOT_YET);
+    this.page.store.keep("story.answers", all.slice(0, step - 1) + choice + all.slice(step));
+  }
+
+  /** Show the step as it begins. */
+  lookAgain() {
+    this.go(this.kept.step);
+  }
+
+  /** @param {number} step */
+  go(step) {
+    const { store } = this.page;
+    const { answers, name } = this.kept;
+    const tables = /** @type {Table} */ (this.tables);
+    const look = tables.look ?? tables.steps[step - 1].look;
+    if (this.part && step !== this.partAt) this.takesFocus = true;
+    store.set(shownBy(store.state, look, { "story.name": name,
+      ...(tables.steps && { "story.step": String(step) }), ...(answers && { "story.answers": answers }) }), "preset");
+  }
+
+  /**
+   * End the story.
+   * @param {string} view that is shown instead
+   */
+  leave(view) {
+    const { store } = this.page;
+    store.set({ view, extra: withoutStory(store.state.extra) }, "view");
+  }
+}
+
+/** Bring what a step speaks of to the top, above a panel at the bottom. */
+function bringUp() {
+  document.querySelector("main canvas")?.scrollIntoView({ block: "start" });
+}
+
+/** @param {Record<string, string>} extra */
+function withoutStory(extra) {
+  return Object.fromEntries(Object.entries(extra).filter(([name]) => !name.startsWith("story.")));
+}

@@ -1,0 +1,114 @@
+/** One step of a story: look, predict, try, explanation, one number. */
+
+import { toSi } from "../model/options.js";
+import { el, freshId } from "../shared/dom.js";
+import { t } from "../strings.js";
+import { limitsOf } from "./check.js";
+import { parameterOf } from "./look.js";
+import { quantity } from "./numbers.js";
+import { told } from "./texts.js";
+import { shownNumber } from "./words.js";
+
+/** @typedef {import("./check.js").Table} Table */
+/** @typedef {import("../shared/block.js").Block} Block */
+
+export const NOT_YET = "-";
+
+export class Step {
+  /**
+   * @param {import("./panel.js").StoryPanel} panel
+   * @param {Table} step
+   * @param {{answer(choice: number): void, goOn(): void}} act
+   */
+  constructor(panel, step, act) {
+    this.panel = panel;
+    this.step = step;
+    this.act = act;
+    this.answer = NOT_YET;
+    /** Whether the reader goes on, and whether "try" was done. */
+    this.goesOn = this.isDone = false;
+    const { look, predict, explanation, number } = step;
+    this.head = el("h3", { tabindex: "-1" }, told(step.title));
+    this.form = this.makeForm(predict);
+    this.reply = el("p", { class: "story-reply", role: "status" });
+    this.trial = el("section", { hidden: true }, el("h4", {}, t("storyTry")), el("p", {}, told(step.try.text)));
+    this.done = el("p", { class: "story-reply right", role: "status" });
+    this.anyway = el("button", { type: "button", class: "plain", on: { click: () => act.goOn() } },
+      t("storyAnyway"));
+    this.trial.append(this.done, this.anyway);
+    this.number = el("strong", {}, t("storyNone"));
+    this.why = el("section", { hidden: true }, el("h4", {}, t("storyWhy")), el("p", {}, told(explanation.text)));
+    this.one = el("p", { class: "story-number" }, el("span", {}, told(number.label)), this.number);
+    this.root = el("div", { class: "story-step" }, this.head, el("p", {}, told(look.text)),
+      this.form, this.reply, this.trial, this.one, this.why);
+  }
+
+  /** @param {Table} predict */
+  makeForm({ question, choices }) {
+    const name = freshId();
+    const radios = choices.map((/** @type {Table} */ choice, /** @type {number} */ i) =>
+      el("label", { class: "check" },
+        el("input", { type: "radio", name, value: String(i + 1), required: true }), told(choice.text)));
+    return el("form", { on: { submit: (/** @type {SubmitEvent} */ event) => {
+      event.preventDefault();
+      this.act.answer(Number(new FormData(this.form).get(name)));
+    } } }, el("h4", {}, t("storyPredict")),
+    el("fieldset", {}, el("legend", {}, told(question)), ...radios),
+    el("button", { type: "submit" }, t("storyCheck")));
+  }
+
+  /**
+   * Show how far the reader is.
+   * @param {string} answer digit of the choice, or `NOT_YET`
+   * @param {boolean} goesOn without having tried
+   */
+  show(answer, goesOn) {
+    [this.answer, this.goesOn] = [answer, goesOn];
+    const hasTried = goesOn || this.isDone;
+    const choice = this.step.predict.choices[Number(answer) - 1];
+    if (choice) {
+      const radio = this.form.querySelector(`input[value="${answer}"]`);
+      /** @type {HTMLInputElement} */ (radio).checked = true;
+    }
+    const reply = choice ? t(choice.right ? "storyRight" : "storyWrong", { text: told(choice.answer) }) : "";
+    if (this.reply.textContent !== reply) this.reply.textContent = reply;
+    this.reply.classList.toggle("right", Boolean(choice?.right));
+    const done = choice && this.isDone ? t("storyTried") : "";
+    if (this.done.textContent !== done) this.done.textContent = done;
+    this.anyway.hidden = hasTried;
+    const opened = [this.trial, this.why].filter((part, i) => part.hidden && choice && (i === 0 || hasTried));
+    this.trial.hidden = this.one.hidden = !choice;
+    this.why.hidden = !choice || !hasTried;
+    opened.at(-1)?.scrollIntoView({ block: "nearest" });
+  }
+
+  /**
+   * Show the number of a run, and notice what was to be tried.
+   * @param {Block | null} block null for a run that cannot be computed
+   * @param {Record<string, string>} extra
+   */
+  heed(block, extra) {
+    const { registry } = this.panel.page;
+    const { schema } = this.panel;
+    const { quantity: name, angle } = this.step.number;
+    const value = block ? quantity(name, block, this.angle(angle)) : NaN;
+    this.number.textContent = block ? shownNumber(name, value, schema.quantities[name]) : t("storyNone");
+    this.number.dataset.value = String(value);
+    const isDone = !this.trial.hidden && this.step.try.done?.every((/** @type {Table} */ condition) => {
+      if (condition.address) return condition.address in extra;
+      if (!block) return false;
+      const [least, most] = limitsOf(registry, schema, condition);
+      const now = condition.quantity ? quantity(condition.quantity, block, this.angle(condition.angle))
+        : parameterOf(condition.parameter, block);
+      return now >= least && now <= most;
+    });
+    if (!isDone || this.isDone) return;
+    this.isDone = true;
+    this.show(this.answer, this.goesOn);
+  }
+
+  /** @param {string | undefined} text */
+  angle(text) {
+    return text === undefined ? NaN : toSi(this.panel.page.registry, "angle", text, "rad");
+  }
+}

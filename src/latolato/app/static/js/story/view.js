@@ -1,0 +1,84 @@
+/** Stories: the list of stories and challenges, and a story file of one's own. */
+
+import { InputError } from "../model/rules.js";
+import { Offline } from "../shared/api.js";
+import { el } from "../shared/dom.js";
+import { format } from "../shared/state.js";
+import { t } from "../strings.js";
+import { keepOwnFile, load, loadContents, OWN } from "./files.js";
+import { shownBy } from "./look.js";
+import { told } from "./texts.js";
+
+/** @typedef {import("./files.js").Entry} Entry */
+
+export class StoryView {
+  /** @param {import("../shared/state.js").Page} page */
+  constructor(page) {
+    this.page = page;
+    this.lists = el("div", {});
+    this.error = el("p", { class: "error", role: "alert", hidden: true });
+    const input = el("input", { type: "file", accept: ".toml,text/plain", "aria-label": t("storiesOpen"),
+      on: { change: () => void this.openFile(input) } });
+    this.root = el("div", { class: "view stories" }, el("h1", {}, t("view_story")),
+      el("p", {}, t("storiesIntro")), this.lists,
+      el("section", { class: "card" }, el("h2", {}, t("storiesOwn")), el("p", {}, t("storiesOwnHint")),
+        el("label", { class: "field" }, t("storiesOpen"), input), this.error));
+  }
+
+  show() {
+    void this.list();
+  }
+
+  hide() {}
+
+  async list() {
+    const entries = await loadContents();
+    const of = (/** @type {string} */ kind) => entries.filter((entry) => entry.kind === kind);
+    this.lists.replaceChildren(
+      el("h2", {}, t("storiesList")), el("ul", { class: "story-cards" }, ...of("story").map((each) => this.card(each))),
+      el("h2", {}, t("challengesList")),
+      el("ul", { class: "story-cards" }, ...of("challenge").map((each) => this.card(each))),
+      ...of("broken").map(({ name, error = "" }) =>
+        el("p", { class: "error" }, t("storiesBroken", { name, error }))));
+  }
+
+  /** @param {Entry} entry */
+  card({ name, title = "", summary = "", steps, minutes = 0 }) {
+    const state = { view: "play", scenario: null, options: {}, extra: { "story.name": name } };
+    return el("li", { class: "card" }, el("h3", {}, el("a", { href: format(state),
+      on: { click: (/** @type {MouseEvent} */ event) => {
+        if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+        event.preventDefault();
+        void this.open(name);
+      } } }, told(title))), el("p", {}, told(summary)),
+    el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps ?? 0, minutes })));
+  }
+
+  /** @param {HTMLInputElement} input */
+  async openFile(input) {
+    const [file] = input.files ?? [];
+    if (!file) return;
+    keepOwnFile(file.name, await file.text());
+    input.value = "";
+    await this.open(OWN);
+  }
+
+  /**
+   * Begin a story; what is wrong with it is said here.
+   * @param {string} name
+   */
+  async open(name) {
+    const { registry, store } = this.page;
+    this.error.hidden = true;
+    try {
+      const tables = await load(registry, name);
+      const look = tables.look ?? tables.steps[0].look;
+      store.set(shownBy(store.state, look, { "story.name": name }), "preset");
+      window.scrollTo(0, 0);
+    } catch (error) {
+      if (!(error instanceof InputError || error instanceof Offline)) throw error;
+      this.error.hidden = false;
+      this.error.textContent = error.message;
+    }
+  }
+}

@@ -1,0 +1,27 @@
+// Stories as pages read and compute them: node stories_in_node.mjs SITE QUESTIONS ANSWERS
+import { readFileSync, writeFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const [site, questions, answers] = process.argv.slice(2);
+const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
+const [{ specify }, { run }, { blockOf }, { loadRegistry }, { read }, { quantity }, { runOnShow, shownBy },
+  { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/block",
+  "model/registry", "story/files", "story/numbers", "story/look", "story/scores"].map(load));
+const registry = await loadRegistry();
+const { files, numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
+const plain = (value) => (Number.isFinite(value) ? value : null);
+const blockFor = async (request) => blockOf(run(await specify(registry, request), 30_000));
+
+const sentences = [];
+for (const text of files) sentences.push(await read(registry, text).then(() => "", (error) => error.message));
+const found = [];
+for (const { look, options, name, angle } of numbers) {
+  const state = shownBy({ extra: {} }, look, {});
+  state.options = { ...state.options, ...options };
+  found.push(plain(quantity(name, await blockFor(runOnShow(registry, state)), angle)));
+}
+const reached = [];
+for (const { challenge, options } of scores)
+  reached.push(plain(options.guess ? scoreOfGuess(registry, challenge, options.guess)
+    : scoreOfRun(registry, challenge.task, await blockFor(requestOf(registry, challenge, options)))));
+writeFileSync(answers, JSON.stringify({ sentences, numbers: found, scores: reached }));

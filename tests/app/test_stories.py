@@ -1,0 +1,614 @@
+"""Stories and challenges: their files, their physics, and their way through a page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import subprocess
+from pathlib import Path
+from urllib.parse import parse_qs, urlencode, urlsplit
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from browser_checks import SIZES, assert_panels_have_room, serious_faults
+from in_node import NODE
+from latolato import analysis
+from latolato.app import stories
+from latolato.app.run_request import RunRequest
+from latolato.app.site import write_site
+from latolato.core.errors import InputError
+
+HOW_TO = Path(__file__).parents[2] / "docs" / "how-to" / "stories.md"
+FILES = {path.stem: stories.read(path) for path in stories.FOLDER.glob("*.toml")}
+STORIES = [name for name, tables in FILES.items() if tables["kind"] == "story"]
+CHALLENGES = [name for name, tables in FILES.items() if tables["kind"] == "challenge"]
+STEPS = [(name, i) for name in STORIES for i, _ in enumerate(FILES[name]["steps"], start=1)]
+DEGREE = math.radians(1.0)
+
+# What a reader does who follows "try" in each step.
+TRIED = {
+    "first_clack": [
+        {"drive_amplitude": "4 cm"}, {"drive_amplitude": "0 cm"}, {"drive_amplitude": "4 cm"},
+        {"restitution": "0.85"}, {"drive_amplitude": "7 cm"},
+    ],
+    "why_twice": [
+        {"mass": "1.6 kg"}, {"drive_frequency": "6.26 rad/s"}, {"drive_frequency": "6.1 rad/s"},
+        {"initial_angle": "0.0005 rad"}, {"damping": "0 kg m/s"},
+        {"frequency_ratio": "1.95", "drive_amplitude": "0.1"},
+    ],
+    "high_then_low": [
+        {"initial_offset": "10 deg"}, {"drive_amplitude": "20 mm"}, {"drive_amplitude": "40 mm"},
+        {"frequency_ratios": "3.136, 2.389"}, {"initial_offset": "7 deg"},
+        {"frequency_ratio": "2.389"},
+    ],
+    "order_and_chaos": [
+        {"drive_amplitude": "80 mm"}, {"drive_amplitude": "87 mm"}, {"drive_amplitude": "89.8 mm"},
+        {"drive_amplitude": "94 mm"}, {"initial_angle": "20.001 deg"},
+        {"drive_frequency": "19", "drive_amplitude": "0.06"},
+    ],
+    "upside_down": [
+        {"drive_frequency": "90 rad/s"}, {"drive_frequency": "102 rad/s"},
+        {"drive_frequency": "205 rad/s"}, {"drive_frequency": "205 rad/s"},
+        {"initial_angle": "100 deg"}, {"drive_frequency": "150", "drive_amplitude": "0.02"},
+    ],
+}  # fmt: skip
+SOLUTIONS = {
+    "least_amplitude": {"drive_amplitude": "40 mm", "drive_frequency": "2.3 Hz"},
+    "shortest_protocol": {"drive_times": "0 s, 1 s", "frequency_ratios": "3.3, 2.389"},
+    "guess_tongue": {"guess": "120 mm, 57 mm, 8 mm, 49 mm, 95 mm"},
+}
+
+
+def options_of(name, step, tried):
+    """Preset and options of a step, as it begins or when its reader has tried."""
+    look = FILES[name]["steps"][step - 1]["look"]
+    own = look.get("options", {})
+    return look["preset"], {**own, **TRIED[name][step - 1]} if tried else own
+
+
+def number(name, preset, angle=math.nan, **options):
+    return stories.quantity(name, stories.run_of(preset, options), angle)
+
+
+def degrees(name, preset, **options):
+    return math.degrees(number(name, preset, **options))
+
+
+def number_of(name, step, tried=False):
+    """The number of a step, computed by Python."""
+    shown = FILES[name]["steps"][step - 1]["number"]
+    preset, options = options_of(name, step, tried)
+    return number(shown["quantity"], preset, **options)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    write_site(folder)
+    return folder
+
+
+def in_node(site, tmp_path, *, files=(), numbers=(), scores=()):
+    """What pages say of files, numbers and scores."""
+    questions, answers = tmp_path / "questions.json", tmp_path / "answers.json"
+    questions.write_text(json.dumps({"files": files, "numbers": numbers, "scores": scores}))
+    script = Path(__file__).with_name("stories_in_node.mjs")
+    done = subprocess.run(
+        [NODE, script, site, questions, answers], capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    return json.loads(answers.read_text())
+
+
+# Files.
+
+
+def test_stories_have_five_to_seven_steps():
+    assert len(STORIES) == 5
+    for name in STORIES:
+        assert 5 <= len(FILES[name]["steps"]) <= 7
+
+
+def test_the_list_has_stories_in_their_order_and_then_challenges():
+    names = [entry["name"] for entry in stories.contents()]
+    assert names[0] == "first_clack"
+    assert set(names[:5]) == set(STORIES)
+    assert set(names[5:]) == set(CHALLENGES)
+
+
+def test_a_site_lists_the_files_of_a_teacher(tmp_path):
+    write_site(tmp_path)
+    folder = tmp_path / "stories"
+    (folder / "mine.toml").write_text(example())
+    (folder / "spoilt.toml").write_text("title = ")
+    (folder / "other.toml").write_bytes(b"title = '\xe9'")
+    write_site(tmp_path)
+    listed = {e["name"]: e for e in json.loads((folder / "contents.json").read_text())}
+    assert listed["mine"]["steps"] == 1
+    assert listed["other"]["error"] == "this is not a text in UTF-8"
+    assert listed["spoilt"]["error"] == "this is not TOML: look at line 1"
+
+
+def example():
+    """The complete story in the documentation."""
+    return re.search(r"```toml\n(format.*?)```", HOW_TO.read_text(encoding="utf-8"), re.S)[1]
+
+
+BROKEN = [
+    ("", "title = ", "this is not TOML: look at line 1"),
+    ("format = 1", "format = 2", "it has format 2, and this version reads 1 at most"),
+    ('kind = "story"', 'kind = "tale"', "there is no kind 'tale': known are story, challenge"),
+    ("minutes = 3", "", "minutes is missing"),
+    ("minutes = 3", 'minutes = "3"', "minutes must be a number above zero"),
+    ("[steps.explanation]", "[steps.explanations]",
+     "step 1: there is no entry 'explanations': did you mean 'explanation'?"),
+    ('quantity = "swing_period"\n', "", "step 1, number: quantity is missing"),
+    ('quantity = "swing_period"', 'quantity = "swing_perod"',
+     "step 1, number: there is no quantity 'swing_perod': did you mean 'swing_period'?"),
+    ('quantity = "swing_period"', 'quantity = "time_to_angle"',
+     "step 1, number: angle is missing: time_to_angle needs one"),
+    ('preset = "fig02"', 'preset = "fig20"',
+     "step 1, look: there is no preset 'fig20': did you mean 'fig02'?"),
+    ('view = "play"', 'view = "stage"',
+     "step 1, look: there is no view 'stage': known are play, live, map"),
+    ('view = "play"', 'view = "play"\nextra = { scenario = "toy" }',
+     'step 1, look: extra must be a table of texts with names such as "map.x"'),
+    ("right = true", "right = false", "step 1, predict: one choice must be right, got 0"),
+    ("right = true", "right = 1", "step 1, predict, choice 2: right must be true or false"),
+    ('length = "1 m"', 'lenght = "1 m"',
+     "step 1, look: unknown option 'lenght': did you mean 'length'?"),
+    ('parameter = "length"', 'parameter = "lengths"',
+     "step 1, try, condition 1: there is no parameter 'lengths': did you mean 'length'?"),
+    ('parameter = "length"', 'parameter = "length", quantity = "contacts"',
+     "step 1, try, condition 1: name one of parameter, quantity, address"),
+    ('at_most = "30 cm"', 'at_most = "30 s"',
+     "step 1, try, condition 1: at_most must be given in m (or a unit that converts to it), "
+     "got '30 s'"),
+]  # fmt: skip
+
+
+def broken(old, new):
+    text = example()
+    assert old in text
+    return text.replace(old, new, 1) if old else new
+
+
+@pytest.mark.parametrize("old, new, sentence", BROKEN)
+def test_what_is_wrong_with_a_file_is_one_sentence(old, new, sentence):
+    with pytest.raises(InputError) as caught:
+        stories.check(stories.parse(broken(old, new)))
+    assert str(caught.value) == sentence
+
+
+def test_pages_say_the_same_of_broken_files(site, tmp_path):
+    said = in_node(site, tmp_path, files=[broken(old, new) for old, new, _ in BROKEN])
+    assert said["sentences"] == [sentence for *_, sentence in BROKEN]
+
+
+def test_the_example_of_the_documentation_is_a_story(site, tmp_path):
+    tables = stories.parse(example())
+    stories.check(tables)
+    step = tables["steps"][0]
+    run = stories.run_of(step["look"]["preset"], step["look"]["options"])
+    long = stories.quantity(step["number"]["quantity"], run)
+    run = stories.run_of(step["look"]["preset"], step["look"]["options"] | {"length": "25 cm"})
+    short = stories.quantity(step["number"]["quantity"], run)
+    assert long / short == pytest.approx(2.0, rel=1e-3)  # as its text says
+    assert in_node(site, tmp_path, files=[example()])["sentences"] == [""]
+
+
+def test_the_documentation_names_every_entry_quantity_and_rule():
+    text = HOW_TO.read_text(encoding="utf-8")
+    schema = stories.schema()
+    entries = {entry.rstrip("?") for table in schema["tables"].values() for entry in table}
+    for name in [*entries, *schema["quantities"], *schema["rules"]]:
+        assert f"`{name}`" in text, name
+
+
+# Numbers.
+
+
+def test_pages_and_python_compute_the_same_numbers(site, tmp_path):
+    asked, expected = [], []
+    for name, step in STEPS:
+        look = FILES[name]["steps"][step - 1]["look"]
+        shown = FILES[name]["steps"][step - 1]["number"]["quantity"]
+        for tried in (False, True):
+            if look["view"] == "map":  # the run on show is that of a point
+                look = {**look, "view": "play"}
+            more = TRIED[name][step - 1] if tried else {}
+            asked.append({"look": look, "options": more, "name": shown, "angle": None})
+            expected.append(number_of(name, step, tried))
+    angle = {"name": "time_to_angle", "angle": 45 * DEGREE}
+    asked.append({"look": {"view": "play", "preset": "fig12"}, "options": {}, **angle})
+    expected.append(number("time_to_angle", "fig12", 45 * DEGREE))
+    asked.append({"look": {"view": "play", "preset": "toy"}, "options": {}, "name": "contacts"})
+    expected.append(number("contacts", "toy"))
+    found = in_node(site, tmp_path, numbers=asked)["numbers"]
+    found = [math.nan if each is None else each for each in found]
+    # Nine seconds of chaos amplify the last digit of two builds of the same code.
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", CHALLENGES)
+def test_a_challenge_can_be_solved_and_pages_give_its_score(name, site, tmp_path):
+    challenge, options = FILES[name], SOLUTIONS[name]
+    score = stories.score(challenge, options)
+    assert score.beats_par
+    asked = {"challenge": challenge, "options": options}
+    [found] = in_node(site, tmp_path, scores=[asked])["scores"]
+    assert found == pytest.approx(score.value, rel=1e-6)  # times lie between samples
+
+
+def test_a_challenge_does_not_begin_at_its_goal():
+    assert not stories.score(FILES["least_amplitude"], {}).beats_par
+    assert not stories.score(FILES["shortest_protocol"], {}).beats_par
+    assert math.isnan(stories.score(FILES["least_amplitude"], {"drive_amplitude": "1 mm"}).value)
+
+
+def test_what_a_challenge_does_not_leave_free_counts_not():
+    challenge = FILES["least_amplitude"]
+    cheat = {"drive_amplitude": "20 mm", "restitution": "1", "initial_angle": "170 deg"}
+    assert math.isnan(stories.score(challenge, cheat).value)
+
+
+def test_the_tongue_is_that_of_the_analysis():
+    challenge = FILES["guess_tongue"]
+    system = RunRequest("fig02", {}).to_scenario().system
+    for ratio, side in zip(
+        challenge["task"]["ratios"], ["low", "low", None, "high", "high"], strict=True
+    ):
+        amplitude = analysis.mathieu.mathieu_threshold_amplitude(
+            frequency_ratio=ratio, length=system.length, mass=system.mass,
+            damping=system.damping, gravity=system.gravity,
+        )  # fmt: skip
+        if side is None:  # the tip is not sharp in the ratio
+            continue
+        edges = analysis.tongue_edges(system, drive_amplitude=amplitude)
+        assert float(edges[side]) == pytest.approx(ratio, rel=1e-6)
+
+
+# What the texts say.
+
+
+def test_from_rest_to_clack_tells_the_truth():
+    rest = {"initial_offset": "0 deg"}
+    contact = degrees("largest_angle", "toy", drive_amplitude="0 m", **rest)
+    for millimetres in (20, 25, 27):
+        options = {"drive_amplitude": f"{millimetres} mm", **rest}
+        assert number("drive_acceleration_ratio", "toy", **options) < 1
+        assert degrees("largest_angle", "toy", **options) == pytest.approx(contact, abs=1e-6)
+    trembling = {"drive_amplitude": "30 mm", **rest}
+    assert number("drive_acceleration_ratio", "toy", **trembling) > 1
+    assert degrees("largest_angle", "toy", **trembling) < contact + 0.1
+    assert degrees("late_angle", "toy", drive_amplitude="2 cm") > 15
+    still = stories.run_of("toy", {"drive_amplitude": "0 m"})
+    assert "rest" in still.contact_kind
+    assert degrees("largest_angle", "toy", drive_amplitude="4 cm") < 90
+    assert number("top_contacts", "toy") > 0
+    run = RunRequest("toy", {}).to_scenario().simulate()
+    for name in ("drive_work", "damping_loss", "impact_loss"):
+        assert float(run[name][-1]) > 0
+    bottom = run.contact_kind.values == "bottom"
+    before, after = run.angular_velocity_before.values, run.angular_velocity_after.values
+    np.testing.assert_allclose(np.abs(after[bottom] / before[bottom]), 0.9, rtol=1e-9)
+    assert number("top_contacts", "toy", restitution="0.85") == 0
+    played = stories.run_of("toy", {})
+    late = played.contact_time >= 10.0
+    clacks = [kind for kind, is_late in zip(played.contact_kind, late, strict=True) if is_late]
+    assert (clacks.count("bottom"), clacks.count("top")) == (30, 30)  # three shakes a second
+    assert number("top_time", "toy", drive_amplitude="7 cm") < number("top_time", "toy")
+
+
+def test_why_twice_tells_the_truth():
+    alone = {"drive_amplitude": "0 m", "initial_angle": "10 deg", "duration": "20 s"}
+    light = number("swing_period", "fig02", **alone)
+    assert number("swing_period", "fig02", mass="1.6 kg", **alone) == pytest.approx(light, rel=1e-3)
+    short = {"initial_angle": "5 deg", "duration": "60 s"}
+    assert degrees("largest_angle", "fig02", drive_frequency="3.13 rad/s", **short) < 5.001
+    assert degrees("late_angle", "fig02", drive_frequency="3.13 rad/s", **short) < 2
+    assert degrees("late_angle", "fig02", drive_frequency="6.26 rad/s", **short) > 30
+    locked = {"initial_angle": "1 deg", "duration": "100 s", "drive_frequency": "6.1 rad/s"}
+    assert number("shakes_per_swing", "fig02", **locked) == pytest.approx(2, abs=0.01)
+    system = RunRequest("fig02", {}).to_scenario().system
+    assert 6.1 / system.natural_frequency == pytest.approx(1.95, abs=0.005)
+    scenario = RunRequest("fig02", {}).to_scenario()
+    known = float(analysis.growth_rate(scenario.system, scenario.drive)["growth_rate"])
+    for angle in ("0.001 rad", "0.0005 rad"):
+        rate = number("growth_rate", "fig02", initial_angle=angle, duration="40 s")
+        assert rate == pytest.approx(known, rel=0.005)
+    assert math.log(2) / 0.1 == pytest.approx(7, abs=0.1)
+    assert 60 < degrees("largest_angle", "fig02", damping="0 kg m/s") < 90
+    free = stories.run_of("fig02", {"damping": "0 kg m/s"})
+    size = np.abs(free.angle[0])
+    peaks = size[1:-1][(size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])]
+    late = peaks[len(peaks) // 2 :]
+    assert late.max() > 5 * late.min()  # it goes up and down, undiminished
+    assert late.max() == pytest.approx(peaks.max(), rel=0.01)
+
+
+def test_first_high_then_low_tells_the_truth():
+    low = {"drive": "harmonic", "drive_amplitude": "34 mm", "frequency_ratio": "2.389"}
+    high = {**low, "frequency_ratio": "3.136"}
+    rest = degrees("largest_angle", "fig12", **low)
+    assert degrees("largest_angle", "fig12", mass="1 kg", **low) == pytest.approx(rest)
+    assert degrees("largest_angle", "fig12", duration="300 s", **low) == pytest.approx(rest)
+    assert degrees("late_angle", "fig12", initial_offset="10 deg", **low) > 40
+    assert number("drive_acceleration_ratio", "fig12", **low) < 1
+    assert number("drive_acceleration_ratio", "fig12", **high) > 1
+    assert degrees("largest_angle", "fig12", **{**high, "drive_amplitude": "20 mm"}) < rest + 0.1
+    alone = degrees("largest_angle", "fig12", **high)
+    for amplitude in ("34 mm", "40 mm"):
+        assert degrees("largest_angle", "fig12", drive_amplitude=amplitude) > 2 * alone
+    swapped = {"drive_amplitude": "34 mm", "frequency_ratios": "2.389, 3.136"}
+    late = degrees("late_angle", "fig12", **high)
+    assert degrees("late_angle", "fig12", **swapped) == pytest.approx(late, rel=0.01)
+    assert degrees("late_angle", "first_push", initial_offset="5 deg") < rest + 0.1
+    assert degrees("late_angle", "first_push", initial_offset="7 deg") > 40
+
+
+def test_order_and_chaos_tells_the_truth():
+    soft = {"restitution": "0.5", "duration": "60 s"}
+    known = {60: 1, 80: 1, 82: 1, 87: 2, 89.8: 4, 94: math.nan}
+    for millimetres, period in known.items():
+        found = number("response_period", "toy", drive_amplitude=f"{millimetres} mm", **soft)
+        assert found == pytest.approx(period, nan_ok=True)
+    assert number("top_contacts", "toy", drive_amplitude="94 mm", **soft) > 0
+    # Where the rhythm doubles [mm]: each step is about a fifth of the one before.
+    toy = RunRequest("toy", soft).to_scenario()
+    beyond = {84.8: 1, 85.0: 2, 89.3: 2, 89.5: 4, 90.2: 4, 90.35: 8, 90.45: 8, 90.5: 16}
+    grid = ll.sweep(
+        toy.system, toy.drive, axes={"drive_amplitude": [1e-3 * each for each in beyond]},
+        initial_angle=20 * DEGREE, duration=300.0, observables=["response_period"], tolerance=1e-9,
+    )  # fmt: skip
+    assert list(grid["response_period"]) == list(beyond.values())
+    hair = {"restitution": "0.5", "duration": "9 s"}
+
+    def ends(amplitude):
+        return [
+            degrees("final_angle", "toy", drive_amplitude=amplitude, initial_angle=angle, **hair)
+            for angle in ("20 deg", "20.001 deg")
+        ]
+
+    calm, chaotic = ends("80 mm"), ends("94 mm")
+    assert abs(calm[1] - calm[0]) < 1e-4  # a tenth of what was between them
+    assert abs(chaotic[1] - chaotic[0]) > 30
+
+
+def test_upside_down_tells_the_truth():
+    def stands(**options):
+        return degrees("farthest_from_top", "kapitza", **options) < 45
+
+    assert stands()
+    assert 2 * math.pi * 24 == pytest.approx(150, rel=0.01)
+    assert not stands(drive_frequency="90 rad/s")
+    assert stands(drive_frequency="130 rad/s")
+    gravity = 9.80665
+    for length, amplitude in ((0.2, 0.02), (0.2, 0.01), (0.8, 0.02)):
+        limit = math.sqrt(2 * gravity * length)
+        for share, is_up in ((0.98, False), (1.04, True)):
+            frequency = f"{share * limit / amplitude} rad/s"
+            options = {"length": f"{length} m", "drive_amplitude": f"{amplitude} m"}
+            assert stands(drive_frequency=frequency, **options) == is_up
+    assert math.sqrt(2 * gravity * 0.2) == pytest.approx(1.98, abs=0.005)
+    assert degrees("farthest_from_top", "kapitza", initial_angle="120 deg") < 60.1
+    assert degrees("farthest_from_top", "kapitza", initial_angle="100 deg") > 170
+
+
+# In a page.
+
+
+def address(name, step=1, tried=False):
+    preset, options = options_of(name, step, tried)
+    look = FILES[name]["steps"][step - 1]["look"]
+    extra = look.get("extra", {})
+    story = {"story.name": name, "story.step": step}
+    return "/?" + urlencode({"view": look["view"], "scenario": preset, **options, **extra, **story})
+
+
+def tab_to(page, locator):
+    """Press Tab until an element has the focus."""
+    for _ in range(200):
+        if locator.evaluate("(element) => element === document.activeElement"):
+            return
+        page.keyboard.press("Tab")
+    raise AssertionError(f"Tab never reaches {locator}")
+
+
+def value_on(page):
+    number = page.locator(".story-number strong[data-value]")
+    number.wait_for()
+    return float(number.get_attribute("data-value"))
+
+
+@pytest.mark.parametrize("name", STORIES)
+def test_a_story_is_told_to_its_end_by_keys_alone(page, name):
+    steps = FILES[name]["steps"]
+    page.goto("/?view=story")
+    link = page.get_by_role("link", name=FILES[name]["title"])
+    link.wait_for()
+    tab_to(page, link)
+    page.keyboard.press("Enter")
+    panel = page.get_by_role("complementary", name="Story")
+    for i, step in enumerate(steps, start=1):
+        panel.get_by_role("heading", name=step["title"], exact=True, level=3).wait_for()
+        places = [choice.get("right", False) for choice in step["predict"]["choices"]]
+        radios = panel.get_by_role("radio")
+        if step["look"]["view"] != "live":  # whose stage takes the focus
+            focused = page.evaluate("document.activeElement.textContent")
+            assert focused == step["title"]
+        tab_to(page, radios.first)
+        page.keyboard.press("Space")
+        for _ in range(places.index(True)):
+            page.keyboard.press("ArrowDown")
+        page.keyboard.press("Enter")
+        panel.get_by_text(
+            f"✓ {step['predict']['choices'][places.index(True)]['answer']}"
+        ).wait_for()
+        if step["look"]["view"] != "map":
+            expected = number_of(name, i)
+            assert value_on(page) == pytest.approx(expected, rel=1e-5, nan_ok=True)
+        assert not panel.get_by_text(step["explanation"]["text"]).is_visible()
+        anyway = panel.get_by_role("button", name="Go on anyway")
+        tab_to(page, anyway)
+        page.keyboard.press("Enter")
+        panel.get_by_text(step["explanation"]["text"]).wait_for()
+        tab_to(page, panel.get_by_role("button", name="Finish" if i == len(steps) else "Next"))
+        page.keyboard.press("Enter")
+    page.get_by_role("heading", level=1, name="Stories").wait_for()
+    assert "story." not in page.url
+
+
+@pytest.mark.parametrize("name", STORIES)
+def test_a_step_notices_what_was_tried(page, name):
+    for step, options in enumerate(TRIED[name], start=1):
+        look = FILES[name]["steps"][step - 1]["look"]
+        page.goto(address(name, step) + "&story.answers=" + "1" * step)
+        page.locator(".story-number strong[data-value]").wait_for(state="attached")
+        page.locator("main .view").wait_for()
+        why = page.get_by_text(FILES[name]["steps"][step - 1]["explanation"]["text"])
+        assert not why.is_visible()
+        change = {"options": {**look.get("options", {}), **options}}
+        if look["view"] == "map":
+            at = ",".join(options[look["extra"][f"map.{axis}"]] for axis in "xy")
+            change = {"extra": {"map.at": at}}
+        page.evaluate(
+            """([view, change]) => {
+              const { store } = window.latolato.views[view].page;
+              const extra = { ...store.state.extra, ...change.extra };
+              store.set({ ...change, extra }, change.extra ? "extra" : "options");
+            }""",
+            [look["view"], change],
+        )
+        why.wait_for()
+        expected = number_of(name, step, tried=True)
+        assert value_on(page) == pytest.approx(expected, rel=1e-5, nan_ok=True)
+
+
+def test_a_story_survives_a_reload_and_the_way_back(page):
+    page.goto("/?story.name=first_clack")
+    page.get_by_role("heading", name="Hanging still").wait_for()
+    page.wait_for_url("**scenario=toy**")
+    page.get_by_label("We only have to wait longer.").check()
+    page.get_by_role("button", name="Check").click()
+    page.get_by_text("✗ Waiting does not help").wait_for()
+    page.wait_for_url("**story.answers=3**")
+    page.get_by_role("button", name="Next").click()
+    page.get_by_role("heading", name="The first push").wait_for()
+    page.reload()
+    page.get_by_role("heading", name="The first push").wait_for()
+    page.go_back()
+    page.get_by_role("heading", name="Hanging still").wait_for()
+    page.get_by_text("✗ Waiting does not help").wait_for()
+
+
+def test_leaving_a_story_keeps_what_is_on_show(page):
+    page.goto(address("first_clack", 2))
+    page.get_by_role("button", name="Leave the story").click()
+    page.wait_for_url(lambda url: "story" not in url)
+    assert parse_qs(urlsplit(page.url).query)["drive_amplitude"] == ["2 cm"]
+    assert not page.get_by_role("complementary", name="Story").is_visible()
+
+
+def test_a_file_of_ones_own_is_told_also_after_a_reload(page, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(example())
+    page.goto("/?view=story")
+    page.get_by_label("Open a story file").set_input_files(file)
+    title = stories.parse(example())["steps"][0]["title"]
+    page.get_by_role("heading", name=title).wait_for()
+    page.reload()
+    page.get_by_role("heading", name=title).wait_for()
+
+
+def test_a_broken_file_is_named_in_one_sentence(page, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(example().replace("[steps.explanation]", "[steps.reason]"))
+    page.goto("/?view=story")
+    page.get_by_label("Open a story file").set_input_files(file)
+    alert = page.get_by_role("alert").filter(has_text="mine.toml")
+    alert.wait_for()
+    assert alert.inner_text().startswith(
+        "The story “mine.toml” cannot be told: step 1: there is no"
+    )
+
+
+@pytest.mark.parametrize("name", ["no_such", "own-file", "../../index"])
+def test_a_story_that_is_gone_leads_to_the_list(page, name):
+    page.goto(f"/?view=play&story.name={name}")
+    panel = page.get_by_role("complementary", name="Story")
+    panel.get_by_role("alert").wait_for()
+    panel.get_by_role("link", name="All stories and challenges").click()
+    page.get_by_role("heading", level=1, name="Stories").wait_for()
+
+
+def solved(name):
+    """The address of a challenge with its solution."""
+    look, options = FILES[name]["look"], dict(SOLUTIONS[name])
+    extra = {"story.guess": options.pop("guess")} if "guess" in options else {}
+    own = {**look.get("options", {}), **options}
+    return {"view": "play", "scenario": look["preset"], **own, "story.name": name, **extra}
+
+
+@pytest.mark.parametrize("name", CHALLENGES)
+def test_a_link_with_a_score_is_computed_again(page, name):
+    score = stories.score(FILES[name], SOLUTIONS[name])
+    size, unit = (1e-3, "mm") if score.unit == "m" else (1, "s")
+    text = f"{score.value / size:.4g} {unit}"
+    page.goto("/?" + urlencode({**solved(name), "story.score": text}))
+    page.get_by_text("the score is right").wait_for()
+    found = page.locator(".story-number").get_attribute("data-value")
+    assert float(found) == pytest.approx(score.value, rel=1e-5)
+    page.goto("/?" + urlencode({**solved(name), "story.score": f"1 {unit}"}))
+    page.get_by_text(f"The address claims 1 {unit}.").wait_for()
+
+
+def test_a_score_is_put_into_the_address_and_goes_with_its_parameters(page):
+    page.goto("/?" + urlencode(solved("least_amplitude")))
+    page.get_by_role("button", name="Put the score into the address").click()
+    page.wait_for_url("**story.score=40+mm")
+    page.evaluate("window.latolato.views.play.page.store.option('drive_amplitude', '41 mm')")
+    page.wait_for_url(lambda url: "story.score" not in url)
+
+
+def test_guesses_of_the_tongue_are_scored(page):
+    page.goto("/?story.name=guess_tongue")
+    fields = page.get_by_role("spinbutton", name="shakes in one swing")
+    fields.first.wait_for()
+    for i, guess in enumerate(SOLUTIONS["guess_tongue"]["guess"].split(",")):
+        fields.nth(i).fill(guess.split()[0])
+    page.get_by_role("button", name="Score my guesses").click()
+    page.get_by_text("You have reached the goal").wait_for()
+    page.get_by_text("Theory says").wait_for()
+    score = stories.score(FILES["guess_tongue"], SOLUTIONS["guess_tongue"])
+    found = float(page.locator(".story-number").get_attribute("data-value"))
+    assert found == pytest.approx(score.value, rel=1e-6)
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(
+    "place", ["/?view=story", address("first_clack", 3), "/?story.name=guess_tongue"]
+)
+def test_stories_are_accessible_and_have_room(page, theme, place):
+    page.emulate_media(color_scheme=theme)
+    page.goto(place + "&story.answers=223" if "step" in place else place)
+    page.locator(".story-step, .story-cards").first.wait_for()
+    page.wait_for_timeout(500)
+    assert not serious_faults(page)
+    if theme == "light":
+        assert_panels_have_room(page)
+
+
+@pytest.mark.parametrize("place", [("first_clack", 1), ("upside_down", 6), ("high_then_low", 6)])
+def test_a_phone_sees_the_stage_above_the_panel(page, place):
+    page.set_viewport_size(SIZES[1])
+    page.goto(address(*place))
+    page.locator(".story-step").wait_for()
+    page.wait_for_timeout(2500)  # the map is there, and its first point
+    stage = page.locator("main canvas").first.bounding_box()
+    panel = page.locator("#story").bounding_box()
+    assert stage["y"] >= 0
+    assert stage["y"] + stage["height"] <= panel["y"] + 1
