@@ -3,9 +3,8 @@
 import { toSi } from "../model/options.js";
 import { InputError } from "../model/rules.js";
 import { el } from "../shared/dom.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { edgesOf, requestOf, scoreOfGuess, scoreOfRun } from "./scores.js";
-import { told } from "./texts.js";
 import { withUnit } from "./words.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -38,8 +37,8 @@ export class Challenge {
     this.keep = el("button", { type: "button", disabled: true, on: { click: () => this.keepScore() } }, t("storyKeep"));
     this.edges = el("p", { class: "hint" });
     this.guesses = task.ratios?.map(() => el("input", { type: "number", min: "0", step: "any", required: true }));
-    this.root = el("div", { class: "story-step" }, this.head, el("p", {}, told(look.text)),
-      el("p", {}, told(task.text)),
+    this.root = el("div", { class: "story-step" }, this.head, el("p", {}, tr(look.text)),
+      el("p", {}, tr(task.text)),
       el("p", {}, t("storyGoal", { text: withUnit(this.par, this.unit) })),
       this.isGuess && this.makeForm(task.ratios), this.result, this.edges, this.note,
       !this.isGuess && this.keep, this.claim);

@@ -4,12 +4,11 @@ import { LongRunError, Runner } from "../model/client.js";
 import { InputError } from "../model/rules.js";
 import { el, tell } from "../shared/dom.js";
 import { openLink } from "../shared/links.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { Challenge, SCORE } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
 import { runOnShow, shownBy } from "./look.js";
 import { NOT_YET, Step } from "./step.js";
-import { told } from "./texts.js";
 
 /** @typedef {import("./check.js").Table} Table */
 
@@ -134,7 +133,7 @@ export class StoryPanel {
     if (!this.part || this.partAt !== step) {
       this.partAt = step;
       this.counted = "";
-      this.title.textContent = told(tables.title);
+      this.title.textContent = tr(tables.title);
       this.part = tables.task ? new Challenge(this, tables)
         : new Step(this, tables.steps[step - 1], { answer: (choice) => this.answer(choice),
           goOn: () => this.page.store.keep("story.tried", "1") });
@@ -162,7 +161,7 @@ export class StoryPanel {
     const next = () => {
       if (!isLast) this.go(step + 1);
       else {
-        tell(t("storyFinished", { title: told(title) }));
+        tell(t("storyFinished", { title: tr(title) }));
         this.leave("story");
       }
     };

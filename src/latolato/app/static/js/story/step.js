@@ -2,11 +2,10 @@
 
 import { toSi } from "../model/options.js";
 import { el, freshId } from "../shared/dom.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { limitsOf } from "./check.js";
 import { parameterOf } from "./look.js";
 import { quantity } from "./numbers.js";
-import { told } from "./texts.js";
 import { shownNumber } from "./words.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -28,18 +27,18 @@ export class Step {
     /** Whether the reader goes on, and whether "try" was done. */
     this.goesOn = this.isDone = false;
     const { look, predict, explanation, number } = step;
-    this.head = el("h3", { tabindex: "-1" }, told(step.title));
+    this.head = el("h3", { tabindex: "-1" }, tr(step.title));
     this.form = this.makeForm(predict);
     this.reply = el("p", { class: "story-reply", role: "status" });
-    this.trial = el("section", { hidden: true }, el("h4", {}, t("storyTry")), el("p", {}, told(step.try.text)));
+    this.trial = el("section", { hidden: true }, el("h4", {}, t("storyTry")), el("p", {}, tr(step.try.text)));
     this.done = el("p", { class: "story-reply right", role: "status" });
     this.anyway = el("button", { type: "button", class: "plain", on: { click: () => act.goOn() } },
       t("storyAnyway"));
     this.trial.append(this.done, this.anyway);
     this.number = el("strong", {}, t("storyNone"));
-    this.why = el("section", { hidden: true }, el("h4", {}, t("storyWhy")), el("p", {}, told(explanation.text)));
-    this.one = el("p", { class: "story-number" }, el("span", {}, told(number.label)), this.number);
-    this.root = el("div", { class: "story-step" }, this.head, el("p", {}, told(look.text)),
+    this.why = el("section", { hidden: true }, el("h4", {}, t("storyWhy")), el("p", {}, tr(explanation.text)));
+    this.one = el("p", { class: "story-number" }, el("span", {}, tr(number.label)), this.number);
+    this.root = el("div", { class: "story-step" }, this.head, el("p", {}, tr(look.text)),
       this.form, this.reply, this.trial, this.one, this.why);
   }
 
@@ -48,12 +47,12 @@ export class Step {
     const name = freshId();
     const radios = choices.map((/** @type {Table} */ choice, /** @type {number} */ i) =>
       el("label", { class: "check" },
-        el("input", { type: "radio", name, value: String(i + 1), required: true }), told(choice.text)));
+        el("input", { type: "radio", name, value: String(i + 1), required: true }), tr(choice.text)));
     return el("form", { on: { submit: (/** @type {SubmitEvent} */ event) => {
       event.preventDefault();
       this.act.answer(Number(new FormData(this.form).get(name)));
     } } }, el("h4", {}, t("storyPredict")),
-    el("fieldset", {}, el("legend", {}, told(question)), ...radios),
+    el("fieldset", {}, el("legend", {}, tr(question)), ...radios),
     el("button", { type: "submit" }, t("storyCheck")));
   }
 
@@ -70,7 +69,7 @@ export class Step {
       const radio = this.form.querySelector(`input[value="${answer}"]`);
       /** @type {HTMLInputElement} */ (radio).checked = true;
     }
-    const reply = choice ? t(choice.right ? "storyRight" : "storyWrong", { text: told(choice.answer) }) : "";
+    const reply = choice ? t(choice.right ? "storyRight" : "storyWrong", { text: tr(choice.answer) }) : "";
     if (this.reply.textContent !== reply) this.reply.textContent = reply;
     this.reply.classList.toggle("right", Boolean(choice?.right));
     const done = choice && this.isDone ? t("storyTried") : "";

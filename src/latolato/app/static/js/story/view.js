@@ -4,10 +4,9 @@ import { InputError } from "../model/rules.js";
 import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
 import { format } from "../shared/state.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { keepOwnFile, load, loadContents, OWN } from "./files.js";
 import { shownBy } from "./look.js";
-import { told } from "./texts.js";
 
 /** @typedef {import("./files.js").Entry} Entry */
 
@@ -50,7 +49,7 @@ export class StoryView {
         if (event.ctrlKey || event.metaKey || event.shiftKey) return;
         event.preventDefault();
         void this.open(name);
-      } } }, told(title))), el("p", {}, told(summary)),
+      } } }, tr(title))), el("p", {}, tr(summary)),
     el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps ?? 0, minutes })));
   }
 
