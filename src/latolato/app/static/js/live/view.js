@@ -1,6 +1,5 @@
 /** Live: the toy runs in real time while hands change everything. */
 
-import { tell } from "../shared/dom.js";
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
@@ -19,6 +18,7 @@ import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
 import { specify } from "../model/case.js";
 import { inPagesWords } from "../model/words.js";
+import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
 import { Senses } from "../shared/senses.js";
@@ -48,6 +48,18 @@ const KEYS = { drive_amplitude: ["↑", "↓"], drive_frequency: ["→", "←"],
   restitution: ["E", "⇧E"] };
 // In this order, by what tells most.
 const CONTROLS = ["drive_amplitude", "drive_frequency", "restitution", "damping"];
+
+/**
+ * Return whether two cases differ in nothing but what the controls change.
+ * @param {import("../model/case.js").Case} one
+ * @param {import("../model/case.js").Case} other
+ */
+function isSteered(one, other) {
+  const rest = (/** @type {import("../model/case.js").Case} */ { system, angles, velocities }) =>
+    JSON.stringify([system.kind, system.gravity, angles, velocities,
+      system.balls.map((ball) => ({ ...ball, damping: 0 }))]);
+  return rest(one) === rest(other);
+}
 
 export class LiveView {
   /** @param {Page} page */
@@ -103,7 +115,7 @@ export class LiveView {
     this.releases.push(followKeys(document, Object.fromEntries(anywhere)),
       this.page.store.subscribe((_, changed) => {
         if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
-          void this.begin();
+          void this.begin(changed === "address" ? this.toy : null);
       }));
     if (this.wish() !== this.signature || !this.toy) void this.begin();
     this.pace.rest();
@@ -124,24 +136,53 @@ export class LiveView {
     return JSON.stringify([scenario, options]);
   }
 
-  /** Begin with what the address asks for. */
-  async begin() {
+  /**
+   * Begin with what the address asks for, or steer a toy to it that differs in its controls alone.
+   * @param {Toy | null} [running]
+   */
+  async begin(running = null) {
     this.signature = this.wish();
     const { signature } = this;
-    this.keeper.finish();
-    this.toy = null;
-    this.parts.error.hidden = true;
-    this.parts.notice.textContent = t("loading");
+    if (!running) this.keeper.finish();
+    this.toy = running;
     try {
       const each = await specify(this.page.registry, this.request());
-      const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
-      if (signature !== this.signature) return;
-      this.start(new Toy(kernels, each, cosineOf(each)));
-      if (!isByCosine(each.drive.kind)) this.parts.notice.textContent = t("liveCosine");
+      if (running && isSteered(running.case, each)) this.steer(running, each);
+      else {
+        const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
+        if (signature !== this.signature) return;
+        this.keeper.finish();
+        this.start(new Toy(kernels, each, cosineOf(each)));
+      }
+      this.say(isByCosine(each.drive.kind) ? "" : t("liveCosine"));
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (signature === this.signature) this.refuse(error);
     }
+  }
+
+  /**
+   * Give a running toy the controls of a case, as if its sliders were moved there.
+   * @param {Toy} toy
+   * @param {import("../model/case.js").Case} each
+   */
+  steer(toy, each) {
+    const { amplitude, frequency } = cosineOf(each);
+    const { balls: [{ damping }], restitution } = each.system;
+    const values = { drive_amplitude: amplitude, drive_frequency: frequency, damping, restitution };
+    toy.set(Object.fromEntries(Object.entries(values).filter(([name]) => name in toy.controls)));
+    for (const name of Object.keys(toy.controls)) this.knobs.all[name]?.show(toy.controls[name]);
+    this.showRatio();
+    this.rescale();
+    this.dirty = true;
+  }
+
+  /** Return a picture of the stage. */
+  async picture() {
+    const { captionOf, stagePicture } = await import("../shared/picture.js");
+    const { scenario } = this.page.store.state;
+    return stagePicture(this.scene, { caption: captionOf(this.toy?.controls ?? {}),
+      title: this.page.registry.scenarios[scenario ?? FIRST]?.title ?? t("view_live") });
   }
 
   /** Return what to run. */
@@ -225,11 +266,17 @@ export class LiveView {
     const control = isRatio ? "drive_frequency" : name;
     const [low, high] = toy?.limits[control].map((end) => end / scale) ?? [value, value];
     if (value < low || value > high) {
-      const [least, most] = [low, high].map((end) => short(end / knob.unit.size, 4));
-      knob.error(t("outOfRange", { low: least, high: most, unit: knob.only?.shown ?? shownUnit(knob.unit.name) }));
+      const { only, unit, option } = knob;
+      const shown = only?.shown ?? shownUnit(unit.name);
+      const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
+      const about = t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() });
+      knob.error(about);
+      const nearest = `${value < low ? least : most} ${shown}`.trim();
+      this.say(about, [{ label: t("takeNearest", { value: nearest }), act: () => knob.give(value) }], true);
       return;
     }
     this.knobs.error(null);
+    this.say("");
     this.set(control, value * scale);
     this.knobs.all[control].show(value * scale);
   }
@@ -288,7 +335,7 @@ export class LiveView {
       if (!(error instanceof Error)) throw error;
       // The memory that it computed in may be spoiled: begin in a new one.
       void this.begin().then(() => {
-        this.parts.notice.textContent = t("liveFault", { text: tr(error.message) });
+        this.say(t("liveFault", { text: tr(error.message) }));
       });
     }
   }
@@ -325,7 +372,7 @@ export class LiveView {
   /** Show what shakes the pivot now. */
   showShake() {
     this.parts.shake.setAttribute("aria-pressed", String(this.shake.isOn));
-    this.parts.notice.textContent = this.shake.text;
+    if (this.shown) this.page.messages.say("shake", this.shake.text, { stays: true });
     if (!this.toy?.isShaken) this.rescale();
   }
 
@@ -351,7 +398,8 @@ export class LiveView {
   /** Tell that the toy stood still while its tab was in the background. */
   returnToView() {
     this.pace.rest();
-    if (this.shown && !this.paused && !document.hidden) tell(t("liveHidden"));
+    if (this.shown && !this.paused && !document.hidden)
+      this.page.messages.say("hidden", t("liveHidden"));
   }
 
   push() {
@@ -393,10 +441,18 @@ export class LiveView {
    */
   refuse(error) {
     const [message, field] = inPagesWords(this.page.registry, error);
-    const isSeen = this.knobs.error(message, field);
-    this.parts.notice.textContent = "";
-    this.parts.error.hidden = isSeen;
-    this.parts.error.textContent = isSeen ? "" : message;
+    this.knobs.error(message, field);
+    this.say(sentence(this.page.registry, error), waysOn(this.page, error), true);
     this.allow(false);
+  }
+
+  /**
+   * Say something about the toy on show, and offer what can be done about it.
+   * @param {string} text
+   * @param {import("../shared/messages.js").Action[]} [actions]
+   * @param {boolean} [isBad] whether something was refused
+   */
+  say(text, actions, isBad) {
+    if (this.shown) this.page.messages.say("toy", text, { stays: true, actions, isBad });
   }
 }

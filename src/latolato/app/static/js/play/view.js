@@ -1,7 +1,7 @@
 /** Play: the motion, three knobs beside it, and everything else one click away. */
 
 import { codeBlocks } from "../shared/code.js";
-import { el, tell } from "../shared/dom.js";
+import { el } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
@@ -12,6 +12,7 @@ import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
+import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { withStart } from "../shared/start.js";
 import { t, tr } from "../strings.js";
@@ -38,9 +39,7 @@ export class PlayView {
     this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
-      page.store.set({ options: {} }) } }, t("reset"));
-    this.notes = el("p", { class: "notes", role: "status" });
-    this.choice = el("div", { class: "actions" });
+      page.store.set({ options: {} }, "preset") } }, t("reset"));
     this.code = el("div", {});
     this.downloads = new Downloads(page);
     const drawer = (/** @type {string} */ name, /** @type {(Node | string)[]} */ ...content) =>
@@ -50,8 +49,6 @@ export class PlayView {
     this.player = new Player(place);
     this.player.senses.narrator.labels = page.registry.options;
     this.player.start.enable((degrees) => this.startAt(degrees));
-    this.player.messages.append(this.notes, this.choice);
-    this.player.tools.append(this.makeShare());
     this.presets.head.append(this.reset, this.makePin());
     place.prepend(el("div", { class: "desk" }, this.presets.question, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field), this.knobs.root,
@@ -71,11 +68,12 @@ export class PlayView {
     return pin;
   }
 
-  makeShare() {
-    return el("button", { type: "button", class: "plain", on: { click: async () => {
-      await navigator.clipboard.writeText(location.href);
-      tell(t("copied"));
-    } } }, t("share"));
+  /** Return a picture of the stage. */
+  async picture() {
+    const { captionOf, stagePicture } = await import("../shared/picture.js");
+    const { scenario } = this.page.store.state;
+    return stagePicture(this.player.scene, { caption: captionOf(this.player.motion?.about.options ?? {}),
+      title: this.page.registry.scenarios[scenario ?? ""]?.title ?? t("presetNone") });
   }
 
   show() {
@@ -84,7 +82,7 @@ export class PlayView {
       if (changed === "extra") return;
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
-        this.page.store.keep(RECORDING, null);
+        this.page.store.drop([RECORDING]);
       if (changed === "preset") this.player.restart();
       void this.simulate();
     }));
@@ -105,29 +103,27 @@ export class PlayView {
     const { store } = this.page;
     const { shelf } = await import("../shared/storage.js");
     const block = await shelf.block(store.state.extra[RECORDING]);
-    if (!block) store.keep(RECORDING, null);
+    if (!block) store.drop([RECORDING]);
     return block;
   }
 
   /**
-   * Say something on the stage, and offer what can be done about it.
+   * Say something about the run on show, and offer what can be done about it.
    * @param {string} text
-   * @param {string} [label] of a button
-   * @param {() => void} [act]
+   * @param {import("../shared/messages.js").Action[]} [actions]
+   * @param {boolean} [isBad] whether the run was refused
    */
-  note(text, label, act) {
-    this.notes.textContent = text;
-    this.choice.replaceChildren(...(label
-      ? [el("button", { type: "button", on: { click: act } }, label)] : []));
+  note(text, actions, isBad) {
+    this.page.messages.say("run", text, { stays: true, actions, isBad });
   }
 
   /** Say that a run is computed, and offer to stop it. */
   wait() {
-    this.note(t("computing"), t("stop"), () => {
+    this.note(t("computing"), [{ label: t("stop"), act: () => {
       this.runner.stop();
       this.runner.end();
       this.note(t("runStopped"));
-    });
+    } }]);
   }
 
   /**
@@ -146,11 +142,10 @@ export class PlayView {
     this.presets.show(scenario);
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
     // The form is made while the worker computes.
-    this.choice.replaceChildren();
     const waiting = setTimeout(() => {
       this.wait();
       // The button that agreed is gone.
-      if (isAgreed) this.choice.querySelector("button")?.focus();
+      if (isAgreed) this.page.messages.root.querySelector("button")?.focus();
     }, isAgreed ? 0 : PATIENCE);
     const compute = () => this.runner.compute({ scenario, options }, { isAgreed });
     let isGone = false;
@@ -170,9 +165,7 @@ export class PlayView {
       const { warnings, note } = block.about;
       this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text: tr(text) })).join(" "));
       if (isGone) {
-        this.note(t("recordingGone"), t("openLive"), () => {
-          store.set({ view: "live" }, "view");
-        });
+        this.note(t("recordingGone"), [{ label: t("openLive"), act: () => store.set({ view: "live" }, "view") }]);
       }
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1);
@@ -182,10 +175,10 @@ export class PlayView {
       if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
       if (error instanceof LongRunError) {
-        this.note(error.message, t("computeLong"), () => void this.simulate(true));
+        this.note(error.message, [{ label: t("computeLong"), act: () => void this.simulate(true) }]);
         return;
       }
-      this.refuse(...inPagesWords(registry, error));
+      this.refuse(error);
     } finally {
       clearTimeout(waiting);
     }
@@ -222,14 +215,15 @@ export class PlayView {
   }
 
   /**
-   * Say why there is no such run: beside its knob or field, on the stage where neither is seen.
-   * @param {string} text
-   * @param {string | null} [field]
+   * Say why there is no such run: on the stage, and beside its knob and field.
+   * @param {Error} error
    */
-  refuse(text, field = null) {
-    this.form.error(text, field);
-    const isSeen = this.knobs.error(text, field) || this.more.open;
-    this.note(isSeen ? "" : text);
+  refuse(error) {
+    const { registry } = this.page;
+    const words = inPagesWords(registry, error);
+    this.form.error(...words);
+    this.knobs.error(...words);
+    this.note(sentence(registry, error), waysOn(this.page, error), true);
   }
 
   /**

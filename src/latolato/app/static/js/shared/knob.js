@@ -35,6 +35,9 @@ export class Knob {
     this.chosen = "";
     /** In SI units, null for a text that is no single quantity. @type {number | null} */
     this.value = null;
+    /** Whether a text is typed and not yet taken, and the text that was taken as it was typed. */
+    this.isDraft = false;
+    this.taken = "";
     /** What may be set by keys and slider. @type {[number, number]} */
     this.limits = [option.low ?? -Infinity, option.high ?? Infinity];
     /** How far the slider goes, and how far it goes now, held while it moves. */
@@ -44,7 +47,8 @@ export class Knob {
     const id = freshId();
     const errorId = freshId();
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
-      spellcheck: "false", "aria-describedby": errorId, on: { change: () => this.type() } });
+      spellcheck: "false", "aria-describedby": errorId, on: {
+        input: () => { this.isDraft = true; }, change: () => this.type() } });
     const several = !unit && option.units.length > 1;
     this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
       change: () => {
@@ -126,7 +130,7 @@ export class Knob {
     const { unit = "" } = parseQuantity(text) ?? {};
     if (!this.chosen && isOwn && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
-    if (isTyping && isOwn) return;
+    if (isTyping && (this.isDraft || text === this.taken)) return;
     const value = text.includes(",") ? null : this.valueOf(text);
     if (value !== null) {
       this.show(value);
@@ -174,6 +178,8 @@ export class Knob {
     const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
     const unit = isPlain && this.unit.name !== "1" ? ` ${this.unit.name}` : "";
     const text = parts.map((part) => `${part}${unit}`).join(", ");
+    this.isDraft = false;
+    this.taken = text;
     this.take(text, parts.length > 1 ? null : this.valueOf(text));
   }
 

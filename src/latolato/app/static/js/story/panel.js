@@ -88,7 +88,7 @@ export class StoryPanel {
     if (!this.tables || name !== this.name) return;
     // A score belongs to the parameters with which it came.
     if (SCORE in state.extra && ["options", "preset"].includes(changed))
-      this.page.store.keep(SCORE, null);
+      this.page.store.drop([SCORE]);
     this.show();
     await this.count();
   }
