@@ -218,8 +218,9 @@ export class PlayView {
    * @param {string | null} [field]
    */
   refuse(text, field = null) {
-    this.form.error(text, field);
-    const isSeen = this.knobs.error(text, field) || this.more.open;
+    const hasField = field !== null && this.form.fields.has(field);
+    this.form.error(hasField ? text : null, field);
+    const isSeen = this.knobs.error(text, field) || (hasField && this.more.open);
     this.note(isSeen ? "" : text);
   }
 

@@ -1,7 +1,7 @@
 /** What the curves of a run show: angles, energies, powers. */
 
 import { t } from "../strings.js";
-import { scaled } from "./curves.js";
+import { scaled } from "./traces.js";
 import { range } from "./scene.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */

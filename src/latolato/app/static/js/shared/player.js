@@ -30,7 +30,7 @@ export class Player {
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.clack = new Clack();
     this.timeline = new Timeline(this.clock);
-    this.more = new MoreCurves(this.clock);
+    this.more = new MoreCurves(this.clock, this.curves);
     /** What stands on the stage: buttons above, messages below. */
     this.tools = el("div", { class: "stage-tools" }, ...this.makeSwitches());
     this.messages = el("div", { class: "stage-messages" });
@@ -45,11 +45,10 @@ export class Player {
       this.clack.sound(Math.abs(arrays.angular_velocity_before[k]) / this.fastest);
     };
     this.fastest = 1;
-    // Both sets of curves show the same stretch of time.
     this.curves.onSpan = (from, to) => {
-      if (this.more.drawn) this.more.curves.setSpan(from, to);
+      this.timeline.mark();
+      this.more.setSpan(from, to);
     };
-    this.more.curves.onZoom = (from, to) => this.curves.zoom(from, to);
     this.clock.subscribe((time) => this.move(time));
     /** @type {Record<string, () => void>} what each key does */
     this.actions = { " ": () => this.clock.toggle(), ",": () => this.stepBy(-1),
