@@ -13,10 +13,8 @@ import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
+/** @typedef {import("./traces.js").Curve} Curve */
 /**
- * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
- * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
- *   axis?: "right"}} Curve
  * @typedef {{label: string | ((motion: Motion) => string), height?: number | (() => number),
  *   curves: (motion: Motion) => Curve[],
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel

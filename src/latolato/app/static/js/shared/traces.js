@@ -4,7 +4,11 @@ import UPlot from "../../vendor/uPlot.esm.js";
 import { envelope, isDense } from "./band.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./curves.js").Curve} Curve */
+/**
+ * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
+ * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
+ *   axis?: "right"}} Curve
+ */
 
 const LINE = /** @type {any} */ (UPlot.paths).linear();
 
