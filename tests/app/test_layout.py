@@ -79,7 +79,7 @@ def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, siz
     stage = page.locator("canvas.scene").bounding_box()
     assert 0.57 < stage["width"] / size["width"] < 0.63
     assert stage["height"] > 0.45 * size["height"]
-    seen = [".question", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
+    seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
     seen += {"play": [".scrub", ".chart", ".drawers"], "live": [".strip", ".trick"]}[view]
     boxes = [page.locator(each).first.bounding_box() for each in seen]
     knobs = page.locator(".knobs .knob")
