@@ -211,7 +211,7 @@ def play(browser: Any, address: str) -> None:
         page.goto(f"{address}?scenario=fig04b_push&duration=300 s&samples={samples}")
         page.wait_for_selector("[data-runs]", timeout=PATIENCE)
         page.wait_for_timeout(1000)
-        given = {"label": "driving amplitude, slider", "count": SLIDES}
+        given = {"label": "How far the hand moves, slider", "count": SLIDES}
         times = sorted(page.evaluate(SLIDE, given))
         measured = f"{statistics.median(times):.0f} ms, 9 of 10 {times[int(0.9 * SLIDES)]:.0f} ms"
         line(f"slider to painted curve, {samples} samples", measured, f"{asked} ms")

@@ -43,7 +43,7 @@ def test_a_key_changes_the_motion_with_the_next_picture(page):
     )
     assert changed["delay"] == 0.0
     assert changed["moved"] > 0.0
-    output = float(page.get_by_label("driving amplitude", exact=False).first.input_value())
+    output = float(page.get_by_label("How far the hand moves A0").input_value())
     assert output / 1000 > before
     # The pivot soon reaches so high.
     wait_for_toy(page, f"toy.drive.isSteady && toy.pivot.height > 0.999 * {output / 1000}")
@@ -204,13 +204,13 @@ def test_a_refused_control_is_mended_in_its_field(page):
     open_live(page)
     page.get_by_role("link", name="Play").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field = page.get_by_label("Bounciness e")
     field.fill("2")
     field.press("Enter")
     page.get_by_text("must lie in [0, 1]").first.wait_for()
     page.get_by_role("link", name="Live").click()
     page.locator(".message").get_by_text("must lie in [0, 1]").wait_for()
-    knob = page.locator(".live").get_by_label("coefficient of restitution", exact=False).first
+    knob = page.locator(".live").get_by_label("Bounciness e")
     knob.fill("0.5")
     knob.press("Enter")
     wait_for_toy(page, "toy?.controls.restitution === 0.5")
@@ -218,7 +218,7 @@ def test_a_refused_control_is_mended_in_its_field(page):
 
 def test_a_value_out_of_range_is_explained_next_to_its_field(page):
     open_live(page)
-    field = page.get_by_label("angular driving frequency", exact=False).first
+    field = page.get_by_role("textbox", name="How often")
     field.fill("1e8")
     field.press("Enter")
     page.locator(".field").get_by_text("must lie between 0 and").wait_for()

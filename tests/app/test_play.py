@@ -20,19 +20,27 @@ PATIENCE = 60_000
 
 
 def open_play(page, query=""):
+    """Open Play with a run at rest."""
+    page.emulate_media(reduced_motion="reduce")
     page.goto(f"/?view=play{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
 
 
+def open_form(page, query=""):
+    """Open Play with all its parameters."""
+    open_play(page, query)
+    page.get_by_text("More parameters", exact=True).click()
+
+
 def test_a_scenario_is_drawn_and_its_fields_are_filled(page):
-    open_play(page, "&scenario=fig02&duration=20%20s")
+    open_form(page, "&scenario=fig02&duration=20%20s")
     assert page.get_by_label("pivot to ball centre l", exact=True).input_value() == "100"
     page.get_by_role("button", name="Play", exact=True).click()
     page.get_by_role("button", name="Pause").click()
 
 
 def test_a_slider_changes_the_curve_and_the_address(page):
-    open_play(page, "&scenario=fig04b_push&duration=10%20s")
+    open_form(page, "&scenario=fig04b_push&duration=10%20s")
     before = page.locator("[data-runs]").get_attribute("data-runs")
     slider = page.get_by_label("driving amplitude, slider")
     slider.focus()
@@ -44,7 +52,7 @@ def test_a_slider_changes_the_curve_and_the_address(page):
 
 
 def test_a_bad_value_is_told_beside_its_field(page, watch):
-    open_play(page)
+    open_form(page)
     field = page.get_by_label("radius of one ball", exact=False).first
     field.fill("2000")
     field.press("Enter")
@@ -160,7 +168,7 @@ def test_fast_and_slow_playback_show_the_same_motion(page):
 
 
 def test_the_address_brings_the_same_run_back(page):
-    open_play(page, "&scenario=fig12&duration=8%20s")
+    open_form(page, "&scenario=fig12&duration=8%20s")
     field = page.get_by_label("driving amplitude", exact=False).first
     field.fill("28")
     field.press("Enter")
@@ -210,7 +218,7 @@ def test_a_run_that_pages_cannot_compute_comes_from_the_program(page, tmp_path):
 
 
 def test_a_row_can_be_added_before_the_run_has_come(page):
-    open_play(page, "&scenario=fig02&duration=5%20s")
+    open_form(page, "&scenario=fig02&duration=5%20s")
     page.route("**/api/run", lambda route: None)  # it never comes
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
     page.get_by_role("button", name="Add a row").click()
@@ -221,7 +229,7 @@ def test_a_row_can_be_added_before_the_run_has_come(page):
 
 
 def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
-    open_play(page, "&scenario=toy")
+    open_form(page, "&scenario=toy")
     lengths = """() => ["times", "frequencies", "amplitudes"].map((name) =>
       new URLSearchParams(location.search).get(`drive_${name}`)?.split(",").length ?? 0)"""
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
@@ -240,7 +248,7 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
 
 
 def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
-    open_play(page, "&scenario=fig02&duration=5%20s")
+    open_form(page, "&scenario=fig02&duration=5%20s")
     for system in ("latolato", "ballpair", "mathieu", "pendulum"):
         page.get_by_label("System", exact=True).select_option(system)
         page.wait_for_function(
@@ -262,7 +270,7 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
 
 @pytest.mark.parametrize("scenario", [None, "fig02", "fig12"])
 def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
-    open_play(page, f"&scenario={scenario}" if scenario else "")
+    open_form(page, f"&scenario={scenario}" if scenario else "")
     options = "() => window.latolato.views.play.player.motion.about.options"
     before = page.evaluate(options)
     page.get_by_label("Drive", exact=True).select_option("chirp")
@@ -275,7 +283,7 @@ def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
 
 
 def test_the_editor_of_schedules_opens_from_the_first_page(page):
-    open_play(page)
+    open_form(page)
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
     page.get_by_role("button", name="Add a row").click()
     page.wait_for_function(
@@ -289,7 +297,7 @@ def test_the_editor_of_schedules_opens_from_the_first_page(page):
 
 
 def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
-    open_play(page)
+    open_form(page)
     field = page.get_by_label("duration", exact=False).first
     field.fill("1e9")
     field.press("Enter")
@@ -297,7 +305,7 @@ def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
 
 
 def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
-    open_play(page, "&scenario=toy")
+    open_form(page, "&scenario=toy")
     field = page.get_by_label("duration", exact=False).first
     field.fill("5e6")
     field.press("Enter")
@@ -402,7 +410,7 @@ def test_the_space_bar_plays_and_does_not_scroll(page):
 
 
 def test_the_space_bar_is_left_to_those_that_need_it(page):
-    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    open_form(page, "&scenario=fig04b_push&duration=20%20s")
     loop = page.get_by_label("Loop", exact=True)
     loop.focus()
     was = loop.is_checked()
@@ -425,7 +433,7 @@ def test_the_space_bar_is_left_to_those_that_need_it(page):
 
 
 def test_a_pinned_run_stays_behind_the_next(page):
-    open_play(page, "&scenario=fig04b_push&duration=10%20s")
+    open_form(page, "&scenario=fig04b_push&duration=10%20s")
     page.get_by_role("button", name="Pin this run").click()
     field = page.get_by_label("driving amplitude", exact=False).first
     field.fill("30")
@@ -439,10 +447,11 @@ def test_a_pinned_run_stays_behind_the_next(page):
 
 def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
     open_play(page, "&scenario=fig12")
+    page.get_by_text("Energy and more curves", exact=True).click()
     page.get_by_text("Out, and left").wait_for()
     sides = page.evaluate(
         """async () => {
-          const { ledgerRows } = await import("/js/shared/player.js");
+          const { ledgerRows } = await import("/js/shared/more.js");
           const rows = ledgerRows(window.latolato.views.play.player.motion);
           const sum = (sign) => rows.filter((r) => r.energy * sign > 0)
             .reduce((total, r) => total + r.share, 0);
@@ -472,6 +481,7 @@ def test_play_needs_no_server_once_it_is_there(browser):
         page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     finally:
         stop_server(server)
+    page.get_by_text("More parameters", exact=True).click()
     field = page.get_by_label("driving amplitude", exact=False).first
     field.fill("31")
     field.press("Enter")
@@ -516,7 +526,7 @@ def test_the_header_of_a_phone_leaves_room_for_the_page(page, width):
 
 
 def test_a_decimal_comma_is_told_and_no_list(page):
-    open_play(page)
+    open_form(page)
     field = page.get_by_label("pivot to ball centre l", exact=True)
     field.fill("24,5")
     field.press("Enter")
@@ -528,7 +538,7 @@ def test_a_decimal_comma_is_told_and_no_list(page):
 
 
 def test_a_stage_that_is_no_number_is_told(page):
-    open_play(page, "&scenario=fig12&duration=8%20s")
+    open_form(page, "&scenario=fig12&duration=8%20s")
     cell = page.get_by_label("angular frequency of each stage 2")
     cell.fill("slow")
     cell.press("Enter")
@@ -537,20 +547,20 @@ def test_a_stage_that_is_no_number_is_told(page):
 
 
 def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
-    open_play(page, "&scenario=fig02&duration=2%20s")
+    open_form(page, "&scenario=fig02&duration=2%20s")
     page.get_by_label("unit of angular driving frequency").select_option("Hz")
     field = page.get_by_label("angular driving frequency ω", exact=True)
     in_hertz = float(field.input_value())
     page.reload()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     assert float(field.input_value()) == in_hertz
-    open_play(page, "&scenario=fig02&duration=2%20s&drive_frequency=60%20rpm")
+    open_form(page, "&scenario=fig02&duration=2%20s&drive_frequency=60%20rpm")
     assert float(field.input_value()) == 60.0
 
 
 @pytest.mark.parametrize("kept", ["{", "3", '{"drive_frequency": "parsec"}', "null"])
 def test_spoiled_choices_of_units_are_left_aside(page, kept):
     page.add_init_script(f"localStorage.setItem('latolato.scenario.units', {json.dumps(kept)})")
-    open_play(page, "&scenario=fig02&duration=2%20s")
+    open_form(page, "&scenario=fig02&duration=2%20s")
     unit = page.get_by_label("unit of angular driving frequency")
     assert unit.input_value() == "rad/s"

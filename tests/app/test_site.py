@@ -353,7 +353,7 @@ def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, we
     visit.goto(f"{web[0]}?view=play&scenario=fig02&embed=1")
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     assert not visit.get_by_role("navigation", name="Views").is_visible()
-    field = visit.get_by_label("driving amplitude", exact=False).first
+    field = visit.get_by_label("How far the hand moves A0")
     field.fill("31")
     field.press("Enter")
     visit.wait_for_function("() => location.search.includes('drive_amplitude=31')")

@@ -252,6 +252,7 @@ def test_a_slider_computes_the_run_of_python_in_the_page(cell, run):
 
 def check_shown(cell, run):
     """Compare the table of contacts in a cell with a run."""
+    cell.locator(".more-curves").evaluate("more => { more.open = true; }")
     rows = cell.locator("table tbody tr")
     # Two runs may have equally many contacts, and the table follows some pictures later.
     cell.wait_for_function(

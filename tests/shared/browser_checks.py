@@ -40,6 +40,12 @@ _OVERLAPS = """async () => {
   };
   const name = (each) => [each.tagName.toLowerCase(), ...each.classList].join(".")
     + ` "${each.innerText.trim().slice(0, 30)}"`;
+  // Where the page is scrolled, the rest of it passes below what stays in place.
+  const isPinned = (element) => {
+    for (let e = element; e; e = e.parentElement)
+      if (getComputedStyle(e).position === "sticky") return true;
+    return false;
+  };
   const pairs = new Set();
   const { scrollHeight, scrollWidth } = document.scrollingElement;
   for (let top = 0; top < scrollHeight; top += innerHeight / 2) {
@@ -48,6 +54,7 @@ _OVERLAPS = """async () => {
     const boxes = panels.map(cut);
     panels.forEach((one, i) => panels.slice(i + 1).forEach((other, k) => {
       if (one.contains(other)) return;
+      if (top > 0 && isPinned(one) !== isPinned(other)) return;
       const [a, b] = [boxes[i], boxes[i + 1 + k]];
       const across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
       const down = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);

@@ -43,9 +43,9 @@ def wait_for(page, end):
 
 # The ends of the axes of all pictures in Play.
 ENDS = """() => {
-  const { phase, section, curves } = window.latolato.views.play.player;
-  return [phase, section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
-    curves.charts.flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
+  const { curves, more } = window.latolato.views.play.player;
+  return [more.phase, more.section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
+    [...curves.charts, ...more.curves.charts].flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
       .map(({ min, max }) => [min, max]));
 }"""
 
@@ -54,6 +54,7 @@ ENDS = """() => {
 def test_play(page, answer, scenario):
     page.goto(f"/?view=play&scenario={scenario}")
     wait_for(page, "[data-runs]")
+    page.get_by_text("Energy and more curves", exact=True).click()
     # Pictures come one after the other, the table of contacts last.
     page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
     ends = page.evaluate(ENDS)

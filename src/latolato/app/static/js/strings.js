@@ -122,7 +122,6 @@ export const STRINGS = {
   pivotCurveHint: "Show the height of the pivot as well",
   pivotIn: "pivot [{unit}]",
   instantOf: "{time} s of {end} s",
-  soundHint: "a clack when the balls meet",
   time: "time [s]",
   phase: "Phase portrait",
   section: "Stroboscopic section",
@@ -392,7 +391,6 @@ export const STRINGS = {
   rest: "rest",
   release: "release",
   // long work
-  loading: "Loading …",
   computing: "Computing …",
   longRun: "This run takes about {count} minutes.",
   computeLong: "Compute it",

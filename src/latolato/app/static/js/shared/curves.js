@@ -6,20 +6,18 @@
 import UPlot from "../../vendor/uPlot.esm.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE } from "./axis.js";
-import { envelope, isDense } from "./band.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
 import { drawShades } from "./shades.js";
+import { dataOf, extremes, pathOf, resampled, valueAt } from "./traces.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
+/** @typedef {import("./traces.js").Curve} Curve */
 /**
- * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
- * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
- *   axis?: "right"}} Curve
  * A quantity ("angle", "energy", "power") lets a chart be described in a sentence.
  * @typedef {{label: string | ((motion: Motion) => string), quantity?: string,
  *   height?: number | (() => number), curves: (motion: Motion) => Curve[],
@@ -37,7 +35,6 @@ const EASE = 0.2;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
 const READ_EVERY = 100; // ms
-const LINE = /** @type {any} */ (UPlot.paths).linear();
 // A notch of the wheel, with Ctrl held, shows so much less or more.
 const WHEEL = 1.3;
 
@@ -118,7 +115,7 @@ export class Curves {
       chart.curves = all[i];
       this.setting = true;
       chart.plot.batch(() => {
-        chart.plot.setData(data(motion, chart.curves), false);
+        chart.plot.setData(dataOf(motion, chart.curves), false);
         chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
       });
       this.setting = false;
@@ -237,7 +234,8 @@ export class Curves {
       padding: [8, right ? 0 : 18, 0, 0],
       scales: {
         x: { time: false, auto: false },
-        y: { range: (u, low, high) => limits(...this.soFar(u, low, high)) },
+        y: { range: (u, low, high) => limits(...(this.follows
+          ? extremes(u, low, high, this.span[1]) : /** @type {const} */ ([low, high]))) },
         right: { range: (_, low, high) => limits(low, high) },
       },
       cursor: {
@@ -272,7 +270,7 @@ export class Curves {
         dash: curve.dash,
         points: { show: false },
         paths: (/** @type {any} */ u, /** @type {number} */ k, /** @type {number} */ i0,
-          /** @type {number} */ i1) => this.path(u, k, i0, i1),
+          /** @type {number} */ i1) => pathOf(u, k, i0, i1, this.swing),
       }))],
       hooks: {
         drawAxes: [(/** @type {any} */ u) => {
@@ -286,62 +284,20 @@ export class Curves {
     };
   }
 
-  /**
-   * Return the least and the largest value that the axis has to hold: of the stretch on show, and,
-   * while the clock is followed, of all before, so that the axis keeps still and growth is seen.
-   * @param {any} u
-   * @param {number} low of the stretch
-   * @param {number} high
-   * @returns {[number, number]}
-   */
-  soFar(u, low, high) {
-    if (!this.follows) return [low, high];
-    const [times, ...columns] = u.data;
-    columns.forEach((/** @type {ArrayLike<number>} */ values, /** @type {number} */ k) => {
-      if (u.series[k + 1].scale !== "y") return;
-      for (let i = 0; i < times.length && times[i] <= this.span[1]; i += 1) {
-        if (values[i] === null) continue;
-        low = Math.min(low, values[i]);
-        high = Math.max(high, values[i]);
-      }
-    });
-    return [low, high];
-  }
-
-  /**
-   * Return the path of a curve: a line, or a band where swings are narrower than pixels.
-   * @param {any} u
-   * @param {number} k
-   * @param {number} i0
-   * @param {number} i1
-   */
-  path(u, k, i0, i1) {
-    const period = (2 * Math.PI) / (this.motion?.about.attributes?.natural_frequency ?? Infinity);
-    const position = (/** @type {number} */ x) => u.valToPos(x, "x", true);
-    const pixels = position(1) - position(0);
-    if (!isDense(period, pixels)) return LINE(u, k, i0, i1);
-    const { first, low, high } = envelope(u.data[0], u.data[k], i0, i1, position, period);
-    const stroke = new Path2D();
-    for (let i = 0; i < low.length; i += 1) {
-      if (low[i] > high[i]) continue;
-      const x = first + i + 0.5;
-      const { scale } = u.series[k];
-      const top = u.valToPos(high[i], scale, true);
-      stroke.moveTo(x, top);
-      stroke.lineTo(x, Math.max(u.valToPos(low[i], scale, true), top + 1));
-    }
-    return { stroke, fill: null, clip: null, gaps: null, flags: 0 };
-  }
-
   /** Whether the whole run is shown. */
   get isWhole() {
     return this.span[0] <= 0 && this.span[1] >= (this.motion?.end ?? 1);
   }
 
+  /** The natural period [s]. */
+  get swing() {
+    return (2 * Math.PI) / (this.motion?.about.attributes?.natural_frequency ?? 0);
+  }
+
   /** How long a stretch is shown while the clock is followed: of a short run, all of it [s]. */
   get readable() {
-    const { end = 1, about } = this.motion ?? {};
-    const length = (SWINGS * 2 * Math.PI) / (about?.attributes?.natural_frequency ?? 0);
+    const { end = 1 } = this.motion ?? {};
+    const length = SWINGS * this.swing;
     return length < AHEAD * end ? length : end;
   }
 
@@ -490,66 +446,4 @@ function heightOf({ height = HEIGHT }) {
  */
 function limits(low, high) {
   return UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true);
-}
-
-/**
- * @param {Motion | null} motion
- * @param {Curve[]} curves
- * @returns {any}
- */
-function data(motion, curves) {
-  return [motion?.time ?? [0], ...curves.map(drawn)];
-}
-
-/**
- * Return values as the chart takes them: null where they are not finite, or one turn on.
- * @param {Curve} curve
- */
-function drawn({ values, turn = Infinity }) {
-  const isDrawn = (/** @type {number} */ i) => Number.isFinite(values[i])
-    && !(Math.abs(values[i] - values[i - 1]) > 0.5 * turn);
-  for (let i = 0; i < values.length; i += 1)
-    if (!isDrawn(i)) return Array.from(values, (value, k) => (isDrawn(k) ? value : null));
-  return values;
-}
-
-/**
- * Return the sample at or before an instant.
- * @param {ArrayLike<number>} times
- * @param {ArrayLike<number>} values
- * @param {number} time
- */
-function valueAt(times, values, time) {
-  const n = times.length;
-  if (!n) return NaN;
-  const i = Math.round(((time - times[0]) / (times[n - 1] - times[0] || 1)) * (n - 1));
-  return values[Math.min(Math.max(i, 0), n - 1)];
-}
-
-/**
- * Return values at other instants, linear between samples, NaN beyond the last.
- * @param {ArrayLike<number>} times
- * @param {ArrayLike<number>} values
- * @param {ArrayLike<number>} instants
- */
-function resampled(times, values, instants) {
-  const result = new Float64Array(instants.length);
-  let i = 0;
-  for (let k = 0; k < instants.length; k += 1) {
-    while (i < times.length - 2 && times[i + 1] < instants[k]) i += 1;
-    const share = (instants[k] - times[i]) / (times[i + 1] - times[i]);
-    result[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
-  }
-  return result;
-}
-
-/**
- * Return values times a number.
- * @param {ArrayLike<number>} values
- * @param {number} by
- */
-export function scaled(values, by) {
-  const result = new Float64Array(values.length);
-  for (let i = 0; i < values.length; i += 1) result[i] = values[i] * by;
-  return result;
 }

@@ -130,14 +130,11 @@ export class Knob {
     const { unit = "" } = parseQuantity(text) ?? {};
     if (!this.chosen && isOwn && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
+    this.value = text.includes(",") ? null : this.valueOf(text);
+    this.place();
     if (isTyping && (this.isDraft || text === this.taken)) return;
-    const value = text.includes(",") ? null : this.valueOf(text);
-    if (value !== null) {
-      this.show(value);
-      return;
-    }
-    this.value = null;
-    this.input.value = !text.includes(",") ? text : text.split(",").map((part) => {
+    if (this.value !== null) this.show(this.value);
+    else this.input.value = !text.includes(",") ? text : text.split(",").map((part) => {
       const each = this.valueOf(part);
       return each === null ? "?" : short(each / this.unit.size);
     }).join(", ");

@@ -1,11 +1,12 @@
 /** What is shown of a run when somebody asks: energies and powers, portrait, section, ledger, contacts. */
 
 import { t } from "../strings.js";
-import { Curves, scaled } from "./curves.js";
+import { Curves } from "./curves.js";
 import { el } from "./dom.js";
 import { Later } from "./later.js";
 import { ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
+import { scaled } from "./traces.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -19,9 +20,13 @@ const SETTLED = 0.2;
 
 /** A panel that computes and draws while it is open. */
 export class MoreCurves {
-  /** @param {Clock} clock */
-  constructor(clock) {
+  /**
+   * @param {Clock} clock
+   * @param {Curves} angles that show the same stretch of time
+   */
+  constructor(clock, angles) {
     this.clock = clock;
+    this.angles = angles;
     /** @type {Motion | null} */
     this.motion = null;
     /** @type {Motion | null} */
@@ -47,6 +52,7 @@ export class MoreCurves {
         card(this.ledgerTitle, el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
         card(head("contacts"), this.contacts)));
     this.curves = new Curves(curves, clock, ENERGY_PANELS);
+    this.curves.onZoom = (from, to) => angles.zoom(from, to);
     const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
     this.phase = new Plane(phase, labels);
     this.section = new Plane(section, labels);
@@ -75,7 +81,17 @@ export class MoreCurves {
       () => this.showLedger(motion),
       () => this.showContacts(motion),
     ]);
+    this.curves.setSpan(...this.angles.span);
     this.move(this.clock.time);
+  }
+
+  /**
+   * Show a stretch of time.
+   * @param {number} from
+   * @param {number} to
+   */
+  setSpan(from, to) {
+    if (this.drawn) this.curves.setSpan(from, to);
   }
 
   /** @param {number} time */

@@ -1,8 +1,8 @@
 /** What the curves of a run show: angles, energies, powers. */
 
 import { t } from "../strings.js";
-import { scaled } from "./curves.js";
 import { range } from "./motion.js";
+import { scaled } from "./traces.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./curves.js").Panel} Panel */

@@ -32,7 +32,7 @@ export class Player {
     this.readAt = 0;
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.timeline = new Timeline(this.clock);
-    this.more = new MoreCurves(this.clock);
+    this.more = new MoreCurves(this.clock, this.curves);
     this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
       { title: t("keysOfCurve"), actions: this.curves.actions }]);
     /** What stands on the stage: buttons above, messages below. */
@@ -45,11 +45,10 @@ export class Player {
     this.scene = new Scene(canvas);
     this.start = new Start(this.scene, this.clock);
     canvas.after(this.scene.legend, this.start.said);
-    // Both sets of curves show the same stretch of time.
     this.curves.onSpan = (from, to) => {
-      if (this.more.drawn) this.more.curves.setSpan(from, to);
+      this.timeline.mark();
+      this.more.setSpan(from, to);
     };
-    this.more.curves.onZoom = (from, to) => this.curves.zoom(from, to);
     this.clock.subscribe((time) => this.move(time));
     /** @type {import("./keys.js").Actions} */
     this.actions = {

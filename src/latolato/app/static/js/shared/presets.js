@@ -25,7 +25,7 @@ export function presetField(page) {
   const more = el("details", { class: "about" }, el("summary", {}, t("presetAbout")), about);
   const head = el("div", { class: "row preset-head" }, el("label", { for: id }, t("preset")));
   const field = el("div", { class: "field preset" }, head, select, more);
-  const question = el("h2", { class: "question" });
+  const question = el("h2", { class: "headline" });
   const show = (/** @type {string | null} */ name) => {
     select.value = runs.some(([each]) => each === name) ? name ?? "" : "";
     const known = name && Object.hasOwn(page.registry.scenarios, name)

@@ -76,6 +76,13 @@ export class Timeline {
     else this.curves.zoom(0, this.clock.end);
   }
 
+  /** Show whether the whole run is seen; of a short one it always is. */
+  mark() {
+    const { isWhole, readable } = this.curves;
+    this.whole.hidden = isWhole && readable >= this.clock.end;
+    if (isPressed(this.whole) !== isWhole) this.whole.setAttribute("aria-pressed", String(isWhole));
+  }
+
   /** Put the slider under the part of the curve that it stands for. */
   align() {
     const over = this.curves.charts[0].plot.over.getBoundingClientRect();
@@ -114,9 +121,6 @@ export class Timeline {
    * @param {number} time
    */
   tell(time) {
-    const { isWhole, readable } = this.curves;
-    this.whole.hidden = isWhole && readable >= this.clock.end;
-    this.whole.setAttribute("aria-pressed", String(isWhole));
     this.scrub.setAttribute("aria-valuetext", t("instantOf", { time: time.toFixed(2), end: this.clock.end }));
   }
 }

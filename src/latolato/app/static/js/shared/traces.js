@@ -1,0 +1,121 @@
+/** Curves as a chart draws them: what it is given, and the path through it. */
+
+import UPlot from "../../vendor/uPlot.esm.js";
+import { envelope, isDense } from "./band.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/**
+ * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
+ * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
+ *   axis?: "right"}} Curve
+ */
+
+const LINE = /** @type {any} */ (UPlot.paths).linear();
+
+/**
+ * Return the path of a curve: a line, or a band where swings are narrower than pixels.
+ * @param {any} u
+ * @param {number} k
+ * @param {number} i0
+ * @param {number} i1
+ * @param {number} period of a swing
+ */
+export function pathOf(u, k, i0, i1, period) {
+  const position = (/** @type {number} */ x) => u.valToPos(x, "x", true);
+  const pixels = position(1) - position(0);
+  if (!isDense(period, pixels)) return LINE(u, k, i0, i1);
+  const { scale } = u.series[k];
+  const { first, low, high } = envelope(u.data[0], u.data[k], i0, i1, position, period);
+  const stroke = new Path2D();
+  for (let i = 0; i < low.length; i += 1) {
+    if (low[i] > high[i]) continue;
+    const x = first + i + 0.5;
+    const top = u.valToPos(high[i], scale, true);
+    stroke.moveTo(x, top);
+    stroke.lineTo(x, Math.max(u.valToPos(low[i], scale, true), top + 1));
+  }
+  return { stroke, fill: null, clip: null, gaps: null, flags: 0 };
+}
+
+/**
+ * Return the least and the largest of two values and all on the left axis up to an instant.
+ * @param {any} u
+ * @param {number} low
+ * @param {number} high
+ * @param {number} until
+ * @returns {[number, number]}
+ */
+export function extremes(u, low, high, until) {
+  const [times, ...columns] = u.data;
+  columns.forEach((/** @type {ArrayLike<number>} */ values, /** @type {number} */ k) => {
+    if (u.series[k + 1].scale !== "y") return;
+    for (let i = 0; i < times.length && times[i] <= until; i += 1) {
+      if (values[i] === null) continue;
+      low = Math.min(low, values[i]);
+      high = Math.max(high, values[i]);
+    }
+  });
+  return [low, high];
+}
+
+/**
+ * @param {Motion | null} motion
+ * @param {Curve[]} curves
+ * @returns {any}
+ */
+export function dataOf(motion, curves) {
+  return [motion?.time ?? [0], ...curves.map(drawn)];
+}
+
+/**
+ * Return values as the chart takes them: null where they are not finite, or one turn on.
+ * @param {Curve} curve
+ */
+function drawn({ values, turn = Infinity }) {
+  const isDrawn = (/** @type {number} */ i) => Number.isFinite(values[i])
+    && !(Math.abs(values[i] - values[i - 1]) > 0.5 * turn);
+  for (let i = 0; i < values.length; i += 1)
+    if (!isDrawn(i)) return Array.from(values, (value, k) => (isDrawn(k) ? value : null));
+  return values;
+}
+
+/**
+ * Return the sample at or before an instant.
+ * @param {ArrayLike<number>} times
+ * @param {ArrayLike<number>} values
+ * @param {number} time
+ */
+export function valueAt(times, values, time) {
+  const n = times.length;
+  if (!n) return NaN;
+  const i = Math.round(((time - times[0]) / (times[n - 1] - times[0] || 1)) * (n - 1));
+  return values[Math.min(Math.max(i, 0), n - 1)];
+}
+
+/**
+ * Return values at other instants, linear between samples, NaN beyond the last.
+ * @param {ArrayLike<number>} times
+ * @param {ArrayLike<number>} values
+ * @param {ArrayLike<number>} instants
+ */
+export function resampled(times, values, instants) {
+  const result = new Float64Array(instants.length);
+  let i = 0;
+  for (let k = 0; k < instants.length; k += 1) {
+    while (i < times.length - 2 && times[i + 1] < instants[k]) i += 1;
+    const share = (instants[k] - times[i]) / (times[i + 1] - times[i]);
+    result[k] = share > 1 ? NaN : values[i] + share * (values[i + 1] - values[i]);
+  }
+  return result;
+}
+
+/**
+ * Return values times a number.
+ * @param {ArrayLike<number>} values
+ * @param {number} by
+ */
+export function scaled(values, by) {
+  const result = new Float64Array(values.length);
+  for (let i = 0; i < values.length; i += 1) result[i] = values[i] * by;
+  return result;
+}

@@ -1,0 +1,367 @@
+"""The composition of Play and Live: a large stage, few knobs, the rest when asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import latolato as ll
+
+# How long a page may take to show its first run or toy [ms].
+PATIENCE = 120_000
+PLAYER = "window.latolato.views.play.player"
+READY = {"play": "[data-runs]", "live": "[data-ready]"}
+LAPTOP = {"width": 1366, "height": 768}
+PHONE = {"width": 390, "height": 844}
+
+
+def open_view(page, query, view="play", size=LAPTOP, motion="reduce"):
+    page.emulate_media(reduced_motion=motion)
+    page.set_viewport_size(size)
+    page.goto(f"/?view={view}{query}")
+    page.wait_for_selector(READY[view], timeout=PATIENCE)
+
+
+def wait_for_options(page, condition):
+    """Wait until a condition of the options of the run on show holds."""
+    page.wait_for_function(
+        f"() => {{ const {{ options }} = {PLAYER}.motion.about; return {condition}; }}"
+    )
+
+
+@pytest.mark.parametrize(
+    "query,motion,moves",
+    [("", "no-preference", True), ("", "reduce", False), ("&embed=1", "no-preference", False)],
+)
+def test_the_first_run_moves_where_that_is_welcome(page, query, motion, moves):
+    open_view(page, query, motion=motion)
+    if moves:
+        page.wait_for_function(f"() => {PLAYER}.clock.time > 0.1")
+        page.get_by_role("button", name="Pause").wait_for()
+    else:
+        page.wait_for_timeout(300)
+        assert page.evaluate(f"() => {PLAYER}.clock.time") == 0.0
+        page.get_by_role("button", name="Play", exact=True).wait_for()
+
+
+def test_what_was_paused_stays_so_when_the_address_comes_back(page):
+    open_view(page, "&scenario=fig12", motion="no-preference")
+    page.get_by_role("button", name="Pause").click()
+    for scenario in ("zeno", "fig02"):
+        page.get_by_label("Begin with").select_option(scenario)
+    wait_for_options(page, "options.system === 'pendulum'")
+    page.go_back()
+    wait_for_options(page, "options.restitution === 0.6")
+    assert not page.evaluate(f"() => {PLAYER}.clock.playing")
+
+
+def test_a_run_that_played_goes_on_when_its_view_comes_back(page):
+    open_view(page, "", motion="no-preference")
+    page.get_by_role("link", name="Map", exact=True).click()
+    assert not page.evaluate(f"() => {PLAYER}.clock.playing")
+    page.get_by_role("link", name="Play", exact=True).click()
+    page.get_by_role("button", name="Pause").wait_for()
+
+
+def test_the_headline_asks_what_the_preset_asks(page):
+    open_view(page, "")
+    headline = page.get_by_role("heading", level=2).first
+    assert headline.inner_text() == ll.load_scenario("toy").question
+    page.get_by_label("Begin with").select_option("kapitza")
+    page.get_by_role("heading", name=ll.load_scenario("kapitza").question).wait_for()
+
+
+@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("size", [LAPTOP, {"width": 1920, "height": 1080}])
+def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, size):
+    open_view(page, "", view, size)
+    page.wait_for_timeout(200)
+    stage = page.locator("canvas.scene").bounding_box()
+    assert 0.57 < stage["width"] / size["width"] < 0.63
+    assert stage["height"] > 0.45 * size["height"]
+    seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
+    seen += {"play": [".scrub", ".chart", ".drawers"], "live": [".strip", ".trick"]}[view]
+    boxes = [page.locator(each).first.bounding_box() for each in seen]
+    knobs = page.locator(".knobs .knob")
+    assert knobs.count() >= 3
+    boxes += [knobs.nth(k).bounding_box() for k in range(3)]
+    for box in boxes:
+        assert box["y"] >= 0
+        assert box["y"] + box["height"] <= size["height"]
+
+
+@pytest.mark.parametrize(
+    "scenario,knobs",
+    [
+        ("toy", ["drive_amplitude", "drive_frequency", "restitution"]),
+        ("fig02", ["drive_amplitude", "drive_frequency", "damping"]),
+        ("fig12", ["drive_amplitude", "restitution", "initial_offset"]),
+        ("zeno", ["restitution", "initial_angle", "damping"]),
+        ("ballpair_asymmetric", ["drive_amplitude", "drive_frequency", "restitution"]),
+        ("ballpair_asymmetric&drive=fixed_pivot", ["restitution", "right_length", "left_length"]),
+        ("fig02&drive=fixed_pivot", ["initial_angle", "damping", "length"]),
+    ],
+)
+def test_every_toy_has_three_telling_knobs(page, scenario, knobs):
+    open_view(page, f"&scenario={scenario}&duration=3 s")
+    shown = page.evaluate("() => Object.keys(window.latolato.views.play.knobs.all)")
+    assert [name for name in shown if name != "frequency_ratio"] == knobs
+    assert page.locator(".knobs .knob").count() == 3
+
+
+def test_shakes_per_second_and_the_frequency_ratio_follow_each_other(page):
+    open_view(page, "&scenario=toy&duration=3 s")
+    often = page.get_by_role("textbox", name="How often")
+    ratio = page.locator(".knobs").get_by_role("textbox", name="driving over natural frequency")
+    natural = 7.0
+    assert float(ratio.input_value()) == pytest.approx(6 * np.pi / natural, rel=1e-3)
+    ratio.fill("2")
+    ratio.press("Enter")
+    wait_for_options(page, f"Math.abs(options.drive_frequency - {2 * natural}) < 1e-9")
+    assert float(often.input_value()) == pytest.approx(natural / np.pi, rel=1e-3)
+    page.wait_for_function("() => location.search.includes('frequency_ratio=2')")
+    often.fill("2.5")
+    often.press("Enter")
+    wait_for_options(page, f"Math.abs(options.drive_frequency - {5 * np.pi}) < 1e-9")
+    assert float(ratio.input_value()) == pytest.approx(5 * np.pi / natural, rel=1e-3)
+    page.wait_for_function("() => !location.search.includes('frequency_ratio')")
+    slider = page.get_by_role("slider", name="How often, slider")
+    slider.focus()
+    slider.press("ArrowRight")
+    wait_for_options(page, f"options.drive_frequency > {5 * np.pi}")
+    now = page.evaluate(f"() => {PLAYER}.motion.about.options.drive_frequency")
+    assert float(often.input_value()) == pytest.approx(now / (2 * np.pi), rel=1e-3)
+    assert float(ratio.input_value()) == pytest.approx(now / natural, rel=1e-3)
+
+
+def test_the_form_takes_the_frequency_ratio_too(page):
+    open_view(page, "&scenario=fig02&duration=3 s&drive_frequency=5 rad/s")
+    page.get_by_text("More parameters", exact=True).click()
+    form = page.locator(".drawers .form")
+    slider = form.get_by_label("driving over natural frequency, slider")
+    slider.focus()
+    slider.press("ArrowRight")
+    page.wait_for_function("() => location.search.includes('frequency_ratio')")
+    assert "drive_frequency" not in page.url
+    ratio = float(form.get_by_role("textbox", name="driving over natural").input_value())
+    wait_for_options(
+        page, f"Math.abs(options.drive_frequency - {ratio} * Math.sqrt(9.8)) < 1e-4 * {ratio}"
+    )
+
+
+def test_energies_are_computed_when_they_are_asked_for(page):
+    open_view(page, "&scenario=fig04a_push&duration=10 s")
+    page.wait_for_timeout(300)
+    assert page.evaluate(f"() => {PLAYER}.more.drawn") is None
+    assert page.evaluate(f"() => {PLAYER}.more.curves.charts.length") == 0
+    page.get_by_text("Energy and more curves", exact=True).click()
+    page.locator(".more-curves .ledger-row").first.wait_for()
+    assert page.evaluate(f"() => {PLAYER}.more.curves.charts.length") == 2
+
+
+@pytest.mark.parametrize(
+    "scenario,whose", [("toy", "both balls"), ("ballpair_asymmetric", "both balls"),
+                       ("fig02", "per ball")],
+)  # fmt: skip
+def test_energies_say_of_how_many_balls_they_are(page, scenario, whose):
+    open_view(page, f"&scenario={scenario}&duration=3 s")
+    page.get_by_text("Energy and more curves", exact=True).click()
+    page.get_by_text(f"energy, {whose} [J]").wait_for()
+    page.get_by_text(f"power, {whose} [W]").wait_for()
+    page.get_by_text(f"Where the energy goes, {whose}").wait_for()
+    total = page.evaluate(f"() => Array.from({PLAYER}.more.curves.charts[0].curves[2].values)")
+    run = ll.load_scenario(scenario).simulate(duration=3.0)
+    energy = run["total_energy"]
+    wanted = energy.sum("ball") if "ball" in energy.dims else energy
+    times = 2 if scenario == "toy" else 1  # one row of a mirror-symmetric toy stands for both
+    assert total == pytest.approx(times * wanted.values, rel=1e-5, abs=1e-7)
+
+
+def curve(page, k):
+    """The values of a curve of the strip, and what is drawn of them."""
+    return page.evaluate(
+        f"""k => {{
+          const {{ curves, plot }} = {PLAYER}.curves.charts[0];
+          return [Array.from(curves[k].values), Array.from(plot.data[k + 1])];
+        }}""",
+        k,
+    )
+
+
+def test_angles_can_be_wrapped_and_no_line_is_drawn_through_a_turn(page):
+    open_view(page, "&scenario=chaos&duration=20 s")
+    plain, _ = map(np.array, curve(page, 0))
+    page.get_by_role("button", name="±180°").click()
+    wrapped, drawn = curve(page, 0)
+    assert max(wrapped) <= 180.0
+    assert min(wrapped) > -180.0
+    turns = (plain - np.array(wrapped)) / 360.0
+    assert turns == pytest.approx(np.round(turns), abs=1e-9)
+    missing = [k for k, value in enumerate(drawn) if value is None]
+    assert missing == list(np.flatnonzero(np.abs(np.diff(wrapped)) > 180.0) + 1)
+    assert missing
+
+
+def test_angles_that_never_turn_over_are_not_wrapped(page):
+    open_view(page, "&scenario=fig02&duration=5 s")
+    assert page.get_by_role("button", name="±180°").is_hidden()
+
+
+@pytest.mark.parametrize("scenario,unit,size", [("toy", "mm", 1e-3), ("fig04a_push", "cm", 1e-2)])
+def test_the_curve_of_the_pivot_is_its_height(page, scenario, unit, size):
+    open_view(page, f"&scenario={scenario}&duration=3 s")
+    page.get_by_role("button", name="Pivot", exact=True).click()
+    page.get_by_text(f"pivot [{unit}]").wait_for()
+    heights, _ = curve(page, 2)
+    run = ll.load_scenario(scenario).simulate(duration=3.0)
+    largest = float(abs(run["pivot_height"]).max())
+    assert np.array(heights) * size == pytest.approx(run["pivot_height"].values, abs=1e-6 * largest)
+    page.get_by_role("button", name="Pivot", exact=True).click()
+    page.get_by_text(f"pivot [{unit}]").wait_for(state="detached")
+
+
+def test_a_reset_goes_back_to_the_preset(page):
+    open_view(page, "&scenario=toy&duration=3 s")
+    reset = page.get_by_role("button", name="Reset")
+    reset.click()
+    wait_for_options(page, "options.duration === 20")
+    assert reset.is_hidden()
+    slider = page.get_by_role("slider", name="Bounciness, slider")
+    slider.focus()
+    slider.press("ArrowLeft")
+    wait_for_options(page, "options.restitution === 0.8975")
+    reset.click()
+    wait_for_options(page, "options.restitution === 0.9")
+    page.wait_for_function("() => !location.search.includes('restitution')")
+
+
+# Where the slider's thumb and the line in the curve stand, in pixels of the window.
+PLACES = f"""() => {{
+  const {{ timeline, curves }} = {PLAYER};
+  const {{ scrub }} = timeline;
+  const box = scrub.getBoundingClientRect();
+  const thumb = parseFloat(getComputedStyle(scrub).getPropertyValue("--thumb"));
+  const line = curves.charts[0].head.getBoundingClientRect();
+  return [box.left + 0.5 * thumb + (scrub.value / scrub.max) * (box.width - thumb),
+    0.5 * (line.left + line.right)];
+}}"""
+
+
+@pytest.mark.parametrize("size", [LAPTOP, PHONE])
+def test_the_slider_stands_below_the_instant_of_the_curve(page, size):
+    open_view(page, "&scenario=fig02&duration=60 s", size=size)
+    for pivot in (False, True):
+        if pivot:
+            page.get_by_role("button", name="Pivot", exact=True).click()
+        for time in (0.0, 5.3, 17.0):
+            page.evaluate(f"t => {PLAYER}.clock.seek(t)", time)
+            page.wait_for_timeout(50)
+            thumb, line = page.evaluate(PLACES)
+            assert thumb == pytest.approx(line, abs=1.5)
+
+
+def test_a_pointer_on_the_curve_moves_the_clock(page):
+    open_view(page, "&scenario=fig02&duration=60 s")
+    box = page.locator(".timeline .u-over").bounding_box()
+    span = page.evaluate(f"() => {PLAYER}.curves.span")
+    for begin, end in ((0.2, 0.6), (0.9, 0.3)):
+        y = box["y"] + 0.5 * box["height"]
+        page.mouse.move(box["x"] + begin * box["width"], y)
+        page.mouse.down()
+        page.mouse.move(box["x"] + end * box["width"], y, steps=5)
+        page.mouse.up()
+        time = page.evaluate(f"() => {PLAYER}.clock.time")
+        assert time == pytest.approx(span[0] + end * (span[1] - span[0]), abs=0.1)
+    assert page.evaluate(f"() => {PLAYER}.curves.span") == span
+    # With Shift it chooses what is shown.
+    page.keyboard.down("Shift")
+    page.mouse.move(box["x"] + 0.25 * box["width"], y)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.75 * box["width"], y, steps=5)
+    page.mouse.up()
+    page.keyboard.up("Shift")
+    low, high = page.evaluate(f"() => {PLAYER}.curves.span")
+    assert high - low == pytest.approx(0.5 * (span[1] - span[0]), rel=0.05)
+    assert page.evaluate(f"() => {PLAYER}.clock.time") == time
+
+
+def test_the_curve_shows_some_swings_and_follows_the_clock(page):
+    open_view(page, "&scenario=fig02")
+    low, high = page.evaluate(f"() => {PLAYER}.curves.span")
+    assert (low, high) == (0.0, pytest.approx(12 * 2 * np.pi / np.sqrt(9.8)))
+    page.evaluate(f"() => {PLAYER}.clock.seek(100)")
+    page.wait_for_timeout(50)
+    begin, end = page.evaluate(f"() => {PLAYER}.curves.span")
+    assert begin < 100 < end
+    assert end - begin == pytest.approx(high - low)
+    whole = page.get_by_role("button", name="Whole run")
+    whole.click()
+    assert page.evaluate(f"() => {PLAYER}.curves.span") == [0, 300]
+    assert whole.get_attribute("aria-pressed") == "true"
+    whole.click()
+    low, high = page.evaluate(f"() => {PLAYER}.curves.span")
+    assert low < 100 < high < 200
+
+
+def test_a_refusal_without_a_field_in_sight_stands_on_the_stage(page):
+    open_view(page, "&scenario=toy&duration=3 s")
+    page.get_by_label("Begin with").focus()
+    page.evaluate("() => window.latolato.views.play.page.store.option('radius', '9 m')")
+    page.locator(".stage-messages").get_by_text("must lie in [0, length)").wait_for()
+    page.evaluate("() => window.latolato.views.play.page.store.option('restitution', '2')")
+    page.evaluate("() => window.latolato.views.play.page.store.option('radius', null)")
+    page.locator(".knobs").get_by_text("must lie in [0, 1]").wait_for()
+    assert page.locator(".stage-messages").inner_text() == ""
+
+
+def test_messages_and_curves_move_nothing(page):
+    open_view(page, "&scenario=toy&duration=3 s")
+    parts = (".stage", ".transport", ".knobs", ".drawers")
+    places = [page.locator(each).bounding_box() for each in parts]
+    page.evaluate("() => window.latolato.views.play.note('This run takes long.', 'Stop', () => {})")
+    page.get_by_role("button", name="Pivot", exact=True).click()
+    page.get_by_role("slider", name="Bounciness, slider").press("ArrowLeft")
+    page.get_by_role("button", name="Reset").wait_for()
+    assert [page.locator(each).bounding_box() for each in parts] == places
+
+
+@pytest.mark.parametrize("view", ["play", "live"])
+def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, view):
+    context = browser.new_context(
+        base_url=server.address, viewport=PHONE, has_touch=True, is_mobile=True
+    )
+    page = context.new_page()
+    open_view(page, "", view, PHONE)
+    stage = page.locator(".stage").bounding_box()
+    assert stage["height"] == pytest.approx(0.45 * PHONE["height"], abs=12)
+    small = page.evaluate(
+        """() => [...document.querySelectorAll(".desk :is(button, select, summary, .check, " +
+          "input[type=range], input[type=text])")].filter((each) =>
+          each.checkVisibility({ visibilityProperty: true }))
+          .map((each) => [each.outerHTML.slice(0, 80), each.getBoundingClientRect().height])
+          .filter(([, height]) => height < 44)"""
+    )
+    assert small == []
+    page.mouse.wheel(0, 600)
+    page.wait_for_function("() => scrollY > 200")
+    assert page.locator(".stage").bounding_box()["y"] == pytest.approx(0, abs=1)
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= PHONE["width"]
+    context.close()
+
+
+@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize(
+    "size",
+    [{"width": 844, "height": 390}, {"width": 683, "height": 384}, {"width": 195, "height": 422}],
+)  # a phone on its side, a laptop and a phone at 200 %
+def test_small_windows_show_the_stage_and_cut_nothing_off(page, view, size):
+    open_view(page, "", view, size)
+    page.wait_for_timeout(200)
+    stage = page.locator(".stage").bounding_box()
+    assert min(stage["y"] + stage["height"], size["height"]) - stage["y"] > 100
+    wide = page.evaluate(
+        """() => [...document.querySelectorAll(".desk *")].filter((each) => each.checkVisibility()
+          && !each.closest(".stage-tools")  // they scroll by themselves
+          && each.getBoundingClientRect().right > innerWidth + 1).map((each) => each.outerHTML)"""
+    )
+    assert wide == []
