@@ -173,7 +173,8 @@ def test_a_cell_shows_balls_where_the_run_has_them(browser, run, scheme):
           }
           for (let i = 0; i < pixels.length; i += 4)
             for (const name of ["right", "left"])
-              if (wanted[name].every((v, k) => Math.abs(v - pixels[i + k]) < 4)) {
+              if (pixels[i + 3] === 255
+                && wanted[name].every((v, k) => Math.abs(v - pixels[i + k]) < 4)) {
                 seen[name][0] += 1;
                 seen[name][1] += (i / 4) % canvas.width;
                 seen[name][2] += Math.floor(i / 4 / canvas.width);

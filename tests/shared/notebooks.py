@@ -51,7 +51,8 @@ _BALLS = (
     const wanted = [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16));
     let [n, x, y] = [0, 0, 0];
     for (let i = 0; i < data.length; i += 4)
-      if (wanted.every((value, k) => Math.abs(value - data[i + k]) < 4)) {
+      // Trails have the same colour and are not opaque.
+      if (data[i + 3] === 255 && wanted.every((value, k) => Math.abs(value - data[i + k]) < 4)) {
         n += 1;
         x += (i / 4) % width + 0.5;
         y += Math.floor(i / 4 / width) + 0.5;
@@ -316,7 +317,7 @@ def balls(page: Any, which: int = 0) -> dict[str, Any]:
 def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tuple[float, float]]:
     """Return where the balls of a run of the toy belong in a picture of this size.
 
-    The picture holds all of the motion, a tenth larger, about the line of the pivot.
+    The picture holds all of the motion and the hand, a tenth larger, about the line of the pivot.
     """
     import latolato as ll
     from latolato.scenario.scenario import Scenario
@@ -327,8 +328,10 @@ def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tu
     angle, pivot = run["angle"].values, run["pivot_height"].values
     x, y = toy.length * np.sin(angle), pivot - toy.length * np.cos(angle)
     reach = float(np.abs(x).max() + toy.radius)
-    low = float(min(y.min() - toy.radius, 0.0))
-    high = float(max(y.max() + toy.radius, pivot.max(), 0.0))
+    # Of the fist half the width; the hand reaches 0.9 of it down and 1.6 up (js/shared/fist.js).
+    fist = min(0.095 * toy.length, 0.6 * (toy.length - toy.radius))
+    low = float(min(y.min() - toy.radius, pivot.min() - 0.9 * fist))
+    high = float(max(y.max() + toy.radius, pivot.max() + 1.6 * fist))
     size = min(width / (2 * reach * 1.1), height / ((high - low) * 1.1))
     # The instant itself, not a value between samples.
     instant = scenario.simulate(times=[0.0, at]) if at else run.isel(time=[0])

@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 ENTRY = "js/notebook.js"
 # The module that finds files, in whose place the program has one that holds them.
 CONTENT = "js/kernels/content.js"
-SHEETS = ("vendor/uPlot.css", "app.css", "inset.css")
+SHEETS = ("vendor/uPlot.css", "app.css", "stage.css", "inset.css")
 PICTURE_DPI = 100
 # What the player draws.
 _COLUMNS = (
     "angle", "angular_velocity", "pivot_height", "kinetic_energy", "potential_energy",
-    "total_energy", "drive_power", "damping_power", "tension",
+    "total_energy", "drive_power", "damping_power", "tension", "pivot_velocity",
 )  # fmt: skip
 _ATTRIBUTES = ("natural_frequency", "contact_angle_low", "contact_angle_high")
 # Every way in which a module of the pages names another one.

@@ -63,7 +63,7 @@ test("a mirrored ball is drawn on the other side", () => {
   const ball = { length: 2, radius: 0.1, mass: 1 };
   const motion = new LiveMotion({ time: 0, angles: [Math.PI / 2], velocities: [0],
     controls: { drive_amplitude: 0.1 }, pivot: { height: 0.05, velocity: 0, acceleration: 0 },
-    system: { gravity: 9.8, contacts: true, balls: [ball] } });
+    system: { gravity: 9.8, contacts: true, balls: [ball] } }, new History([]));
   const [right, left] = motion.pose().balls;
   assert.deepEqual([right.ball.name, left.ball.name], ["right", "left"]);
   assert.ok(Math.abs(right.x - 2) < 1e-12 && Math.abs(left.x + 2) < 1e-12);

@@ -1,7 +1,7 @@
 /** A motion that is still happening, with what the scene asks of a run, and its last seconds. */
 
 import { ballsOf } from "../model/block.js";
-import { SHOWN_RADIUS } from "../shared/motion.js";
+import { poseOf, SHOWN_RADIUS } from "../shared/motion.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 /** @typedef {import("./toy.js").Toy} Toy */
@@ -15,6 +15,7 @@ const ABOVE = 0.3;
 // How much of the way the picture's upper end goes in a frame.
 const GROW = 0.25;
 const SHRINK = 0.02;
+const DEGREES = 180 / Math.PI;
 const ROOM = Math.ceil(SPAN / SPACING) + 2;
 
 /** The last seconds of some quantities, in the order of time. */
@@ -69,13 +70,18 @@ export class History {
 
 /** What `Scene` draws of a toy. */
 export class LiveMotion {
-  /** @param {Toy} toy */
-  constructor(toy) {
+  /**
+   * @param {Toy} toy
+   * @param {History} history of its last seconds: angles in degrees, and the pivot
+   */
+  constructor(toy, history) {
     this.toy = toy;
+    this.history = history;
     this.about = { options: { drive: "harmonic", gravity: toy.system.gravity } };
     this.balls = ballsOf(toy.system);
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
+    this.naturalFrequency = toy.system.naturalFrequency;
     this.end = Infinity;
     this.reach = toy.controls.drive_amplitude;
     this.top = 0;
@@ -102,13 +108,17 @@ export class LiveMotion {
    */
   at(name, time, row = 0) {
     const { toy } = this;
-    if (name === "pivot_height")
-      return toy.pivot.height + toy.pivot.velocity * (time - toy.time);
+    if (name === "pivot_velocity") return toy.pivot.velocity;
     return name === "angular_velocity" ? toy.velocities[row] : NaN;
   }
 
-  /** Return the heights that the pivot reaches, as far as is known. */
+  /** Nothing is known of the whole motion. */
   values() {
+    return null;
+  }
+
+  /** The heights that the pivot reaches. @returns {[number, number]} */
+  get pivotRange() {
     return [-this.reach, this.reach];
   }
 
@@ -135,15 +145,23 @@ export class LiveMotion {
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */
   pose() {
-    const { height } = this.toy.pivot;
-    return {
-      height,
-      balls: this.balls.map((ball) => {
-        const angle = this.angle(ball);
-        return {
-          ball, angle, x: ball.length * Math.sin(angle), y: height - ball.length * Math.cos(angle),
-        };
-      }),
-    };
+    return poseOf(this.toy.pivot.height, this.balls, (ball) => this.angle(ball));
+  }
+
+  /**
+   * Return the poses of the last moment as the history has them, the oldest first.
+   * @param {number} time now
+   * @param {number} span how far back they go [s]
+   */
+  recent(time, span) {
+    const { history, balls } = this;
+    const poses = [this.pose()];
+    for (let k = history.count - 1; k >= 0; k -= 1) {
+      const i = history.at(k);
+      if (history.time[i] < time - span) break;
+      poses.unshift(poseOf(history.values.pivot[i], balls,
+        ({ name }) => history.values[name === "left" ? "left" : "right"][i] / DEGREES));
+    }
+    return poses;
   }
 }

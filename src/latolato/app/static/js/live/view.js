@@ -48,7 +48,6 @@ export class LiveView {
     this.page = page;
     this.shown = false;
     this.paused = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    this.calm = this.paused;
     /** @type {Toy | null} */
     this.toy = null;
     /** @type {LiveMotion | null} */
@@ -146,7 +145,7 @@ export class LiveView {
   start(toy) {
     const { controls, limits, system } = toy;
     this.toy = toy;
-    this.motion = new LiveMotion(toy);
+    this.motion = new LiveMotion(toy, this.watch.history);
     const names = Object.keys(controls);
     if (names.join() !== Object.keys(this.knobs).join()) this.makeKnobs(names);
     for (const name of names) {
@@ -235,7 +234,7 @@ export class LiveView {
         this.watch.add(motion, clacks);
         if (clacks) {
           this.clack.sound(toy.clack / (LOUDEST * toy.system.naturalFrequency));
-          if (!this.calm) [this.scene.flash, this.scene.flashAt] = [0, performance.now()];
+          this.scene.flash(motion.pose(), toy.clack);
         }
         toy.clack = 0;
         this.dirty = true;

@@ -17,7 +17,7 @@ export class Watch {
    * @param {HTMLCanvasElement} energy
    */
   constructor(angle, energy) {
-    this.history = new History(["right", "left", "kinetic", "potential", "total"]);
+    this.history = new History(["right", "left", "pivot", "kinetic", "potential", "total"]);
     this.angle = new Strip(angle, { least: [-15, 15], curves: [LEFT, RIGHT] });
     this.energy = new Strip(energy, { least: [0, 1e-6], curves: ENERGIES });
     this.angle.history = this.energy.history = this.history;
@@ -46,7 +46,7 @@ export class Watch {
     this.history.add(time, {
       right: motion.angle(first) * DEGREES,
       left: second ? motion.angle(second) * DEGREES : 0,
-      kinetic, potential, total: kinetic + potential,
+      pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential,
     });
     if (!clacks) return;
     const { marks } = this.angle;

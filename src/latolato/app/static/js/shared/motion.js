@@ -5,6 +5,8 @@ import { row } from "./block.js";
 /** @typedef {import("./block.js").Block} Block */
 /** @typedef {{name: string, row: number, sign: number, length: number, radius: number,
  *   mass: number}} Ball */
+/** @typedef {import("./scale.js").Box} Box */
+/** @typedef {ReturnType<typeof poseOf>} Pose */
 
 // A ball of unknown or zero radius is drawn with this share of the length.
 export const SHOWN_RADIUS = 0.04;
@@ -26,6 +28,40 @@ export function before(values, x) {
   return low;
 }
 
+/**
+ * Return the least and the largest finite value.
+ * @param {ArrayLike<number>} values
+ * @returns {[number, number]}
+ */
+export function range(values) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (let i = 0; i < values.length; i += 1) {
+    const value = values[i];
+    if (value < low && value > -Infinity) low = value;
+    if (value > high && value < Infinity) high = value;
+  }
+  return low <= high ? [low, high] : [0, 0];
+}
+
+/**
+ * Return pivot and balls where the balls have these angles: positions in m, x to the right and y up.
+ * @param {number} height of the pivot [m]
+ * @param {Ball[]} balls
+ * @param {(ball: Ball) => number} angleOf a ball as it is drawn [rad]
+ */
+export function poseOf(height, balls, angleOf) {
+  return {
+    height,
+    balls: balls.map((ball) => {
+      const angle = angleOf(ball);
+      return {
+        ball, angle, x: ball.length * Math.sin(angle), y: height - ball.length * Math.cos(angle),
+      };
+    }),
+  };
+}
+
 export class Motion {
   /** @param {Block} block */
   constructor(block) {
@@ -39,6 +75,18 @@ export class Motion {
     this.low = block.about.attributes?.contact_angle_low ?? null;
     this.high = block.about.attributes?.contact_angle_high ?? null;
     this.longest = Math.max(...this.balls.map((b) => b.length));
+    /** [rad/s] */
+    this.naturalFrequency = block.about.attributes?.natural_frequency ?? NaN;
+    /** @type {Box | null} */
+    this.bounds = null;
+    /** @type {[number, number] | null} */
+    this.heights = null;
+  }
+
+  /** The least and the largest height of the pivot [m]. */
+  get pivotRange() {
+    this.heights ??= range(this.values("pivot_height") ?? [0]);
+    return this.heights;
   }
 
   /**
@@ -130,26 +178,40 @@ export class Motion {
    * @param {number} time
    */
   pose(time) {
-    const height = this.at("pivot_height", time);
-    return {
-      height,
-      balls: this.balls.map((ball) => {
-        const angle = this.angle(ball, time);
-        return {
-          ball,
-          angle,
-          x: ball.length * Math.sin(angle),
-          y: height - ball.length * Math.cos(angle),
-        };
-      }),
-    };
+    return poseOf(this.at("pivot_height", time), this.balls, (ball) => this.angle(ball, time));
   }
 
-  /** Return the box that holds the motion, of long runs as some thousand instants see it [m]. */
+  /**
+   * Return the poses of the last moment, the oldest first: at multiples of a step, so that the
+   * picture of a quick motion stands still, and now.
+   * @param {number} time now
+   * @param {number} span how far back they go [s]
+   * @param {number} count of the steps in it
+   */
+  recent(time, span, count) {
+    const step = span / count;
+    const first = Math.max(0, time - span);
+    const poses = [this.pose(first)];
+    for (let k = Math.floor(first / step) + 1; k * step < time; k += 1) poses.push(this.pose(k * step));
+    poses.push(this.pose(time));
+    return poses;
+  }
+
+  /** Return the box that holds the balls and the pivot. */
   box() {
+    this.bounds ??= this.measure();
+    return this.bounds;
+  }
+
+  /**
+   * Return the box, of long runs as some thousand instants see it.
+   * @returns {Box}
+   */
+  measure() {
     const stride = Math.max(1, Math.floor(this.time.length / BOX_SAMPLES));
     const pivot = /** @type {Float32Array} */ (this.values("pivot_height"));
-    let [left, right, low, high] = [0, 0, 0, 0];
+    let [left, right] = [0, 0];
+    let [low, high] = this.pivotRange;
     for (const ball of this.balls) {
       const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
       const r = this.radius(ball);
@@ -160,10 +222,20 @@ export class Motion {
         left = Math.min(left, x - r);
         right = Math.max(right, x + r);
         low = Math.min(low, y - r);
-        high = Math.max(high, y + r, pivot[i]);
+        high = Math.max(high, y + r);
       }
     }
     return { left, right, low, high };
+  }
+
+  /**
+   * Return how fast the balls meet at a contact [rad/s]: a mirrored ball meets its twin.
+   * @param {number} k number of the contact
+   */
+  closingSpeed(k) {
+    const rates = this.balls.map(({ row, sign }) =>
+      sign * /** @type {ArrayLike<number>} */ (this.values("angular_velocity_before", row))[k]);
+    return Math.abs(rates[0] - (rates[1] ?? 0));
   }
 
   /** Return the instants at which the drive begins a period; none for a drive without one. */

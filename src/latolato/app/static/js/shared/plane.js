@@ -2,7 +2,7 @@
 
 import { axisLimits, SINGLE, ticks } from "./axis.js";
 import { colour, fitCanvas } from "./dom.js";
-import { range } from "./scene.js";
+import { range } from "./motion.js";
 import { short } from "./units.js";
 
 const LEFT = 52;

@@ -7,8 +7,9 @@ import { Curves, scaled } from "./curves.js";
 import { el, freshId } from "./dom.js";
 import { followKeys } from "./keys.js";
 import { Later } from "./later.js";
+import { range } from "./motion.js";
 import { Plane } from "./plane.js";
-import { range, Scene } from "./scene.js";
+import { Scene } from "./scene.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -99,6 +100,7 @@ export class Player {
       el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts));
     root.append(el("div", { class: "stage" }, canvas, this.transport), curves, this.cards);
     this.scene = new Scene(canvas);
+    canvas.after(this.scene.legend);
     this.clack = new Clack();
     this.scene.onContact = (k) => {
       const { arrays } = /** @type {Motion} */ (this.motion).block;
@@ -134,8 +136,7 @@ export class Player {
       this.clock.looping = this.loop.checked;
     } } });
     const arrows = el("input", { type: "checkbox", on: { change: () => {
-      this.scene.arrows = arrows.checked;
-      this.scene.draw();
+      this.scene.showArrows(arrows.checked);
     } } });
     const sound = el("input", { type: "checkbox", on: { change: () => {
       this.clack.on = sound.checked;

@@ -1,0 +1,99 @@
+/** What moves the pivot: the way that it goes, a crank, or the wheel that a cosine is made with. */
+
+import { line, place } from "./scale.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./scale.js").Scale} Scale */
+
+// Between the wheel and the pivot, in lengths of the longest rod.
+const GAP = 0.2;
+
+/**
+ * Return whether a wheel explains a run's drive: a point that goes round it is level with the pivot.
+ * @param {Motion} motion
+ */
+export function drawsWheel({ about: { options }, pivotRange: [low, high] }) {
+  return high > low && !["crank_slider", "measured_pivot"].includes(options.drive);
+}
+
+/**
+ * Return the box that holds a crank or a wheel, null without one [m].
+ * @param {Motion} motion
+ * @param {boolean} withWheel
+ */
+export function moverBox(motion, withWheel) {
+  const { about: { options }, pivotRange: [low, high], longest } = motion;
+  if (options.drive === "crank_slider") {
+    const [, y] = crank(options, 0).center;
+    const a = options.drive_amplitude;
+    return { left: -a, right: a, low: y - a, high: y + a };
+  }
+  return withWheel && drawsWheel(motion)
+    ? { left: -GAP * longest - (high - low), right: 0, low, high } : null;
+}
+
+/**
+ * Draw what moves the pivot.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scale} scale
+ * @param {Motion} motion
+ * @param {number} time
+ * @param {Record<string, string>} colours
+ * @param {boolean} withWheel
+ */
+export function drawMover(context, scale, motion, time, colours, withWheel) {
+  const { about: { options }, pivotRange: [low, high], longest } = motion;
+  const unit = longest * scale.size;
+  const { height } = motion.pose(time);
+  context.strokeStyle = colours.line;
+  context.lineWidth = Math.max(4 * scale.ratio, 0.03 * unit);
+  line(context, ...place(scale, 0, low), ...place(scale, 0, high));
+  context.lineWidth = Math.max(scale.ratio, 0.008 * unit);
+  if (options.drive === "crank_slider") {
+    const { center, pin } = crank(options, time);
+    drawWheel(context, scale, center, pin, unit, colours.soft);
+    line(context, ...place(scale, ...pin), ...place(scale, 0, height));
+    return;
+  }
+  if (!withWheel || !drawsWheel(motion)) return;
+  const radius = 0.5 * (high - low);
+  const middle = 0.5 * (high + low);
+  const away = -GAP * longest - radius;
+  const up = height - middle;
+  const across = Math.sqrt(Math.max(radius * radius - up * up, 0))
+    * (motion.at("pivot_velocity", time) > 0 ? -1 : 1);
+  drawWheel(context, scale, [away, middle], [away + across, height], unit, colours.soft);
+  line(context, ...place(scale, away + across, height), ...place(scale, 0, height));
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scale} scale
+ * @param {[number, number]} center in m
+ * @param {[number, number]} pin
+ * @param {number} unit longest rod in pixels
+ * @param {string} paint
+ */
+function drawWheel(context, scale, center, pin, unit, paint) {
+  const radius = Math.hypot(pin[0] - center[0], pin[1] - center[1]) * scale.size;
+  context.beginPath();
+  context.arc(...place(scale, ...center), radius, 0, 2 * Math.PI);
+  context.stroke();
+  context.beginPath();
+  context.arc(...place(scale, ...pin), Math.max(2 * scale.ratio, 0.014 * unit), 0, 2 * Math.PI);
+  context.fillStyle = paint;
+  context.fill();
+}
+
+/**
+ * Return the centre of a crank and its pin at an instant [m]; a guide below has the crank above.
+ * @param {any} options
+ * @param {number} time
+ * @returns {{center: [number, number], pin: [number, number]}}
+ */
+export function crank(options, time) {
+  const phase = options.drive_frequency * time + (options.drive_phase ?? 0);
+  const y = (options.guide === "above" ? -1 : 1) * options.connecting_rod_length;
+  const a = options.drive_amplitude;
+  return { center: [0, y], pin: [a * Math.sin(phase), y + a * Math.cos(phase)] };
+}

@@ -1,0 +1,57 @@
+/** From metres to pixels: where the points of a scene lie on its canvas. */
+
+/** @typedef {{left: number, right: number, low: number, high: number}} Box in m */
+
+/**
+ * How many pixels a metre and a pixel of the page are, and where the origin lies, in pixels.
+ * @typedef {{size: number, ratio: number, x: number, y: number}} Scale
+ */
+
+// Around the box, as a share of it.
+const MARGIN = 0.1;
+
+/**
+ * Return the scale that shows a box as large as it fits, its origin in the middle where there is
+ * room for that.
+ * @param {Box} box
+ * @param {number} width in pixels
+ * @param {number} height
+ * @param {number} ratio
+ * @returns {Scale}
+ */
+export function fitScale({ left, right, low, high }, width, height, ratio) {
+  const grown = 1 + MARGIN;
+  const size = Math.min(width / ((right - left) * grown || 1), height / ((high - low) * grown || 1));
+  const spare = 0.5 * (width - (right - left) * size);
+  // The box moves by no more than the room beside it, less its margin.
+  const room = Math.max(spare - 0.5 * MARGIN * (right - left) * size, 0);
+  const off = 0.5 * (left + right) * size;
+  const x = 0.5 * width - off + Math.min(Math.max(off, -room), room);
+  return { size, ratio, x, y: 0.5 * height + 0.5 * (low + high) * size };
+}
+
+/**
+ * Return where a point lies, in pixels.
+ * @param {Scale} scale
+ * @param {number} x in m to the right
+ * @param {number} y in m upwards
+ * @returns {[number, number]}
+ */
+export function place(scale, x, y) {
+  return [scale.x + x * scale.size, scale.y - y * scale.size];
+}
+
+/**
+ * Draw a straight line.
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} x0
+ * @param {number} y0
+ * @param {number} x1
+ * @param {number} y1
+ */
+export function line(context, x0, y0, x1, y1) {
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1, y1);
+  context.stroke();
+}
