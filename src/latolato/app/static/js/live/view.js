@@ -2,12 +2,12 @@
 
 import { Clack } from "../shared/clack.js";
 import { tell } from "../shared/dom.js";
+import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { withControls } from "../live/address.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
-import { followHand } from "../live/hand.js";
 import { Keeper } from "../live/keeper.js";
 import { KEYS, Knob } from "../live/knob.js";
 import { LiveMotion } from "../live/motion.js";
@@ -22,6 +22,7 @@ import { Scene } from "../shared/scene.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
+/** @typedef {import("../shared/motion.js").Ball} Ball */
 
 // What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
@@ -74,8 +75,10 @@ export class LiveView {
     this.root = layOut(this.parts, this.keeper.button, this.keeper.result, this.preset.field);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
-    followHand(this.parts.canvas, this.scene, () => this.motion,
-      (aim) => this.toy?.hold(aim));
+    const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
+      this.toy?.hold({ ball: ball.row, angle });
+    followDrag(this.scene, { lead, drop: () => this.toy?.hold(null),
+      grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0) });
     followKeys(this.root, this.actions());
     document.addEventListener("visibilitychange", () => this.returnToView());
     this.draw = this.draw.bind(this);

@@ -12,6 +12,7 @@ import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
 import { presetField } from "../shared/presets.js";
+import { withStart } from "../shared/start.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -43,6 +44,7 @@ export class PlayView {
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
+    this.player.start.enable((degrees) => this.begin(degrees));
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
   }
@@ -159,6 +161,16 @@ export class PlayView {
     } finally {
       clearTimeout(waiting);
     }
+  }
+
+  /**
+   * Ask for the run that begins with the balls at rest at these angles.
+   * @param {number[]} degrees
+   */
+  begin(degrees) {
+    const { motion } = this.player;
+    const { store } = this.page;
+    if (motion) store.set({ options: withStart(store.state.options, motion.about.options, degrees) });
   }
 
   /** @param {any} about */

@@ -10,6 +10,7 @@ import { Later } from "./later.js";
 import { range } from "./motion.js";
 import { Plane } from "./plane.js";
 import { Scene } from "./scene.js";
+import { Start } from "./start.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -100,7 +101,8 @@ export class Player {
       el("section", { class: "card" }, el("h2", {}, t("contacts")), this.contacts));
     root.append(el("div", { class: "stage" }, canvas, this.transport), curves, this.cards);
     this.scene = new Scene(canvas);
-    canvas.after(this.scene.legend);
+    this.start = new Start(this.scene, this.clock);
+    canvas.after(this.scene.legend, this.start.said);
     this.clack = new Clack();
     this.scene.onContact = (k) => {
       const { arrays } = /** @type {Motion} */ (this.motion).block;
@@ -174,6 +176,7 @@ export class Player {
       () => this.showContacts(),
     ]);
     this.move(this.clock.time);
+    this.start.play();
   }
 
   /** Keep the run on show behind the next ones, or let it go. */

@@ -42,6 +42,17 @@ export function place(scale, x, y) {
 }
 
 /**
+ * Return the box about a disc.
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @returns {Box}
+ */
+export function boxAbout(x, y, radius) {
+  return { left: x - radius, right: x + radius, low: y - radius, high: y + radius };
+}
+
+/**
  * Draw a straight line.
  * @param {CanvasRenderingContext2D} context
  * @param {number} x0

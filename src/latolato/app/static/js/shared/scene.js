@@ -2,16 +2,18 @@
 
 import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
 import { colour, el, fitCanvas } from "./dom.js";
+import { drawAngle } from "./angle.js";
 import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
 import { contactPoint, Flashes, strengthOf } from "./flash.js";
 import { before } from "./motion.js";
 import { drawMover, moverBox } from "./mover.js";
 import { drawTrails } from "./trail.js";
-import { fitScale, line, place } from "./scale.js";
+import { boxAbout, fitScale, line, place } from "./scale.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */
 /** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./angle.js").Held} Held */
 
 // Kinds of contact up to this one are impacts.
 const TOP = 1;
@@ -39,6 +41,8 @@ export class Scene {
     this.timer = undefined;
     /** @type {Motion | null} a run that is drawn behind, in outline */
     this.pinned = null;
+    /** Balls that a pointer leads, drawn in place of the run. @type {Held | null} */
+    this.held = null;
     /** Where the balls were last drawn, in pixels of the canvas. */
     this.drawn = /** @type {{x: number, y: number}[]} */ ([]);
     this.box = { left: -1, right: 1, low: -1, high: 1 };
@@ -63,6 +67,7 @@ export class Scene {
   /** @param {Motion} motion */
   show(motion) {
     this.motion = motion;
+    this.held = null;
     this.box = motion.box();
     this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
     this.fastest = topSpeed(motion);
@@ -120,6 +125,7 @@ export class Scene {
     const boxes = [{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
       { ...hand, low: low + hand.low, high: high + hand.high },
       moverBox(motion, arrows), this.pinned?.box(),
+      ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
     ].filter((each) => each !== null && each !== undefined);
     const end = (/** @type {"left" | "right" | "low" | "high"} */ name) => boxes.map((each) => each[name]);
     return { left: Math.min(...end("left")), right: Math.max(...end("right")),
@@ -142,7 +148,7 @@ export class Scene {
 
   /** Return where pivot and balls are on show. */
   pose() {
-    return this.motion?.pose(this.time) ?? null;
+    return this.held ?? this.motion?.pose(this.time) ?? null;
   }
 
   draw() {
@@ -174,7 +180,7 @@ export class Scene {
     if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
     drawMover(context, scale, motion, time, colours, this.arrows);
     drawArm(context, pivot, this.fist * size, colours);
-    drawTrails(context, scale, motion, time, colours);
+    if (!this.held) drawTrails(context, scale, motion, time, colours);
     this.drawn = pose.balls.map(({ x, y }) => {
       const [bx, by] = place(scale, x, y);
       return { x: bx, y: by };
@@ -193,6 +199,10 @@ export class Scene {
       context.fill();
       context.stroke();
     });
+    if (this.held) {
+      drawAngle(context, scale, this.held, motion, colours);
+      return false;
+    }
     if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
     return this.flashes.draw(context, scale, unit, colours.flash);
   }

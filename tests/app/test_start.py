@@ -1,0 +1,219 @@
+"""Where the balls of a run begin, chosen with a pointer or with keys in a real browser."""
+
+from __future__ import annotations
+
+import math
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+import pytest
+
+from latolato.app.run_request import RunRequest
+
+# How long a page may take to show its first run [ms].
+PATIENCE = 60_000
+PLAYER = "const { motion, scene, clock, start } = window.latolato.views.play.player;"
+
+
+def open_play(page, query):
+    page.goto(f"/?view=play{query}")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+
+
+def of_player(page, expression, argument=None):
+    """What an expression of the player's parts and of `argument` says."""
+    return page.evaluate(f"(argument) => {{ {PLAYER} return {expression}; }}", argument)
+
+
+PLACE = """(() => {
+  const [k, degrees] = argument;
+  const pose = scene.pose();
+  const { length } = motion.balls[k];
+  const angle = (degrees * Math.PI) / 180;
+  return degrees === null ? [scene.drawn[k].x, scene.drawn[k].y]
+    : scene.place(length * Math.sin(angle), pose.height - length * Math.cos(angle));
+})()"""
+
+
+def lead(page, ball, degrees):
+    """Press on a ball and lead it through angles; the pointer stays down."""
+    box = page.locator("canvas.scene").bounding_box()
+    for k, angle in enumerate([None, *degrees, degrees[-1]]):
+        # The picture makes room as a ball rises: the pointer goes to where the place is now.
+        x, y = of_player(page, PLACE, [ball, angle])
+        page.mouse.move(box["x"] + x, box["y"] + y)
+        if k == 0:
+            page.mouse.down()
+
+
+def release(page):
+    """Let the ball go, and wait for its run."""
+    runs = page.locator("[data-runs]").get_attribute("data-runs")
+    page.mouse.up()
+    page.wait_for_function(
+        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
+    )
+
+
+def options_of(page):
+    """The options that the address holds."""
+    query = {name: values[0] for name, values in parse_qs(urlsplit(page.url).query).items()}
+    query.pop("view")
+    return query.pop("scenario", None), query
+
+
+def degrees_of(text):
+    """The angles of an option."""
+    return [float(part.removesuffix(" deg")) for part in text.split(", ")]
+
+
+@pytest.mark.parametrize(
+    "scenario, ball, through, wanted",
+    [
+        ("toy", 0, [30, 60, 100], [100]),
+        ("toy", 1, [-30, -60], [60]),
+        ("fig04a_push", 0, [40], [40]),  # this one begins with a velocity
+        ("zeno", 0, [50], [50]),
+        ("fig02", 0, [-30, -70], [-70]),
+        ("kapitza", 0, [140, 170, 190], [-170]),
+        ("ballpair_asymmetric", 0, [50, 80], [80, None]),
+        ("ballpair_asymmetric", 1, [-40, -60], [None, -60]),
+    ],
+)
+def test_a_dragged_ball_is_where_the_run_begins(page, scenario, ball, through, wanted):
+    open_play(page, f"&scenario={scenario}")
+    of_player(page, "clock.seek(0.05 * clock.end)")
+    # Slowly, so that the pointer finds the ball.
+    of_player(page, "clock.speed = 1e-3")
+    of_player(page, "clock.play()")
+    page.wait_for_timeout(50)
+    lead(page, ball, through)
+    assert of_player(page, "clock.playing") is False
+    assert of_player(page, "clock.time") == 0
+    shown = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    text = of_player(page, "scene.held.text")
+    release(page)
+    page.wait_for_function(f"() => {{ {PLAYER} return clock.playing && clock.time < 5; }}")
+    page.wait_for_function("() => location.search.includes('initial_angle')")
+    _, options = options_of(page)
+    chosen = degrees_of(options["initial_angle"])
+    for angle, each in zip(chosen, wanted, strict=True):
+        if each is not None:
+            assert angle == pytest.approx(each, abs=0.5)  # a pixel of this picture
+            assert f"{angle:g}°" == text
+        assert angle == pytest.approx(round(angle, 1), abs=1e-9)
+    assert "initial_offset" not in options
+    # It begins where the pointer left it, and at rest.
+    begun = of_player(page, "motion.pose(0).balls.map(({ angle }) => angle)")
+    turns = (np.array(begun) - shown) / (2 * np.pi)
+    assert turns == pytest.approx(np.round(turns), abs=1e-6)
+    rates = of_player(page, "motion.balls.map(({ row }) => motion.at('angular_velocity', 0, row))")
+    assert rates == pytest.approx([0.0] * len(rates), abs=1e-6)
+    # The address asks Python for the same run.
+    scenario, options = options_of(page)
+    resolved = RunRequest(scenario, options).to_scenario()
+    run = resolved.simulate(times=[0.0, 0.1])
+    assert np.atleast_1d(run["angle"].isel(time=0).values) == pytest.approx(
+        np.radians(chosen), abs=1e-9
+    )
+
+
+def test_mirrored_balls_move_together_and_never_through_each_other(page):
+    open_play(page, "&scenario=toy")
+    low, high = of_player(page, "[motion.low, motion.high]")
+    lead(page, 0, [40, 20, -20, -60])
+    right, left = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    assert right == -left
+    assert low <= right < low + math.radians(0.1)
+    lead_on = of_player(page, PLACE, [0, 190])
+    box = page.locator("canvas.scene").bounding_box()
+    page.mouse.move(box["x"] + of_player(page, PLACE, [0, 120])[0], box["y"])
+    page.mouse.move(box["x"] + lead_on[0], box["y"] + lead_on[1])
+    right, left = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    assert right == -left
+    assert high - math.radians(0.1) < right <= high
+    release(page)
+    assert page.get_by_role("alert").count() == 0
+
+
+def test_a_ball_of_two_stops_at_the_other(page):
+    open_play(page, "&scenario=ballpair_asymmetric")
+    lead(page, 0, [0, -30, -80])
+    right, left = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    gap = of_player(page, "motion.about.attributes.contact_separation")
+    assert gap <= right - left < gap + math.radians(0.2)
+    release(page)
+    begun = of_player(page, "motion.pose(0).balls.map(({ angle }) => angle)")
+    assert begun == pytest.approx([right, left], abs=1e-6)
+
+
+def test_arrow_keys_change_the_start_and_say_so(page):
+    open_play(page, "&scenario=toy&initial_angle=20 deg")
+    stage = page.get_by_role("application")
+    stage.focus()
+    stage.press("ArrowRight")
+    page.get_by_text("The balls start at 25 degrees.").wait_for()
+    stage.press("Shift+ArrowRight")
+    stage.press("Shift+ArrowRight")
+    stage.press("ArrowLeft")
+    page.get_by_text("The balls start at 22 degrees.").wait_for()
+    page.wait_for_function(
+        f"() => {{ {PLAYER} const [{{ angle }}] = motion.pose(0).balls;"
+        " return Math.abs(angle - 22 * Math.PI / 180) < 1e-6; }"
+    )
+    assert of_player(page, "[clock.playing, clock.time]") == [False, 0]
+    page.wait_for_function("() => location.search.includes('initial_angle=22+deg')")
+    stage.press("Space")
+    page.wait_for_function(f"() => {{ {PLAYER} return clock.time > 0; }}")
+
+
+def test_keys_stop_where_the_balls_touch(page):
+    open_play(page, "&scenario=toy&initial_angle=8 deg")
+    page.get_by_role("application").press("ArrowLeft")
+    low = of_player(page, "motion.low")
+    page.get_by_text("The balls start at").wait_for(state="attached")
+    assert low <= math.radians(of_player(page, "start.degrees[0]")) < low + math.radians(0.1)
+
+
+def test_who_wants_little_motion_starts_a_run_without_playing_it(page):
+    page.emulate_media(reduced_motion="reduce")
+    open_play(page, "&scenario=toy")
+    lead(page, 0, [40])
+    release(page)
+    assert of_player(page, "[clock.playing, clock.time]") == [False, 0]
+
+
+def test_a_click_on_a_ball_changes_nothing(page):
+    open_play(page, "&scenario=toy")
+    box = page.locator("canvas.scene").bounding_box()
+    x, y = of_player(page, PLACE, [0, None])
+    page.mouse.click(box["x"] + x, box["y"] + y)
+    assert of_player(page, "scene.held") is None
+    assert "initial_angle" not in page.url
+
+
+def test_a_finger_drags_a_ball_and_scrolls_the_page_elsewhere(page):
+    page.set_viewport_size({"width": 390, "height": 600})
+    open_play(page, "&scenario=toy")
+    page.locator("canvas.scene").scroll_into_view_if_needed()
+    session = page.context.new_cdp_session(page)
+    session.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+
+    def drag(x, y, dx, dy):
+        for kind, share in (("touchStart", 0), *(("touchMove", k / 6) for k in range(1, 7))):
+            point = {"x": x + share * dx, "y": y + share * dy}
+            session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [point]})
+            page.wait_for_timeout(20)
+        session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        page.wait_for_timeout(100)
+
+    box = page.locator("canvas.scene").bounding_box()
+    x, y = of_player(page, PLACE, [0, None])
+    before = page.evaluate("scrollY")
+    drag(box["x"] + x, box["y"] + y, 60, -60)
+    page.wait_for_function("() => location.search.includes('initial_angle')")
+    assert page.evaluate("scrollY") == before
+    of_player(page, "clock.pause()")
+    drag(box["x"] + 20, box["y"] + 0.6 * box["height"], 0, -120)
+    page.wait_for_function("before => scrollY > before + 50", arg=before)
+    session.detach()
