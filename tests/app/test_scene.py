@@ -255,3 +255,71 @@ def test_a_pinned_run_is_not_cut_off_by_a_smaller_one(page):
     )
     above = of_scene(page, "scene.place(0, scene.pinned.box().high)[1]")
     assert above >= 0
+
+
+def test_a_tiny_ball_is_large_enough_to_be_seen(page):
+    open_play(page, "&scenario=toy&radius=0.1 mm")
+    of_scene(page, "clock.seek(0.4)")
+    for away in ("2 / scene.scale().size", "-2 / scene.scale().size"):
+        assert pixel(page, f"[scene.pose().balls[0].x + {away}, scene.pose().balls[0].y]") == [
+            "right"
+        ]
+
+
+PICTURE = """async ({ title, width }) => {
+  const { stagePicture, captionOf } = await import("/js/shared/picture.js");
+  const { motion, scene } = window.latolato.views.play.player;
+  const drawn = JSON.stringify(scene.drawn);
+  const caption = captionOf(motion.about.options);
+  const blob = await stagePicture(scene, { title, caption });
+  const image = await createImageBitmap(blob);
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [image.width, image.height];
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  const ratio = window.devicePixelRatio;
+  const near = (paint, pixel) => [1, 3, 5].every((k, i) =>
+    Math.abs(parseInt(paint.slice(k, k + 2), 16) - pixel[i]) < 4);
+  const balls = scene.drawn.map(({ x, y }, i) => near(
+    motion.balls[i].name === "left" ? scene.colours.left : scene.colours.right,
+    context.getImageData((2 * x) / ratio, (2 * y) / ratio, 1, 1).data));
+  const stage = (2 * scene.canvas.height) / ratio;
+  const strip = context.getImageData(0, stage, image.width, image.height - stage).data;
+  const ground = strip.slice(0, 3).join();
+  let [written, last] = [0, 0];
+  for (let i = 0; i < strip.length; i += 4)
+    if (strip.slice(i, i + 3).join() !== ground) {
+      written += 1;
+      last = Math.max(last, (i / 4) % image.width);
+    }
+  return { caption, type: blob.type, width: image.width, height: image.height, stage, balls,
+    written, last, ground, isSame: drawn === JSON.stringify(scene.drawn),
+    wanted: (2 * scene.canvas.width) / ratio };
+}"""
+
+
+@pytest.mark.parametrize("width", [390, 1366])
+def test_a_picture_of_the_stage_has_its_balls_and_a_caption(page, width):
+    page.set_viewport_size({"width": width, "height": 768})
+    open_play(page, "&scenario=toy")
+    of_scene(page, "clock.seek(2.34)")
+    grounds = set()
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_timeout(100)
+        found = page.evaluate(PICTURE, {"title": "The toy in the hand " * 4, "width": width})
+        assert found["type"] == "image/png"
+        assert found["width"] == found["wanted"]
+        assert found["balls"] == [True, True]
+        assert found["height"] > found["stage"] + 80
+        assert found["written"] > 500
+        assert found["last"] < found["width"] - 20
+        assert found["isSame"]
+        grounds.add(found["ground"])
+    assert len(grounds) == 2
+    toy, drive = ll.load_scenario("toy").system, ll.load_scenario("toy").drive
+    assert found["caption"].split(" · ") == [
+        f"the hand moves by ± {1000 * drive.drive_amplitude:g} mm",
+        f"{drive.drive_frequency / (2 * math.pi):.3g} shakes per second",
+        f"restitution {toy.restitution:g}",
+    ]

@@ -132,9 +132,14 @@ export class Scene {
       low: Math.min(...end("low")), high: Math.max(...end("high")) };
   }
 
-  /** Return how many pixels of the canvas a metre is, and where the origin lies. */
-  scale() {
-    return fitScale(this.frame(), this.canvas.width, this.canvas.height, window.devicePixelRatio || 1);
+  /**
+   * Return how many pixels of a canvas of this size a metre is, and where the origin lies.
+   * @param {number} [width] in pixels
+   * @param {number} [height]
+   * @param {number} [ratio] pixels for one of the page
+   */
+  scale(width = this.canvas.width, height = this.canvas.height, ratio = window.devicePixelRatio || 1) {
+    return fitScale(this.frame(), width, height, ratio);
   }
 
   /**
@@ -158,9 +163,12 @@ export class Scene {
     if (!context) return;
     context.clearRect(0, 0, canvas.width, canvas.height);
     if (!this.colours.ink) this.colours = this.readColours();
-    // A canvas that is not in the page has none.
-    if (this.colours.ink && this.motion && this.paint(context, this.scale()))
-      this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
+    const pose = this.pose();
+    // A canvas that is not in the page has no colours.
+    if (!this.colours.ink || !pose) return;
+    const scale = this.scale();
+    this.drawn = placed(scale, pose);
+    if (this.paint(context, scale)) this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
   }
 
   /**
@@ -181,20 +189,17 @@ export class Scene {
     drawMover(context, scale, motion, time, colours, this.arrows);
     drawArm(context, pivot, this.fist * size, colours);
     if (!this.held) drawTrails(context, scale, motion, time, colours);
-    this.drawn = pose.balls.map(({ x, y }) => {
-      const [bx, by] = place(scale, x, y);
-      return { x: bx, y: by };
-    });
+    const balls = placed(scale, pose);
     context.strokeStyle = colours.ink;
     context.lineWidth = Math.max(1.5 * ratio, 0.012 * unit);
-    for (const { x, y } of this.drawn) line(context, ...pivot, x, y);
+    for (const { x, y } of balls) line(context, ...pivot, x, y);
     drawFist(context, pivot, this.fist * size, colours);
     context.strokeStyle = colours.ink;
     context.lineWidth = ratio;
     pose.balls.forEach(({ ball }, i) => {
       const radius = Math.max(motion.radius(ball) * size, LEAST_RADIUS * ratio);
       context.beginPath();
-      context.arc(this.drawn[i].x, this.drawn[i].y, radius, 0, 2 * Math.PI);
+      context.arc(balls[i].x, balls[i].y, radius, 0, 2 * Math.PI);
       context.fillStyle = ball.name === "left" ? colours.left : colours.right;
       context.fill();
       context.stroke();
@@ -227,4 +232,16 @@ export class Scene {
     }
     context.setLineDash([]);
   }
+}
+
+/**
+ * Return where the balls of a pose lie, in pixels.
+ * @param {Scale} scale
+ * @param {Pose} pose
+ */
+function placed(scale, { balls }) {
+  return balls.map((ball) => {
+    const [x, y] = place(scale, ball.x, ball.y);
+    return { x, y };
+  });
 }

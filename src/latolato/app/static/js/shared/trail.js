@@ -25,7 +25,6 @@ const WIDTH = 0.6;
 export function drawTrails(context, scale, motion, time, colours) {
   const poses = motion.recent(time, (SPAN * 2 * Math.PI) / motion.naturalFrequency, STEPS);
   context.globalAlpha = OPACITY;
-  context.lineCap = "butt";
   motion.balls.forEach((ball, i) => {
     const points = poses.map(({ balls }) => place(scale, balls[i].x, balls[i].y));
     const width = WIDTH * 2 * motion.radius(ball) * scale.size;
@@ -39,5 +38,4 @@ export function drawTrails(context, scale, motion, time, colours) {
     }
   });
   context.globalAlpha = 1;
-  context.lineCap = "round";
 }
