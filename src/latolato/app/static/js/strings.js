@@ -54,6 +54,7 @@ export const STRINGS = {
   legendVelocity: "velocity of the ball",
   legendRod: "force of the rod: it pulls towards the hand, or pushes away from it",
   legendWeight: "weight",
+  legendCrank: "the crank that moves the hand",
   legendWheel: "a dot that goes round the circle is always level with the hand",
   timeText: "t = {time} s",
   speedText: "{speed}×",

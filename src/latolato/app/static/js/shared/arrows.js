@@ -123,5 +123,6 @@ export function legendOf(motion) {
     el("li", {}, el("span", { class: `key ${paint}` }), t(name));
   return [item("speed", "legendVelocity"), item("soft", "legendWeight"),
     motion.values("tension") && item("force", "legendRod"),
-    drawsWheel(motion) && item("wheel", "legendWheel")].filter((each) => each instanceof Element);
+    drawsWheel(motion) && item("wheel", "legendWheel"),
+    motion.about.options.drive === "crank_slider" && item("wheel", "legendCrank")].filter((each) => each instanceof Element);
 }
