@@ -69,3 +69,24 @@ test("a mirrored ball is drawn on the other side", () => {
   assert.ok(Math.abs(right.x - 2) < 1e-12 && Math.abs(left.x + 2) < 1e-12);
   assert.ok(Math.abs(right.y - 0.05) < 1e-12);
 });
+
+test("a trail goes through what the history has of the last moment", () => {
+  const history = new History(["right", "left", "pivot"]);
+  for (let k = 0; k < 60; k += 1)
+    history.add(k / 60, { right: k, left: -k, pivot: 0.001 * k });
+  const ball = { length: 2, radius: 0.1, mass: 1 };
+  const motion = new LiveMotion({ time: 1, angles: [Math.PI / 3], velocities: [0],
+    controls: { drive_amplitude: 0.1 }, pivot: { height: 0.06, velocity: 0, acceleration: 0 },
+    system: { gravity: 9.8, contacts: true, balls: [ball] } }, history);
+  const poses = motion.recent(1, 5.5 / 60);
+  assert.equal(poses.length, 10); // five instants, one between each two, and now
+  poses.slice(0, -1).forEach(({ height, balls: [right, left] }, i) => {
+    const k = 55 + 0.5 * i;
+    const angle = (k * Math.PI) / 180;
+    assert.ok(Math.abs(height - 0.001 * k) < 1e-12);
+    assert.ok(Math.abs(right.x - 2 * Math.sin(angle)) < 1e-12);
+    assert.ok(Math.abs(left.x + right.x) < 1e-12);
+    assert.ok(Math.abs(right.y - (height - 2 * Math.cos(angle))) < 1e-12);
+  });
+  assert.equal(poses.at(-1).height, 0.06);
+});

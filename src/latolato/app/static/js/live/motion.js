@@ -149,19 +149,26 @@ export class LiveMotion {
   }
 
   /**
-   * Return the poses of the last moment as the history has them, the oldest first.
+   * Return the poses of the last moment as the history has them, the oldest first, and one between
+   * each two: a ball that moves fast turns far in a picture.
    * @param {number} time now
    * @param {number} span how far back they go [s]
    */
   recent(time, span) {
     const { history, balls } = this;
-    const poses = [this.pose()];
+    const { pivot, right, left } = history.values;
+    /** @type {number[][]} */
+    const rows = [];
     for (let k = history.count - 1; k >= 0; k -= 1) {
       const i = history.at(k);
       if (history.time[i] < time - span) break;
-      poses.unshift(poseOf(history.values.pivot[i], balls,
-        ({ name }) => history.values[name === "left" ? "left" : "right"][i] / DEGREES));
+      const next = rows.at(-1);
+      const row = [pivot[i], right[i], left[i]];
+      if (next) rows.push(row.map((value, j) => 0.5 * (value + next[j])));
+      rows.push(row);
     }
-    return poses;
+    const poses = rows.reverse().map(([height, ...angles]) => poseOf(height, balls,
+      ({ name }) => angles[name === "left" ? 1 : 0] / DEGREES));
+    return [...poses, this.pose()];
   }
 }
