@@ -44,6 +44,9 @@ _NAMED = re.compile(
     r'(?P<before>from |import\(|new URL\()"(?P<path>\.[^"]+\.js)"(?P<url>, import\.meta\.url\))?'
 )
 
+# Descriptions, in which types of other modules are named; browsers need neither.
+_DESCRIPTIONS = re.compile(r"/\*\*.*?\*/", re.DOTALL)
+
 
 def play(run: xr.Dataset) -> Any:
     """Return a widget that plays a run: animation, curves, phase portrait, contacts, energies.
@@ -177,6 +180,7 @@ def modules() -> list[tuple[str, str]]:
             continue
         source = _content() if path == CONTENT else (STATIC / path).read_text(encoding="utf-8")
         folder = PurePosixPath(path).parent
+        source = _DESCRIPTIONS.sub("", source)
         names[path] = [_joined(folder, match["path"]) for match in _NAMED.finditer(source)]
         sources[path] = _NAMED.sub(partial(_placed, folder), source)
         paths += names[path]
