@@ -6,6 +6,7 @@ const folder = `${pathToFileURL(process.argv[2])}/js/`;
 const load = (name) => import(folder + name);
 const { wishOf } = await load("embed.js");
 const { format, parse } = await load("shared/state.js");
+const { readable } = await load("shared/reading.js");
 const { specify } = await load("model/case.js");
 const { loadRegistry } = await load("model/registry.js");
 const { InputError } = await load("model/rules.js");
@@ -31,6 +32,12 @@ const kinds = {
     const state = parse(search);
     const same = format(parse(format(state))) === format(state);
     return { same, ended: await ended(state) };
+  },
+  async link(search) {
+    const views = ["play", "map", "live"];
+    const { state, left } = readable(registry, parse(search), views);
+    const again = readable(registry, parse(format(state)), views);
+    return { lines: left.map(({ text }) => text), again: again.left.length, known: views.includes(state.view) };
   },
   async request(request) {
     return { ended: await ended(request) };

@@ -190,6 +190,17 @@ def test_no_address_makes_a_page_stumble(pairs, page):
     assert "\n" not in answer["ended"]
 
 
+@hypothesis.given(
+    pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario", "embed"]), TEXTS))
+)
+@many
+def test_of_any_link_something_readable_remains(pairs, page):
+    answer = page("link", "?" + urlencode(pairs, errors="replace"))
+    assert answer["known"]
+    assert answer["again"] == 0
+    assert all(len(line) < 400 and "\n" not in line for line in answer["lines"])
+
+
 @hypothesis.given(scenario=st.none() | SCENARIOS, options=OPTIONS)
 @many
 def test_no_parameters_make_a_page_stumble(scenario, options, page):

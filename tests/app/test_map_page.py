@@ -268,7 +268,7 @@ def test_an_axis_is_made_logarithmic_and_a_zero_on_it_is_refused(page):
     low = page.get_by_label("from", exact=True).nth(1)
     low.fill("0")
     low.press("Enter")
-    page.get_by_role("alert").get_by_text("a logarithmic axis must begin above zero").wait_for()
+    page.locator(".message").get_by_text("a logarithmic axis must begin above zero").wait_for()
 
 
 def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp_path):
@@ -394,7 +394,7 @@ def test_a_worker_that_dies_is_replaced_and_the_page_says_so(page):
 def test_every_sweep_of_the_paper_is_shown_and_its_points_play(page, name):
     open_map(page, f"&map.scenario={name}&map.size=12")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert page.get_by_role("alert").filter(visible=True).count() == 0
+    assert page.locator(":is(.message, .error)").filter(visible=True).count() == 0
     box = page.locator("canvas.map").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
     page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
@@ -429,7 +429,7 @@ def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
     upper = page.get_by_label("to", exact=True).nth(1)
     upper.fill("-3 mm")
     upper.press("Enter")
-    page.get_by_role("alert").get_by_text("amplitude: the end must lie above the start").wait_for()
+    page.locator(".message").get_by_text("amplitude: the end must lie above the start").wait_for()
     upper.fill("30 cm")
     upper.press("Enter")
     wait_done(page, 2)
@@ -508,8 +508,9 @@ def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):
 def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     small = QUERY.replace("size=24", "size=8")
     open_map(page, f"{small}&map.xlow=abc&map.levels=abc&map.ylow=0.1&map.xlog=1&map.sise=9")
-    page.get_by_role("alert").get_by_text(
-        "as it could not be read: map.levels=abc, map.sise=9, map.xlow=abc."
+    page.locator(".message").get_by_text(
+        "“at the values” cannot be “abc”. There is no parameter “map.sise”. "
+        "“To the right, from” cannot be “abc”."
     ).wait_for()
     page.wait_for_function("() => !location.search.includes('abc')")
     # The others are about the axes on show.
@@ -523,13 +524,13 @@ def test_what_an_address_says_in_vain_is_told_and_left_out(page):
     np.testing.assert_allclose(found["y"], np.linspace(0.1, 0.5, 8), rtol=1e-12)
     page.get_by_label("Scale").evaluate("(e) => { e.closest('details').open = true; }")
     page.get_by_label("Scale").select_option("magma")
-    page.get_by_text("Ignored in the address").wait_for(state="hidden")
+    page.get_by_text("could not be used").wait_for(state="hidden")
 
 
 def test_an_unusual_number_of_points_is_shown_and_too_many_are_refused(page):
     small = QUERY.replace("size=24", "size=501")
     page.goto(f"/?view=map{small}")
-    alert = page.get_by_role("alert").filter(visible=True)
+    alert = page.locator(".message")
     alert.get_by_text("a map has at most 250000 points, got 501 x 501").wait_for()
     points = page.get_by_label("Points")
     assert points.input_value() == "501"
@@ -542,7 +543,7 @@ def test_an_unusual_number_of_points_is_shown_and_too_many_are_refused(page):
 
 def test_ends_in_the_wrong_order_in_an_address_are_told(page):
     page.goto(f"/?view=map{QUERY}&map.xlow=5&map.xhigh=1")
-    page.get_by_role("alert").get_by_text("the end must lie above the start, got 5 to 1").wait_for()
+    page.locator(".message").get_by_text("the end must lie above the start, got 5 to 1").wait_for()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

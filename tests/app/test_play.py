@@ -48,7 +48,7 @@ def test_a_bad_value_is_told_beside_its_field(page, watch):
     field = page.get_by_label("radius of one ball", exact=False).first
     field.fill("2000")
     field.press("Enter")
-    page.get_by_text("must lie in [0, length)").wait_for()
+    page.locator(".field").get_by_text("must lie in [0, length)").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
     # The browser itself notes the refusal.
     watch.faults[:] = [f for f in watch.faults if "422" not in f]
@@ -293,7 +293,7 @@ def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
     field = page.get_by_label("duration", exact=False).first
     field.fill("1e9")
     field.press("Enter")
-    page.get_by_text("shorten the duration").wait_for()
+    page.locator(".form").get_by_text("shorten the duration").wait_for()
 
 
 def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
@@ -303,7 +303,7 @@ def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
     field.press("Enter")
     agree = page.get_by_role("button", name="Compute it")
     agree.wait_for()
-    assert re.match(r"This run takes about \d+ minutes", page.locator(".notes").inner_text())
+    assert re.match(r"This run takes about \d+ minutes", page.locator(".message").inner_text())
     agree.click()
     page.get_by_text("Computing").wait_for()
     stop = page.get_by_role("button", name="Stop")
@@ -314,7 +314,7 @@ def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
     field.fill("5")
     field.press("Enter")
     page.wait_for_function("() => window.latolato.views.play.player.motion.end === 5")
-    assert page.locator(".notes").inner_text() == ""
+    assert page.locator(".message").count() == 0
 
 
 def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
@@ -330,7 +330,7 @@ def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
     assert "was started again" in page.locator("#status").text_content()
     page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '2'")
     page.evaluate(fail, 2)
-    page.get_by_text("the computation failed twice").wait_for()
+    page.locator(".message").get_by_text("The computation failed twice").wait_for()
     page.get_by_label("Begin with").select_option("fig04a_push")
     page.wait_for_function("() => document.querySelector('[data-runs]').dataset.runs === '3'")
 
@@ -338,7 +338,7 @@ def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
 def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
     page.route("**/model/worker.js", lambda route: route.abort())
     open_play(page)
-    assert page.locator(".notes").inner_text() == ""
+    assert page.locator(".message").count() == 0
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
 
 
@@ -534,15 +534,6 @@ def test_a_stage_that_is_no_number_is_told(page):
     cell.press("Enter")
     page.get_by_text("“slow” is no number").wait_for()
     assert "drive_frequencies" not in page.url
-
-
-@pytest.mark.parametrize("query", ["system=rocket", "drive=rocket", "scenario=fig02&system=rocket"])
-def test_an_address_with_an_unknown_law_is_told(page, watch, query):
-    page.goto(f"/?view=play&{query}")
-    page.get_by_text("unknown").first.wait_for()
-    page.get_by_label("Begin with").select_option("fig02")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    watch.faults[:] = [f for f in watch.faults if "422" not in f]
 
 
 def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):

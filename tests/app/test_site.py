@@ -102,7 +102,7 @@ def test_every_sweep_is_computed_without_a_server_that_computes(visit, web, name
     visit.goto(f"{web[0]}?view=map&map.scenario={name}&map.size=10")
     visit.wait_for_selector("[data-done]", timeout=PATIENCE)
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert visit.locator(".error:visible").all_inner_texts() == []
+    assert visit.locator(":is(.message, .error):visible").all_inner_texts() == []
     visit.get_by_text("Download", exact=True).click()
     with visit.expect_download() as waiting:
         visit.get_by_role("button", name="CSV").click()
@@ -113,7 +113,7 @@ def test_every_sweep_is_computed_without_a_server_that_computes(visit, web, name
 
 def test_a_stored_map_is_left_to_the_program(visit, web):
     visit.goto(f"{web[0]}?view=map&map.stored=own.zarr")
-    visit.get_by_role("alert").get_by_text("The installed program opens stored maps").wait_for()
+    visit.locator(".message").get_by_text("The installed program opens stored maps").wait_for()
     assert visit.faults == []
 
 
@@ -252,17 +252,17 @@ IMAGE = "<img src=x onerror=alert(1)>"
 BROKEN = {
     "view=constructor": "There is no view “constructor”",
     f"view={IMAGE}": f"There is no view “{IMAGE}”",
-    f"view=play&scenario={IMAGE}": f"there is no scenario '{IMAGE}'",
-    "view=play&scenario=__proto__": "there is no scenario '__proto__'",
-    "view=play&system=constructor": "unknown system 'constructor'",
-    "view=play&scenario=toy&drive=toString": "unknown drive 'toString'",
-    "view=play&__proto__=1&scenario=toy": "unknown option '__proto__'",
-    "view=play&scenario=toy&system=pendulum&__proto__=1": "unknown option '__proto__'",
+    f"view=play&scenario={IMAGE}": f"There is no preset “{IMAGE}”",
+    "view=play&scenario=__proto__": "There is no preset “__proto__”",
+    "view=play&system=constructor": "There is no system “constructor”",
+    "view=play&scenario=toy&drive=toString": "There is no drive “toString”",
+    "view=play&__proto__=1&scenario=toy": "There is no parameter “__proto__”",
+    "view=play&scenario=toy&system=pendulum&__proto__=1": "There is no parameter “__proto__”",
     "view=play&scenario=toy&length=3 constructor": "must be given in m",
     "view=play&scenario=toy&duration=1e999 s": "must be finite",
-    f"view=play&scenario={'x' * 5000}": "there is no scenario 'xxx",
+    f"view=play&scenario={'x' * 5000}": "There is no preset “xxx",
     "view=map&format=99": "made by a newer latolato",
-    "view=live&scenario=constructor": "there is no scenario 'constructor'",
+    "view=live&scenario=constructor": "There is no preset “constructor”",
     "view=live&scenario=toy&radius=NaN": "must be finite",
 }
 
@@ -270,9 +270,7 @@ BROKEN = {
 def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
     for query, words in BROKEN.items():
         visit.goto(f"{web[0]}?{query}")
-        visit.locator(":is(#status, .error, .notes):visible").filter(
-            has_text=words
-        ).first.wait_for()
+        visit.locator(".message").filter(has_text=words).wait_for()
         assert visit.locator("main img").count() == 0
     assert visit.faults == []
 
@@ -280,7 +278,7 @@ def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
 @pytest.mark.parametrize("view", ["play", "live", "map"])
 def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
     visit.goto(f"{web[0]}?view={view}&map.size=10&length={'x' * 3000}")
-    visit.locator(":is(.error, .notes, .readout):visible").filter(has_text="xxx").first.wait_for()
+    visit.locator(".message").filter(has_text="xxx").wait_for()
     wider = visit.evaluate("() => document.scrollingElement.scrollWidth - innerWidth")
     assert wider <= 0
     assert visit.faults == []
@@ -295,6 +293,7 @@ def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(vi
     assert {tuple(each) for each in visit.evaluate("() => window.heard")} == {
         ("type", "height", "address")
     }
+    entries = visit.evaluate("() => history.length")
     send = "(data) => document.querySelector('iframe').contentWindow.postMessage(data, '*')"
     wish = {"type": "latolato", "options": {"duration": "3 s"}, "scenario": "fig04a_push"}
     for wrong in (
@@ -312,7 +311,14 @@ def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(vi
         "() => window.heard.at(-1).address"
         " === '?view=play&scenario=fig04a_push&embed=1&duration=3+s'"
     )
-    frame.wait_for_function("() => window.latolato.views.play.player.motion.end === 3")
+    frame.wait_for_function("() => window.latolato.views.play.player.motion?.end === 3")
+    # Steps are undone in the view, and its entries leave the Back button to the page around it.
+    assert visit.evaluate("() => history.length") == entries
+    frame.get_by_role("button", name="Play", exact=True).press("Control+z")
+    frame.wait_for_function("() => location.search.includes('scenario=fig02')")
+    frame.get_by_role("button", name="Play", exact=True).press("Control+y")
+    frame.wait_for_function("() => location.search.includes('scenario=fig04a_push')")
+    assert visit.evaluate("() => history.length") == entries
     assert visit.faults == []
 
 

@@ -2,7 +2,10 @@
 
 import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
-import { AddressStore, format, isReadable, parse } from "./shared/state.js";
+import { AddressStore, followUndoKeys, undoButtons } from "./shared/history.js";
+import { Messages } from "./shared/messages.js";
+import { readable, sayLeft } from "./shared/reading.js";
+import { format, isReadable, parse } from "./shared/state.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./shared/state.js").Page} Page */
@@ -56,6 +59,7 @@ function startViews(page) {
   /** @type {string | null} */
   let current = null;
   let again = 0;
+  const tools = undoButtons(page.store.steps);
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
       if (e.ctrlKey || e.metaKey || e.shiftKey) return;
@@ -74,12 +78,10 @@ function startViews(page) {
       else link.removeAttribute("aria-current");
     }
     if (view === current) return;
-    if (!Object.hasOwn(VIEWS, view)) {
-      tell(t("unknownView", { name: view }));
-      page.store.set({ view: "play" }, "view");
-      return;
+    if (current) {
+      made[current].hide();
+      page.messages.clear();
     }
-    if (current) made[current].hide();
     current = null;
     if (!made[view] && !page.registry.server && NEED_PROGRAM.includes(view)) {
       made[view] = new ProgramView(view);
@@ -103,7 +105,10 @@ function startViews(page) {
     const title = t(`view_${view}`);
     // A view that shows no title of its own has one for those who hear the page.
     const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
-    main.replaceChildren(...head, made[view].root);
+    const { root } = made[view];
+    main.replaceChildren(...head, root);
+    (root.querySelector(".stage-messages") ?? root).prepend(page.messages.root);
+    root.querySelector(".stage-tools")?.append(...tools);
     made[view].show();
     document.title = `${title} · latolato`;
   };
@@ -138,12 +143,19 @@ function keepOffline() {
 
 startTheme();
 const store = new AddressStore(window);
+followUndoKeys(window, store.steps);
 // The first view's modules come while the server makes the registry.
 if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
-if (!isReadable(location.search, registry.format)) {
-  tell(t("newerAddress"));
-  store.state = parse("");
+/** @type {Page} */
+const page = { registry, store, messages: new Messages() };
+if (isReadable(location.search, registry.format)) {
+  const { state, left } = readable(registry, store.state, Object.keys(VIEWS));
+  if (left.length) store.amend(state, "preset");
+  sayLeft(page, left);
+} else {
+  page.messages.say("link", t("newerAddress"), { stays: true });
+  store.amend(parse(""), "preset");
 }
-startViews({ registry, store });
+startViews(page);
 if (!registry.server) keepOffline();

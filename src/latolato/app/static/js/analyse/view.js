@@ -7,6 +7,7 @@ import { JobLine, spanText } from "../shared/jobs.js";
 import { heldOptions, withLaws } from "../shared/laws.js";
 import { withOptions } from "../shared/links.js";
 import { presetField } from "../shared/presets.js";
+import { leaveOut } from "../shared/reading.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
@@ -145,11 +146,12 @@ export class AnalyseView {
     const { extra } = this.page.store.state;
     const kept = Object.keys(extra).filter((name) => name.startsWith(KEY)
       && name !== WHAT && name !== ASK);
-    const strange = kept.map((name) => name.slice(KEY.length)).filter((n) => !(n in form.options));
-    const lines = strange.map((name) => t("unknownSetting", { name }));
-    if (WHAT in extra && !(extra[WHAT] in this.forms))
-      lines.unshift(t("unknownQuestion", { name: extra[WHAT] }));
-    this.tell(lines.join(" "));
+    const strange = kept.filter((name) => !Object.hasOwn(form.options, name.slice(KEY.length)));
+    const isAsked = !(WHAT in extra) || Object.hasOwn(this.forms, extra[WHAT]);
+    leaveOut(this.page, Object.fromEntries([
+      ...(isAsked ? [] : [[WHAT, { text: t("unknownQuestion", { name: extra[WHAT] }) }]]),
+      ...strange.map((name) => [name, { text: t("unknownSetting", { name: name.slice(KEY.length) }) }])]));
+    this.tell("");
     this.list.show(this.what, this.about.unfit);
     this.title.textContent = form.title;
     this.term.textContent = t("termOf", { term: form.term });

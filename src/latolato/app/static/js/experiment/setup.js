@@ -2,6 +2,7 @@
 
 import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
+import { cut, leaveOut } from "../shared/reading.js";
 import { toSi } from "../shared/units.js";
 import { inWords } from "../shared/words.js";
 import { t } from "../strings.js";
@@ -11,12 +12,13 @@ const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "l
 
 export class Setup {
   /**
-   * @param {import("../shared/state.js").Store} store where the quantities are kept, after "experiment."
+   * @param {import("../shared/state.js").Page} page its address keeps the quantities, after "experiment."
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void}} on
    */
-  constructor(store, fields, on) {
+  constructor(page, fields, on) {
+    const { store } = page;
     this.fields = fields;
     /** @type {Record<string, string>} */
     this.values = {};
@@ -24,14 +26,30 @@ export class Setup {
       const kept = store.state.extra[`experiment.${name}`];
       if (kept) this.values[name] = kept;
     }
+    const known = [...FIRST, ...REST, "example"].map((name) => `experiment.${name}`);
+    const strange = Object.keys(store.state.extra).filter((key) => key.startsWith("experiment.")
+      && !known.includes(key));
+    leaveOut(page, Object.fromEntries(strange.map((key) =>
+      [key, { text: t("unknownParameter", { name: cut(key) }) }])));
+    let before = store.state.extra;
+    store.subscribe(({ extra }, changed) => {
+      for (const name of changed === "address" ? [...FIRST, ...REST] : []) {
+        const key = `experiment.${name}`;
+        if (extra[key] !== before[key]) own.take(name, extra[key] ?? null);
+      }
+      before = extra;
+    });
     const own = /** @type {any} */ ({
       state: { options: this.values },
       option: (/** @type {string} */ name, /** @type {string | null} */ value) => {
+        own.take(name, value);
+        store.keep(`experiment.${name}`, value);
+      },
+      take: (/** @type {string} */ name, /** @type {string | null} */ value) => {
         if (value === null) delete this.values[name];
         else this.values[name] = value;
         this.form.fields.get(name)?.read(value);
         this.tellWrong();
-        store.keep(`experiment.${name}`, value);
         on.changed();
       },
     });

@@ -118,7 +118,7 @@ export class ExperimentView {
 
   /** @param {import("./desk.js").Hello} hello */
   build(hello) {
-    const setup = new Setup(this.page.store, hello.fields, {
+    const setup = new Setup(this.page, hello.fields, {
       changed: () => this.resized(),
       count: (balls) => this.counted(balls),
       track: () => this.tracked(),

@@ -20,12 +20,18 @@ export class Knob {
    * @param {Option} option
    * @param {string[]} keys shown beside the name
    * @param {(value: number) => void} changed called with the value in SI units
+   * @param {(text: string, actions?: import("../shared/messages.js").Action[]) => void} refused called
+   *   with why a value cannot be taken and what can, or with an empty text when one was taken
    */
-  constructor(option, keys, changed) {
+  constructor(option, keys, changed, refused) {
     this.option = option;
     this.changed = changed;
+    this.refused = refused;
     this.unit = option.units[0] ?? { name: "", size: 1 };
     this.value = 0;
+    /** What was taken as it was typed. */
+    this.typed = NaN;
+    this.isDraft = false;
     /** What a toy takes, and what the slider spans. */
     this.limits = [0, 1];
     this.span = [0, 1];
@@ -37,7 +43,8 @@ export class Knob {
         this.give(low + (Number(this.slider.value) / STEPS) * (high - low));
       } } });
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
-      spellcheck: "false", "aria-describedby": this.errorId, on: { change: () => this.read() } });
+      spellcheck: "false", "aria-describedby": this.errorId, on: {
+        input: () => { this.isDraft = true; }, change: () => this.read() } });
     this.also = el("output", { class: "soft" });
     this.note = el("p", { class: "error", id: this.errorId, hidden: true });
     const symbol = symbolParts(option.symbol).map(({ text, place }) =>
@@ -68,7 +75,8 @@ export class Knob {
     const unit = shownUnit(this.unit.name);
     const text = short(value / this.unit.size, 4);
     this.slider.setAttribute("aria-valuetext", `${text} ${unit}`.trim());
-    if (document.activeElement !== this.input) this.input.value = text;
+    const isTyped = this.isDraft || value === this.typed;
+    if (document.activeElement !== this.input || !isTyped) this.input.value = text;
   }
 
   /** Put the slider where the value is. */
@@ -88,6 +96,7 @@ export class Knob {
 
   /** Take what was typed, if it lies within the limits. */
   read() {
+    this.isDraft = false;
     const { units, unit } = this.option;
     const text = this.input.value.trim().replace(",", ".");
     const plain = /[a-z°]/i.test(text) ? text : `${text} ${this.unit.name}`;
@@ -99,10 +108,16 @@ export class Knob {
     const [low, high] = this.limits;
     if (value < low || value > high) {
       const ends = [low, high].map((v) => short(v / this.unit.size, 4));
-      this.error(t("outOfRange", { low: ends[0], high: ends[1], unit: shownUnit(this.unit.name) }));
+      const [least, most] = ends.map((end) => `${end} ${shownUnit(this.unit.name)}`.trim());
+      const about = t("outOfRange", { name: this.option.label, low: ends[0], high: most });
+      this.error(about);
+      this.refused(about, [{ label: t("takeNearest", { value: value < low ? least : most }),
+        act: () => this.give(value) }]);
       return;
     }
     this.error(null);
+    this.refused("");
+    this.typed = value;
     this.show(value);
     this.changed(value);
   }

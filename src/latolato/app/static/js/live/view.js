@@ -1,7 +1,6 @@
 /** Live: the toy runs in real time while hands change everything. */
 
 import { Clack } from "../shared/clack.js";
-import { tell } from "../shared/dom.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
 import { textOf, withLaws } from "../shared/laws.js";
@@ -17,6 +16,7 @@ import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
 import { specify } from "../model/case.js";
 import { inPagesWords } from "../model/words.js";
+import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
 import { t } from "../strings.js";
@@ -41,6 +41,18 @@ const LOUDEST = 3;
 const SLOW = 0.95;
 // How far the sliders go: lengths, natural frequencies, and a share of what a toy takes.
 const SLIDER = { drive_amplitude: 0.25, drive_frequency: 5, damping: 0.05 };
+
+/**
+ * Return whether two cases differ in nothing but what the controls change.
+ * @param {import("../model/case.js").Case} one
+ * @param {import("../model/case.js").Case} other
+ */
+function isSteered(one, other) {
+  const rest = (/** @type {import("../model/case.js").Case} */ { system, angles, velocities }) =>
+    JSON.stringify([system.kind, system.gravity, angles, velocities,
+      system.balls.map((ball) => ({ ...ball, damping: 0 }))]);
+  return rest(one) === rest(other);
+}
 
 export class LiveView {
   /** @param {Page} page */
@@ -82,23 +94,26 @@ export class LiveView {
     this.draw = this.draw.bind(this);
     /** @type {() => void} */
     this.unsubscribe = () => {};
+    this.unfollow = () => {};
   }
 
   show() {
     this.shown = true;
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
       if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
-        void this.begin();
+        void this.begin(changed === "address" ? this.toy : null);
     });
     if (this.wish() !== this.signature || !this.toy) void this.begin();
     this.pace.rest();
     this.parts.canvas.focus({ preventScroll: true });
+    this.unfollow = followKeys(document, { " ": () => this.pause() });
     requestAnimationFrame(this.draw);
   }
 
   hide() {
     this.shown = false;
     this.unsubscribe();
+    this.unfollow();
     this.keeper.finish();
   }
 
@@ -108,24 +123,44 @@ export class LiveView {
     return JSON.stringify([scenario, options]);
   }
 
-  /** Begin with what the address asks for. */
-  async begin() {
+  /**
+   * Begin with what the address asks for, or steer a toy to it that differs in its controls alone.
+   * @param {Toy | null} [running]
+   */
+  async begin(running = null) {
     this.signature = this.wish();
     const { signature } = this;
-    this.keeper.finish();
-    this.toy = null;
-    this.parts.error.hidden = true;
-    this.parts.notice.textContent = t("loading");
+    if (!running) this.keeper.finish();
+    this.toy = running;
     try {
       const each = await specify(this.page.registry, this.request());
-      const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
-      if (signature !== this.signature) return;
-      this.start(new Toy(kernels, each, cosineOf(each)));
-      this.parts.notice.textContent = isByCosine(each.drive.kind) ? "" : t("liveCosine");
+      if (running && isSteered(running.case, each)) this.steer(running, each);
+      else {
+        const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
+        if (signature !== this.signature) return;
+        this.keeper.finish();
+        this.start(new Toy(kernels, each, cosineOf(each)));
+      }
+      this.say(isByCosine(each.drive.kind) ? "" : t("liveCosine"));
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (signature === this.signature) this.refuse(error);
     }
+  }
+
+  /**
+   * Give a running toy the controls of a case, as if its sliders were moved there.
+   * @param {Toy} toy
+   * @param {import("../model/case.js").Case} each
+   */
+  steer(toy, each) {
+    const { amplitude, frequency } = cosineOf(each);
+    const { balls: [{ damping }], restitution } = each.system;
+    const values = { drive_amplitude: amplitude, drive_frequency: frequency, damping, restitution };
+    toy.set(Object.fromEntries(Object.entries(values).filter(([name]) => name in toy.controls)));
+    for (const [name, knob] of Object.entries(this.knobs)) knob.show(toy.controls[name]);
+    this.rescale();
+    this.dirty = true;
   }
 
   /** Return what to run. */
@@ -189,7 +224,8 @@ export class LiveView {
   makeKnobs(names) {
     this.knobs = Object.fromEntries(names.map((name) => [name,
       new Knob(this.page.registry.options[name] ?? this.page.registry.options[`right_${name}`],
-        KEYS[name] ?? [], (value) => this.set(name, value))]));
+        KEYS[name] ?? [], (value) => this.set(name, value),
+        (text, actions) => this.say(text, actions, true))]));
     this.parts.knobs.replaceChildren(...Object.values(this.knobs).map((knob) => knob.root));
   }
 
@@ -244,7 +280,7 @@ export class LiveView {
       if (!(error instanceof Error)) throw error;
       // The memory that it computed in may be spoiled: begin in a new one.
       void this.begin().then(() => {
-        this.parts.notice.textContent = t("liveFault", { text: error.message });
+        this.say(t("liveFault", { text: error.message }));
       });
     }
   }
@@ -295,7 +331,8 @@ export class LiveView {
   /** Tell that the toy stood still while its tab was in the background. */
   returnToView() {
     this.pace.rest();
-    if (this.shown && !this.paused && !document.hidden) tell(t("liveHidden"));
+    if (this.shown && !this.paused && !document.hidden)
+      this.page.messages.say("hidden", t("liveHidden"));
   }
 
   push() {
@@ -327,11 +364,18 @@ export class LiveView {
    */
   refuse(error) {
     const [message, field] = inPagesWords(this.page.registry, error);
-    const knob = this.knobs[field ?? ""];
-    if (knob) knob.error(message);
-    this.parts.notice.textContent = "";
-    this.parts.error.hidden = Boolean(knob);
-    this.parts.error.textContent = knob ? "" : message;
+    this.knobs[field ?? ""]?.error(message);
+    this.say(sentence(this.page.registry, error), waysOn(this.page, error), true);
     this.allow(false);
+  }
+
+  /**
+   * Say something about the toy on show, and offer what can be done about it.
+   * @param {string} text
+   * @param {import("../shared/messages.js").Action[]} [actions]
+   * @param {boolean} [isBad] whether something was refused
+   */
+  say(text, actions, isBad) {
+    if (this.shown) this.page.messages.say("toy", text, { stays: true, actions, isBad });
   }
 }

@@ -1,13 +1,12 @@
 /** How an address describes a map: what it asks for, its axes, and the parts that cannot be read. */
 
-import { el } from "../shared/dom.js";
 import { openState } from "../shared/links.js";
+import { cut } from "../shared/reading.js";
 import { FIRST } from "../shared/state.js";
 import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
 
 /** @typedef {import("../shared/state.js").State} State */
-/** @typedef {import("../shared/state.js").Store} Store */
 /** @typedef {{scenario: string | null, stored: string | null}} Source */
 /** @typedef {"x" | "y"} Which */
 /** @typedef {{extra: Record<string, string>, shown: any}} Axes the address, and what is on show */
@@ -158,50 +157,42 @@ export function turned(axes, which, name) {
   return { ...keys(which, other), ...keys(which === "x" ? "y" : "x", own), at: null };
 }
 
+// What the fields of these keys are called.
+/** @type {Record<string, string[]>} */
+const LABELS = { x: ["mapX"], y: ["mapY"], xlow: ["mapX", "mapFrom"], xhigh: ["mapX", "mapTo"],
+  ylow: ["mapY", "mapFrom"], yhigh: ["mapY", "mapTo"], xlog: ["mapLogX"], ylog: ["mapLogY"],
+  size: ["mapSize"], duration: ["mapDuration"], transient: ["mapTransient"], scale: ["mapScale"],
+  low: ["mapLow"], high: ["mapHigh"], log: ["mapLogColours"], observable: ["mapObservable"],
+  levels: ["mapLevels"], contours: ["mapContours"], tongue: ["mapTongue"], lift: ["mapLift"],
+  scenario: ["mapSource"] };
+
 /**
- * Return which keys of the address are unknown or hold no value of their kind.
+ * Return which keys of the address are unknown or hold no value of their kind, each with a sentence
+ * about it.
+ * @param {any} registry
  * @param {Record<string, string>} extra
+ * @returns {Record<string, {text: string}>}
  */
-export function misread(extra) {
-  const bad = (/** @type {string} */ name, /** @type {string} */ text) => {
-    const isNumber = (/** @type {string} */ part) => part.trim() !== ""
-      && Number.isFinite(Number(part));
+export function misread(registry, extra) {
+  const variables = Object.values(registry.observables).flatMap((each) => Object.keys(/** @type {any} */ (each).variables));
+  const isNumber = (/** @type {string} */ part) => part.trim() !== "" && Number.isFinite(Number(part));
+  const isStored = "map.stored" in extra;
+  const isBad = (/** @type {string} */ name, /** @type {string} */ text) => {
     if (name === "size") return !(Number.isInteger(Number(text)) && Number(text) >= LEAST_SIZE);
     if (NUMBERS.includes(name)) return !isNumber(text);
     if (SWITCHES.includes(name)) return !["0", "1"].includes(text);
     if (name === "levels") return !text.split(",").every(isNumber);
     if (name === "scale") return !SCALES.includes(text);
+    if (name === "scenario") return text !== PAGE && !registry.scenarios[text]?.sweep;
+    if (name === "observable" && !isStored) return !variables.includes(text);
+    if (["x", "y"].includes(name) && !isStored) return !Object.hasOwn(registry.axes, text);
     return !TEXTS.includes(name) && !`map.${name}`.startsWith(TAKEN);
   };
-  return Object.keys(extra).filter((key) => key.startsWith("map.")
-    && bad(key.slice("map.".length), extra[key])).sort();
-}
-
-/** The line that says which parts of an address were left out. */
-export class Misread {
-  constructor() {
-    this.root = el("p", { class: "error", role: "alert", hidden: true });
-    this.left = "";
-  }
-
-  /**
-   * Take what cannot be read out of the address and say so, until something else is chosen.
-   * @param {Store} store
-   */
-  heed(store) {
-    const { extra } = store.state;
-    const bad = misread(extra);
-    const kept = Object.fromEntries(Object.entries(extra).filter(([key]) => !bad.includes(key)));
-    const { "map.at": _, ...left } = kept;
-    const text = JSON.stringify(left);
-    if (!bad.length) {
-      if (text !== this.left) this.root.hidden = true;
-      return;
-    }
-    this.left = text;
-    this.root.hidden = false;
-    const parts = bad.map((key) => `${key}=${extra[key]}`).join(", ");
-    this.root.textContent = t("mapMisread", { parts });
-    store.set({ extra: kept }, "extra");
-  }
+  const bad = Object.keys(extra).filter((key) => key.startsWith("map.")
+    && isBad(key.slice("map.".length), extra[key])).sort();
+  return Object.fromEntries(bad.map((key) => {
+    const label = LABELS[key.slice("map.".length)]?.map((word) => t(word)).join(", ");
+    return [key, { text: label ? t("unreadSetting", { label, text: cut(extra[key]) })
+      : t("unknownParameter", { name: cut(key) }) }];
+  }));
 }

@@ -86,10 +86,11 @@ export class Cursor {
    * @param {boolean} [chosen] whether the address keeps the point
    */
   async run(chosen = true) {
-    const { grid, chart, controls, point } = this.view;
+    const { grid, chart, page, point } = this.view;
     const { cross } = chart;
     if (!cross || !grid) return;
-    if (chosen) controls.keep({ at: cross.join(",") });
+    const { store } = page;
+    if (chosen) store.amend({ extra: { ...store.state.extra, "map.at": cross.join(",") } });
     const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
     const optionsOf = /** @type {(cell: number) => Record<string, any>} */ (grid.optionsOf);
     const cell = chart.cell(...cross);

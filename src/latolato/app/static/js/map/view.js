@@ -3,11 +3,12 @@
 import { inPagesWords } from "../model/words.js";
 import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
-import { el, tell } from "../shared/dom.js";
+import { el } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
 import { spanText } from "../shared/jobs.js";
+import { leaveOut, sentence, waysOn } from "../shared/reading.js";
 import { t } from "../strings.js";
-import { Misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
+import { misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { ColourBar } from "./bar.js";
 import { MapChart } from "./chart.js";
@@ -77,15 +78,13 @@ export class MapView {
     this.barTitle = el("p", { class: "bar-title" });
     this.classes = el("ul", { class: "legend" });
     const barBox = el("div", { class: "bar-box" }, this.barTitle, bar, this.classes);
-    this.misread = new Misread();
-    this.notes = el("p", { class: "error", role: "alert", hidden: true });
-    this.restarts = el("p", { class: "notes", role: "status", hidden: true });
     this.point = new PointPanel(page.registry, (options) => openInPlay(page, options));
     this.files = new MapFiles(this);
     this.code = el("div", {});
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
-      el("div", { class: "main" }, this.tools.root, this.misread.root, this.notes, this.restarts,
+      el("div", { class: "main" }, this.tools.root, el("div", { class: "stage-tools" }),
+        el("div", { class: "stage-messages" }),
         el("div", { class: "map-and-point" },
           el("div", { class: "panel map-panel" }, this.field, readout, barBox), this.point.root),
         this.files.root,
@@ -115,7 +114,8 @@ export class MapView {
     const { scenario, extra } = store.state;
     // A sweep is no run: other views begin with their own then.
     if (scenario && registry.scenarios[scenario]?.sweep)
-      store.set({ scenario: null, extra: { ...extra, "map.scenario": scenario } }, "extra");
+      store.amend({ scenario: null, extra: { ...extra, "map.scenario": scenario } });
+    leaveOut(this.page, misread(registry, store.state.extra));
     this.update(true);
   }
 
@@ -140,7 +140,6 @@ export class MapView {
    */
   update(now = false) {
     const { registry, store } = this.page;
-    this.misread.heed(store);
     const source = sourceOf(registry, store.state);
     this.controls.showSource(source);
     this.controls.showSize();
@@ -167,7 +166,7 @@ export class MapView {
     if (!this.shown) return;
     this.wanted = sameBut(request);
     this.tools.say(t("mapBegins"), 0);
-    this.restarts.hidden = true;
+    this.page.messages.drop("map");
     this.veil(this.grid !== null);
     /** @type {import("./job.js").Listener} */
     const listener = {
@@ -207,8 +206,7 @@ export class MapView {
 
   /** @param {string} message */
   sayRestart(message) {
-    this.restarts.hidden = false;
-    this.restarts.textContent = t("mapRestarted", { message });
+    this.page.messages.say("map", t("mapRestarted", { message }), { stays: true });
   }
 
   /** Return whether a map is on its way. */
@@ -226,7 +224,6 @@ export class MapView {
 
   /** @param {Grid} grid */
   begin(grid) {
-    this.notes.hidden = true;
     this.form.error(null);
     this.next = grid;
     this.code.replaceChildren(...codeBlocks([grid.about.python, grid.about.command]));
@@ -280,11 +277,10 @@ export class MapView {
   /** @param {Error} error */
   refuse(error) {
     const [text, field] = inPagesWords(this.page.registry, error);
-    this.notes.hidden = false;
-    this.notes.textContent = text;
-    // On a phone the map is not on the screen while one types below it.
-    const { top, bottom } = this.notes.getBoundingClientRect();
-    if (bottom < 0 || top > window.innerHeight) tell(text);
+    this.page.messages.say("map", sentence(this.page.registry, error),
+      { stays: true, isBad: true, actions: waysOn(this.page, error) });
+    // It is refused again where the map is shown again.
+    this.wanted = "";
     if (field && this.form.fields.has(field)) this.form.error(text, field);
     this.tools.say("", 0);
     this.tools.state("done");

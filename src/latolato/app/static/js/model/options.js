@@ -119,7 +119,7 @@ function toSiList(registry, name, value, unit) {
  * @param {string} name
  * @param {any} value
  */
-function valueOf(registry, name, value) {
+export function valueOf(registry, name, value) {
   const option = registry.options[name];
   const { unit } = option;
   if (option.several) return toSiList(registry, name, value, unit);

@@ -158,7 +158,8 @@ class Plate {
     this.item = el("li", {}, el("a", { href: `#${id}`, on: {
       click: (/** @type {MouseEvent} */ event) => {
         event.preventDefault();
-        view.page.store.keep("paper.figure", entry.name);
+        const { store } = view.page;
+        store.amend({ extra: { ...store.state.extra, "paper.figure": entry.name } });
         view.anchor = this;
         this.root.scrollIntoView();
         this.heading.focus({ preventScroll: true });

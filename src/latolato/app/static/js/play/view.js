@@ -11,6 +11,7 @@ import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
+import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { t } from "../strings.js";
 
@@ -32,14 +33,13 @@ export class PlayView {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.presets = presetField(page);
     const stage = el("div", { class: "player" });
-    this.notes = el("p", { class: "notes", role: "status" });
-    this.choice = el("div", { class: "actions" });
     this.code = el("div", {});
     this.downloads = new Downloads(page);
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.presets.field, this.makeActions(),
         this.downloads.root, form),
-      el("div", { class: "main" }, this.notes, this.choice, stage, el("details", { class: "card" },
+      el("div", { class: "main" }, el("div", { class: "stage-tools" }),
+        el("div", { class: "stage-messages" }), stage, el("details", { class: "card" },
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
@@ -65,7 +65,7 @@ export class PlayView {
       if (changed === "extra") return;
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
-        this.page.store.keep(RECORDING, null);
+        this.page.store.drop([RECORDING]);
       void this.simulate();
     }));
     void this.simulate();
@@ -85,31 +85,29 @@ export class PlayView {
     if (name === undefined) return null;
     const recording = recordings && Object.hasOwn(recordings, name) ? recordings[name] : null;
     if (!recording) {
-      tell(t("recordingGone"));
-      store.keep(RECORDING, null);
+      this.page.messages.say("recording", t("recordingGone"));
+      store.drop([RECORDING]);
     }
     return recording;
   }
 
   /**
-   * Say something above the run, and offer what can be done about it.
+   * Say something about the run on show, and offer what can be done about it.
    * @param {string} text
-   * @param {string} [label] of a button
-   * @param {() => void} [act]
+   * @param {import("../shared/messages.js").Action[]} [actions]
+   * @param {boolean} [isBad] whether the run was refused
    */
-  note(text, label, act) {
-    this.notes.textContent = text;
-    this.choice.replaceChildren(...(label
-      ? [el("button", { type: "button", on: { click: act } }, label)] : []));
+  note(text, actions, isBad) {
+    this.page.messages.say("run", text, { stays: true, actions, isBad });
   }
 
   /** Say that a run is computed, and offer to stop it. */
   wait() {
-    this.note(t("computing"), t("stop"), () => {
+    this.note(t("computing"), [{ label: t("stop"), act: () => {
       this.runner.stop();
       this.runner.end();
       this.note(t("runStopped"));
-    });
+    } }]);
   }
 
   /**
@@ -127,11 +125,10 @@ export class PlayView {
     }
     this.presets.show(scenario);
     // The form is made while the worker computes.
-    this.choice.replaceChildren();
     const waiting = setTimeout(() => {
       this.wait();
       // The button that agreed is gone.
-      if (isAgreed) this.choice.querySelector("button")?.focus();
+      if (isAgreed) this.page.messages.root.querySelector("button")?.focus();
     }, isAgreed ? 0 : PATIENCE);
     const pending = this.recording() ?? this.runner.compute({ scenario, options }, { isAgreed });
     this.form.build();
@@ -151,10 +148,10 @@ export class PlayView {
       if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
       if (error instanceof LongRunError) {
-        this.note(error.message, t("computeLong"), () => void this.simulate(true));
+        this.note(error.message, [{ label: t("computeLong"), act: () => void this.simulate(true) }]);
         return;
       }
-      this.note("");
+      this.note(sentence(registry, error), waysOn(this.page, error), true);
       this.form.error(...inPagesWords(registry, error));
     } finally {
       clearTimeout(waiting);

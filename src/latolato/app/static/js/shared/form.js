@@ -195,6 +195,10 @@ export class Form {
     const error = el("p", { class: "error", id: errorId, hidden: true });
     /** @type {number | null} */
     let si = null;
+    /** What is typed and not yet taken stays, and what was taken as it was typed. */
+    let isDraft = false;
+    /** @type {string | undefined} */
+    let taken;
     /** Limits of the slider in SI units, held while it moves. */
     const ends = () => {
       const [low, high] = option.suggested ?? [0, 1];
@@ -202,6 +206,7 @@ export class Form {
     };
     let limits = ends();
     const write = () => {
+      isDraft = false;
       const parsed = parseQuantity(input.value);
       const several = input.value.includes(",");
       const two = START.includes(name) && this.registry.systems[this.kinds.system].angles === 2;
@@ -218,7 +223,9 @@ export class Form {
         const unit = parsed && parsed.unit === "" && unitOf().name !== "1" ? ` ${unitOf().name}` : "";
         this.store.option(name, `${input.value.trim()}${unit}`);
       }
+      taken = this.store.state.options[name];
     };
+    input.addEventListener("input", () => { isDraft = true; });
     input.addEventListener("change", write);
     if (slider) {
       slider.addEventListener("input", () => {
@@ -249,7 +256,7 @@ export class Form {
       if (!(name in this.units) && quantity && units.some((u) => u.name === quantity.unit) &&
         this.store.state.options[name] !== undefined) this.units[name] = quantity.unit;
       if (select instanceof HTMLSelectElement) select.value = unitOf().name;
-      if (this.focused === input && this.store.state.options[name] !== undefined) return;
+      if (this.focused === input && (isDraft || text === taken)) return;
       if (text.includes(",")) {
         const numbers = text.split(",").map((/** @type {string} */ part) => toSi(part, [...units, { name: option.unit, size: 1 }]));
         input.value = numbers.map((v) => (v === null ? "?" : short(v / unitOf().size))).join(", ");

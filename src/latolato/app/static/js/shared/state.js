@@ -8,8 +8,10 @@
  */
 
 /**
- * What all views are given: the server's registry, and the state that they share.
- * @typedef {{registry: any, store: Store, recordings?: Record<string, any>}} Page
+ * What all views are given: the server's registry, the state that they share, and the messages that
+ * stand on the stage of the view on show.
+ * @typedef {{registry: any, store: import("./history.js").AddressStore,
+ *   messages: import("./messages.js").Messages, recordings?: Record<string, any>}} Page
  */
 
 /** The scenario that is shown where the address names nothing. */
@@ -120,37 +122,5 @@ export class Store {
     // One listener may end another: a view that is left hears of nothing more.
     for (const listener of [...this.listeners])
       if (this.listeners.includes(listener)) listener(this.state, changed);
-  }
-}
-
-/** The one state of the page; this class alone writes the address. */
-export class AddressStore extends Store {
-  /** @param {Window} page */
-  constructor(page) {
-    super(parse(page.location.search));
-    this.page = page;
-    this.timer = 0;
-    page.addEventListener("popstate", () => {
-      this.state = parse(page.location.search);
-      this.tell("address");
-    });
-  }
-
-  /**
-   * Change parts of the state. A change of view enters the history, others replace the address.
-   * @param {Partial<State>} part
-   * @param {string} [changed]
-   */
-  set(part, changed = "options") {
-    const isStep = changed === "view" || changed === "preset";
-    const write = () => {
-      this.page.history[isStep ? "pushState" : "replaceState"](null, "", format(this.state));
-    };
-    this.state = { ...this.state, ...part };
-    // Browsers refuse more than some hundred changes of the address in half a minute.
-    clearTimeout(this.timer);
-    if (isStep) write();
-    else this.timer = this.page.setTimeout(write, 150);
-    this.tell(changed);
   }
 }

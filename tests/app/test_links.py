@@ -1,0 +1,118 @@
+"""Links with parts that cannot be used, and messages on the stage, in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+
+# How long a page may take to show its first run [ms].
+PATIENCE = 60_000
+READY = "[data-runs], [data-ready], [data-pictures], [data-form]"
+# The parts of a link, and what a page says of each.
+BROKEN = {
+    "scenario=fig99": "There is no preset “fig99” any more.",
+    "lenght=1 m": "There is no parameter “lenght”.",
+    "strange.thing=1": "There is no parameter “strange.thing”.",
+    "length=much": "“pivot to ball centre” must be given in m",
+    "length=3 kg": "(or a unit that converts to it), got '3 kg'.",
+    "restitution=1.2": "“coefficient of restitution” must lie in [0, 1], got 1.2; give at most 1.",
+    "system=rocket": "There is no system “rocket”.",
+    "drive=rocket": "There is no drive “rocket”.",
+    "contact=soft": "must be one of exact, clamp, none, got 'soft'.",
+    "scenario=fig02&restitution=0.5": "“coefficient of restitution” does not belong to “Pendulum”.",
+    "scenario=toy&guide=below": "does not belong to “Harmonic”.",
+    "scenario=toy&clamp_step=1 ms": "“fixed step of contact 'clamp'” does not belong to",
+    "scenario=toy&initial_angle=1 rad, 2 rad": "“initial angle” is one number here, not “1 rad",
+    "scenario=ballpair_asymmetric&initial_angle=1 rad": "“initial angle” is two numbers here",
+    "scenario=fig12&drive_times=": "must be a sequence of numbers in s",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("view", ["play", "live", "map", "analyse"])
+def test_a_view_names_what_it_leaves_out_of_a_link_and_shows_the_rest(page, view):
+    for query, words in BROKEN.items():
+        page.goto(f"/?view={view}&{query}&map.size=8")
+        page.locator(".message").get_by_text(words).wait_for()
+        page.wait_for_selector(READY, timeout=PATIENCE)
+        assert page.locator(".message.bad").count() == 0, query
+        assert page.locator(".error").filter(visible=True).count() == 0, query
+
+
+def test_one_message_names_all_parts_and_offers_ways_on(page):
+    page.goto("/?view=nowhere&scenario=fig99&restitution=1.2&lenght=1")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    message = page.locator(".message")
+    assert message.count() == 1
+    for words in ("no view “nowhere”", "no preset “fig99”", "got 1.2", "no parameter “lenght”"):
+        assert words in message.inner_text()
+    page.wait_for_function("() => location.search === '?view=play'")
+    page.get_by_role("button", name="Show it with 1").click()
+    page.wait_for_function("() => location.search.includes('restitution=1')")
+    assert message.count() == 0
+
+
+def test_a_link_to_a_preset_that_is_gone_leads_to_the_first_one(page):
+    page.goto("/?view=live&scenario=nothing&damping=0")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.get_by_role("button", name="Go to the first preset").click()
+    page.wait_for_function("() => location.search === '?view=live&scenario=toy'")
+    assert page.get_by_label("Begin with").input_value() == "toy"
+
+
+def test_a_link_to_a_map_leads_to_map(page):
+    page.goto("/?view=play&scenario=fig05")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_role("button", name="Open it in Map").click()
+    page.wait_for_function("() => location.search.includes('map.scenario=fig05')")
+    page.wait_for_selector("[data-pictures]", timeout=PATIENCE)
+
+
+def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page):
+    for leave in (
+        lambda: page.get_by_role("button", name="Dismiss this message").click(),
+        lambda: page.get_by_label("Begin with").select_option("fig02"),
+    ):
+        page.goto("/?view=play&lenght=1")
+        page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        leave()
+        page.locator(".message").wait_for(state="detached")
+
+
+def test_values_that_contradict_each_other_are_refused_with_a_way_back(page):
+    page.goto("/?view=play&scenario=toy&radius=40 cm")
+    message = page.locator(".message.bad")
+    message.get_by_text("“radius of one ball” must lie in [0, length), got 0.4").wait_for()
+    page.get_by_role("button", name="Reset to the preset").click()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert message.count() == 0
+
+
+def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered(page):
+    page.goto("/?view=play&scenario=toy&duration=4 s")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field.fill("2")
+    field.press("Enter")
+    message = page.locator(".message.bad")
+    message.get_by_text("“coefficient of restitution” must lie in [0, 1], got 2").wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+    page.get_by_role("button", name="Undo").last.click()
+    page.wait_for_function("() => !location.search.includes('restitution')")
+    field.fill("2")
+    field.press("Enter")
+    page.get_by_role("button", name="Take 1").click()
+    page.wait_for_function("() => location.search.includes('restitution=1')")
+    message.wait_for(state="detached")
+    assert field.get_attribute("aria-invalid") == "false"
+
+
+def test_a_knob_of_live_offers_the_nearest_value(page):
+    page.goto("/?view=live&scenario=toy")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    knob = page.get_by_label("coefficient of restitution", exact=False).first
+    knob.fill("-1")
+    knob.press("Enter")
+    page.locator(".message").get_by_text("must lie between 0 and 1").wait_for()
+    page.get_by_role("button", name="Take 0").click()
+    page.wait_for_function("() => window.latolato.views.live.toy.controls.restitution === 0")
+    assert knob.input_value() == "0"
+    assert page.locator(".message").count() == 0

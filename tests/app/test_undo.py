@@ -1,0 +1,208 @@
+"""Undo and redo across views, and the browser's Back and Forward, in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+
+# How long a page may take to show its first run or map [ms].
+PATIENCE = 60_000
+STEP = "() => history.state.step"
+
+
+def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
+    page.goto(f"/?view=play{query}")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+
+
+def type_into(page, label, text):
+    field = page.get_by_label(label, exact=False).first
+    field.fill(text)
+    field.press("Enter")
+    return field
+
+
+def wait_for_step(page, step):
+    page.wait_for_function(f"() => history.state?.step === {step}")
+
+
+def options(page):
+    return page.evaluate("() => Object.fromEntries(new URLSearchParams(location.search))")
+
+
+def wait_for_options(page, **wanted):
+    page.wait_for_function(
+        """(wanted) => Object.entries(wanted).every(([name, value]) =>
+          new URLSearchParams(location.search).get(name) === value)""",
+        arg=wanted,
+    )
+
+
+def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
+    open_play(page)
+    start = page.url
+    type_into(page, "driving amplitude", "28")
+    type_into(page, "coefficient of restitution", "0.8")
+    page.get_by_role("link", name="Map").click()
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.get_by_role("button", name="Enlarge about the cross").click()
+    wait_for_step(page, 4)
+    page.get_by_role("link", name="Live").click()
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
+    wait_for_step(page, 6)
+    wait_for_options(page, drive_amplitude="0.029 m")
+    views = ["play", "play", "play", "map", "map", "live", "live"]
+    end = page.url
+    for step in (5, 4, 3, 2, 1, 0):
+        page.keyboard.press("Control+z")
+        wait_for_step(page, step)
+        assert options(page)["view"] == views[step]
+    assert page.url == start
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.restitution !== 0.8"
+    )
+    page.keyboard.press("Control+z")  # there is nothing before it
+    assert page.get_by_role("button", name="Undo").is_disabled()
+    for step in (1, 2, 3, 4, 5, 6):
+        page.keyboard.press("Control+Shift+Z" if step % 2 else "Control+y")
+        wait_for_step(page, step)
+        assert options(page)["view"] == views[step]
+    assert page.url == end
+    assert page.get_by_role("button", name="Redo").is_disabled()
+
+
+def test_back_is_undo_also_right_after_a_change(page):
+    open_play(page)
+    type_into(page, "driving amplitude", "28")
+    page.go_back()
+    wait_for_step(page, 0)
+    assert "drive_amplitude" not in options(page)
+    page.go_forward()
+    wait_for_options(page, drive_amplitude="28 mm")
+    page.get_by_role("button", name="Undo").click()
+    wait_for_step(page, 0)
+    page.get_by_role("button", name="Redo").click()
+    wait_for_options(page, drive_amplitude="28 mm")
+    page.wait_for_function(
+        "() => window.latolato.views.play.player.motion.about.options.drive_amplitude === 0.028"
+    )
+
+
+def test_the_end_of_a_drag_is_kept_when_one_goes_back_at_once(page):
+    open_play(page)
+    moved = page.evaluate(
+        """async () => {
+          const slider = document.querySelector("input[aria-label='driving amplitude, slider']");
+          const drag = (value) => {
+            slider.value = value;
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+          };
+          for (const value of [100, 140, 180]) drag(value);
+          const { store } = window.latolato.views.play.page;
+          history.back();
+          return store.state.options.drive_amplitude;
+        }"""
+    )
+    wait_for_step(page, 0)
+    page.go_forward()
+    wait_for_options(page, drive_amplitude=moved)
+
+
+def test_a_drag_of_a_slider_is_one_step_however_slow(page):
+    open_play(page)
+    slider = page.get_by_label("driving amplitude, slider")
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    x, y = box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for k in range(12):
+        page.mouse.move(x + 5 * k, y)
+    page.wait_for_timeout(1200)  # longer than the pauses within a gesture
+    for k in range(12, 20):
+        page.mouse.move(x + 5 * k, y)
+    page.mouse.up()
+    wait_for_step(page, 1)
+    page.wait_for_function("() => location.search.includes('drive_amplitude')")
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.up()
+    wait_for_step(page, 2)
+    for step in (1, 0):
+        page.keyboard.press("Control+z")
+        wait_for_step(page, step)
+    assert "drive_amplitude" not in options(page)
+
+
+def test_a_field_shows_what_is_undone_but_not_while_one_types(page):
+    open_play(page)
+    field = type_into(page, "coefficient of restitution", "0.8")
+    wait_for_step(page, 1)
+    page.wait_for_timeout(1100)  # longer than the pauses within a gesture
+    field.fill("0.5")  # not yet entered
+    field.press("Control+z")
+    page.wait_for_timeout(200)
+    assert page.evaluate(STEP) == 1
+    field.fill("0.7")
+    field.press("Enter")
+    wait_for_step(page, 2)
+    field.press("Control+z")
+    page.wait_for_function("() => document.activeElement.value === '0.8'")
+
+
+def test_a_toy_of_live_goes_on_where_a_control_is_undone(page):
+    page.goto("/?view=live&scenario=toy")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.evaluate("() => { window.first = window.latolato.views.live.toy; }")
+    usual = page.evaluate("() => window.first.controls.restitution")
+    type_into(page, "coefficient of restitution", "0.5")
+    wait_for_step(page, 1)
+    page.keyboard.press("Control+z")
+    page.wait_for_function(
+        "(usual) => window.latolato.views.live.toy?.controls.restitution === usual", arg=usual
+    )
+    assert page.evaluate("() => window.latolato.views.live.toy === window.first")
+    knob = page.get_by_label("coefficient of restitution", exact=False).first
+    page.wait_for_function("(e) => e.value !== '0.5'", arg=knob.element_handle())
+
+
+def test_many_quick_changes_stay_within_what_browsers_allow(page):
+    open_play(page)
+    calls, last = page.evaluate(
+        """async () => {
+          let calls = 0;
+          for (const name of ["pushState", "replaceState"]) {
+            const own = history[name].bind(history);
+            history[name] = (...given) => { calls += 1; own(...given); };
+          }
+          const { store } = window.latolato.views.play.page;
+          for (let k = 0; k < 150; k += 1) {
+            store.option("restitution", `${k / 1000}`);
+            store.option("duration", `${k + 1} s`);
+          }
+          return [calls, store.state.options.duration];
+        }"""
+    )
+    assert calls <= 100  # Safari allows 100 in 30 s
+    assert last == "150 s"
+
+
+@pytest.mark.parametrize("focus", ["body", "canvas, main", "a.brand"])
+@pytest.mark.parametrize("view", ["play", "live"])
+def test_space_plays_and_pauses_wherever_no_field_has_the_focus(page, view, focus):
+    page.goto(f"/?view={view}&scenario=toy")
+    page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
+    button = page.get_by_role("button", name="Pause", exact=True)
+    if not button.count():
+        button = page.get_by_role("button", name="Play", exact=True)
+    before = button.inner_text()
+    page.evaluate(
+        """(focus) => {
+          document.activeElement.blur();
+          document.querySelector(focus).focus();
+        }""",
+        focus,
+    )
+    page.keyboard.press("Space")
+    page.get_by_role("button", name="Pause" if before == "Play" else "Play", exact=True).wait_for()
