@@ -5,6 +5,7 @@ import { el, tell } from "./shared/dom.js";
 import { AddressStore, followUndoKeys, undoButtons } from "./shared/history.js";
 import { Messages } from "./shared/messages.js";
 import { readable, sayLeft } from "./shared/reading.js";
+import { Share } from "./shared/share.js";
 import { format, isReadable, parse } from "./shared/state.js";
 import { t } from "./strings.js";
 
@@ -59,7 +60,8 @@ function startViews(page) {
   /** @type {string | null} */
   let current = null;
   let again = 0;
-  const tools = undoButtons(page.store.steps);
+  const share = new Share(page.store, () => (current && made[current].picture?.()) ?? null);
+  const tools = [...undoButtons(page.store.steps), share.root];
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
       if (e.ctrlKey || e.metaKey || e.shiftKey) return;
@@ -110,6 +112,7 @@ function startViews(page) {
     (root.querySelector(".stage-messages") ?? root).prepend(page.messages.root);
     root.querySelector(".stage-tools")?.append(...tools);
     made[view].show();
+    share.open(false);
     document.title = `${title} · latolato`;
   };
   // In another page: the view alone, without the way to other views.

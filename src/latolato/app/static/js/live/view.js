@@ -163,6 +163,14 @@ export class LiveView {
     this.dirty = true;
   }
 
+  /** Return a picture of the stage. */
+  async picture() {
+    const { captionOf, stagePicture } = await import("../shared/picture.js");
+    const { scenario } = this.page.store.state;
+    return stagePicture(this.scene, { caption: captionOf(this.toy?.controls ?? {}),
+      title: this.page.registry.scenarios[scenario ?? FIRST]?.title ?? t("view_live") });
+  }
+
   /** Return what to run. */
   request() {
     const { registry, store } = this.page;

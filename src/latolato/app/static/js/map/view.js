@@ -129,6 +129,11 @@ export class MapView {
     this.wanted = "";
   }
 
+  /** Return a picture of the map, null before there is one. */
+  picture() {
+    return this.grid ? import("./picture.js").then(({ pictureOf }) => pictureOf(this)) : null;
+  }
+
   async findStored() {
     this.controls.stored = await askJson("api/map/stored");
     this.controls.showSource(sourceOf(this.page.registry, this.page.store.state));

@@ -1,7 +1,7 @@
 /** Play: parameters on one side, the motion that they make on the other. */
 
 import { codeBlocks } from "../shared/code.js";
-import { el, tell } from "../shared/dom.js";
+import { el } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
@@ -52,11 +52,15 @@ export class PlayView {
       const pinned = this.player.togglePin();
       if (this.pin) this.pin.textContent = t(pinned ? "unpin" : "pin");
     } } }, t("pin"));
-    const share = el("button", { type: "button", on: { click: async () => {
-      await navigator.clipboard.writeText(location.href);
-      tell(t("copied"));
-    } } }, t("share"));
-    return el("div", { class: "actions" }, this.pin, share);
+    return el("div", { class: "actions" }, this.pin);
+  }
+
+  /** Return a picture of the stage. */
+  async picture() {
+    const { captionOf, stagePicture } = await import("../shared/picture.js");
+    const { scenario } = this.page.store.state;
+    return stagePicture(this.player.scene, { caption: captionOf(this.player.motion?.about.options ?? {}),
+      title: this.page.registry.scenarios[scenario ?? ""]?.title ?? t("presetNone") });
   }
 
   show() {

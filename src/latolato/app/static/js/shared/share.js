@@ -1,0 +1,88 @@
+/** Share what is on show: a link to it, and a picture of the stage. */
+
+import { t } from "../strings.js";
+import { el, freshId, tell } from "./dom.js";
+import { saveFile } from "./jobs.js";
+import { format } from "./state.js";
+
+/** @typedef {import("./history.js").AddressStore} AddressStore */
+
+export class Share {
+  /**
+   * @param {AddressStore} store
+   * @param {() => Promise<Blob> | null} picture returns a PNG of the stage on show, null without a stage
+   */
+  constructor(store, picture) {
+    this.store = store;
+    this.picture = picture;
+    const id = freshId();
+    this.link = el("input", { type: "text", readonly: "", "aria-label": t("shareLink"),
+      on: { focus: () => this.link.select() } });
+    this.save = el("button", { type: "button", on: { click: () => void this.savePicture() } },
+      t("sharePicture"));
+    this.menu = el("div", { class: "card share-menu", id, hidden: true }, this.link,
+      el("div", { class: "actions" }, el("button", { type: "button",
+        on: { click: () => void this.copy() } }, t("shareCopy")), this.save));
+    this.button = el("button", { type: "button", "aria-expanded": "false", "aria-controls": id,
+      on: { click: () => void this.share() } }, t("share"));
+    this.root = el("div", { class: "share", on: { keydown: (/** @type {KeyboardEvent} */ event) => {
+      if (event.key !== "Escape" || this.menu.hidden) return;
+      this.open(false);
+      this.button.focus();
+    } } }, this.button, this.menu);
+  }
+
+  /** The link to what is on show, for a page of its own. */
+  get address() {
+    return new URL(format({ ...this.store.state, embed: false }), location.href).href;
+  }
+
+  get fileName() {
+    return `latolato_${this.store.state.scenario ?? this.store.state.view}.png`;
+  }
+
+  /** Hand link and picture to the system, where it can share; else offer both. */
+  async share() {
+    if (!("share" in navigator) || !this.menu.hidden) {
+      this.open(this.menu.hidden);
+      return;
+    }
+    const picture = await this.picture();
+    const files = picture ? [new File([picture], this.fileName, { type: picture.type })] : [];
+    const data = { title: document.title, url: this.address };
+    try {
+      await navigator.share(navigator.canShare?.({ files }) ? { ...data, files } : data);
+    } catch (error) {
+      if (!(error instanceof DOMException)) throw error;
+      if (error.name !== "AbortError") this.open(true); // the browser refused; on an abort, the user did
+    }
+  }
+
+  /** @param {boolean} isOpen */
+  open(isOpen) {
+    this.menu.hidden = !isOpen;
+    this.button.setAttribute("aria-expanded", String(isOpen));
+    this.link.value = this.address;
+    if (isOpen) this.link.focus();
+  }
+
+  /** Copy the link, or leave it selected where the browser refuses the clipboard. */
+  async copy() {
+    this.link.value = this.address;
+    try {
+      await navigator.clipboard.writeText(this.link.value);
+      tell(t("copied"));
+    } catch {
+      this.link.focus();
+      this.link.select();
+      tell(t("shareByHand"));
+    }
+  }
+
+  async savePicture() {
+    const picture = await this.picture();
+    if (!picture) return;
+    saveFile(picture, this.fileName);
+    tell(t("stored", { name: this.fileName }));
+  }
+}

@@ -1,0 +1,84 @@
+"""Sharing what is on show: a link and a picture, in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+from PIL import Image
+
+# How long a page may take to show its first run [ms].
+PATIENCE = 60_000
+READY = "[data-runs], [data-ready], [data-done]"
+# A system that can share, and what it was given.
+SHARES = """() => {
+  navigator.canShare = () => true;
+  navigator.share = async ({ url, files }) => {
+    window.given = { url, name: files[0].name, size: files[0].size };
+  };
+}"""
+
+
+@pytest.fixture(autouse=True)
+def of_linux(page):
+    """Chromium shares by the system on some systems only."""
+    page.add_init_script("delete Navigator.prototype.share;")
+
+
+def open_menu(page, query):
+    page.goto(f"/?{query}&map.size=8")
+    page.wait_for_selector(READY, timeout=PATIENCE)
+    page.get_by_role("button", name="Share").click()
+
+
+@pytest.mark.parametrize("view", ["play", "live", "map"])
+def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
+    open_menu(page, f"view={view}")
+    with page.expect_download() as caught:
+        page.get_by_role("button", name="Save the picture").click()
+    caught.value.save_as(tmp_path / "stage.png")
+    with Image.open(tmp_path / "stage.png") as picture:
+        assert min(picture.size) > 200
+        assert len(picture.convert("RGB").getcolors(1 << 24)) > 10
+
+
+def test_the_link_is_copied(page):
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    open_menu(page, "view=play&scenario=toy&token=secret")
+    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field.fill("0.8")
+    field.press("Enter")
+    page.get_by_role("button", name="Copy the link").click()
+    page.get_by_text("Copied.").wait_for()
+    copied = page.evaluate("() => navigator.clipboard.readText()")
+    assert copied.endswith("/?view=play&scenario=toy&restitution=0.8&map.size=8")
+    page.context.clear_permissions()
+
+
+def test_without_the_clipboard_the_link_is_selected(page):
+    page.add_init_script("Object.defineProperty(navigator, 'clipboard', { value: undefined });")
+    open_menu(page, "view=play&scenario=toy")
+    page.get_by_role("button", name="Copy the link").click()
+    page.get_by_text("The link is selected").wait_for()
+    assert page.evaluate("() => getSelection().toString()").endswith("scenario=toy&map.size=8")
+    page.keyboard.press("Escape")
+    assert not page.get_by_role("button", name="Copy the link").is_visible()
+    assert page.evaluate("() => document.activeElement.textContent") == "Share"
+
+
+def test_a_system_that_shares_gets_the_link_and_the_picture(page):
+    page.goto("/?view=play&scenario=toy")
+    page.wait_for_selector(READY, timeout=PATIENCE)
+    page.evaluate(SHARES)
+    page.get_by_role("button", name="Share").click()
+    page.wait_for_function("() => window.given")
+    given = page.evaluate("() => window.given")
+    assert given["url"].endswith("/?view=play&scenario=toy")
+    assert given["name"] == "latolato_toy.png"
+    assert given["size"] > 1000
+    refuse = "(name) => { navigator.share = async () => { throw new DOMException('', name); }; }"
+    page.evaluate(refuse, "AbortError")
+    page.get_by_role("button", name="Share").click()
+    page.wait_for_timeout(300)
+    assert not page.get_by_role("button", name="Copy the link").is_visible()
+    page.evaluate(refuse, "NotAllowedError")
+    page.get_by_role("button", name="Share").click()
+    page.get_by_role("button", name="Copy the link").wait_for()
