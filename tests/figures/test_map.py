@@ -57,7 +57,7 @@ def test_cells_lie_around_their_point_with_the_frequency_to_the_right(grid):
 def test_labels_carry_names_symbols_and_units(grid):
     axes, bar = ll.plot(grid, "mean_energy").axes
     assert axes.get_xlabel() == r"driving over natural frequency $\omega/\omega_0$"
-    assert axes.get_ylabel() == "driving amplitude $A_0$ [m]"
+    assert axes.get_ylabel() == "driving amplitude $A_0$ [mm]"
     assert bar.get_ylabel() == r"time mean of the total energy $\langle E\rangle$ [J]"
     title = axes.get_title(loc="left")
     assert "$l$ = 0.5 m" in title

@@ -122,9 +122,9 @@ def test_what_is_zero_throughout_is_not_drawn():
 def test_labels_come_from_the_metadata():
     figure = ll.plot(toy())
     angles, energies, _, pivot = figure.axes[:4]
-    assert angles.get_ylabel() == r"$\theta$ [rad]"
+    assert angles.get_ylabel() == r"$\theta$ [°]"
     assert energies.get_ylabel() == "energy [J]"
-    assert pivot.get_ylabel() == "$y_0$ [m]"
+    assert pivot.get_ylabel() == "$y_0$ [cm]"
     assert pivot.get_xlabel() == "time $t$ [s]"
 
 

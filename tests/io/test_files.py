@@ -9,11 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
 
 import latolato as ll
 from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError
 from latolato.io.files import SUFFIXES, load, save
+from latolato.io.shown_units import SIZES, read_texts, shown_texts
 from latolato.simulation.run import record
 from latolato.sweeps.labels import Memory
 from latolato.sweeps.plan import make_plan
@@ -187,11 +190,13 @@ def test_a_csv_file_reads_as_a_table_with_comments(tmp_path):
     path = save(toy, tmp_path / "toy.csv")
     lines = path.read_text().splitlines()
     assert "# length: 1.0" in lines
-    assert "# column angle [rad]: angle from the downward vertical" in lines
+    assert "# column angle [deg]: angle from the downward vertical" in lines
+    assert "# column angular_velocity [rad/s]: angular velocity" in lines
     header = next(line for line in lines if not line.startswith("#"))
-    assert header.startswith("time,angle,angular_velocity")
+    assert header.startswith("time,angle [deg],angular_velocity")
     table = pd.read_csv(path, comment="#")
-    np.testing.assert_allclose(table["angle"], toy.angle, rtol=1e-14)  # pandas' own reading
+    # pandas' own reading
+    np.testing.assert_allclose(table["angle [deg]"], np.rad2deg(toy.angle), rtol=1e-14)
 
 
 def test_two_balls_are_two_columns(tmp_path):
@@ -200,7 +205,29 @@ def test_two_balls_are_two_columns(tmp_path):
     path = save(run, tmp_path / "pair.csv")
     table = pd.read_csv(path, comment="#")
     left = run.angle.sel(ball="left")
-    np.testing.assert_allclose(table["angle_left"], left, rtol=1e-14)  # pandas' own reading
+    # pandas' own reading
+    np.testing.assert_allclose(table["angle_left [deg]"], np.rad2deg(left), rtol=1e-14)
+
+
+@given(value=st.floats(allow_nan=False), unit=st.sampled_from(sorted(SIZES)))
+def test_every_number_comes_back_from_the_unit_in_which_it_is_read(value, unit):
+    (text,) = shown_texts([value], unit)
+    assert read_texts([text], unit) == [value]
+
+
+def test_a_file_in_si_units_and_one_in_an_unknown_unit(tmp_path):
+    run = ll.simulate(ll.Pendulum(length=1.0, mass=1.0), initial_angle=0.5, duration=1.0)
+    path = save(run, tmp_path / "run.csv")
+    text = path.read_text()
+    table = pd.read_csv(path, comment="#", dtype=str)
+    table["angle [deg]"] = [repr(float(angle)) for angle in run.angle]
+    head = "".join(line for line in text.splitlines(True) if line.startswith("#"))
+    older = table.rename(columns={"angle [deg]": "angle"}).to_csv(index=False)
+    path.write_text(head + older)
+    np.testing.assert_array_equal(load(path).angle, run.angle)
+    path.write_text(text.replace("\ntime,angle [deg]", "\ntime,angle [furlong]"))
+    with pytest.raises(InputError, match=r"column 'angle \[furlong\]' has an unknown unit"):
+        load(path)
 
 
 def test_parquet_fields_carry_their_units(tmp_path):

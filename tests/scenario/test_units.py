@@ -147,6 +147,13 @@ def test_a_column_of_a_table_is_read_by_name_or_number(tmp_path, separator, colu
     assert found == [0.1, -0.2]
 
 
+def test_a_column_in_the_unit_of_its_title_is_read_in_si_units(tmp_path):
+    (tmp_path / "map.csv").write_text("drive_amplitude [mm],crossings\n20,3\n34,5\n")
+    for column in ("drive_amplitude [mm]", "1"):
+        found = to_si_list("drive_amplitude", f"map.csv:{column}", "m", tmp_path)
+        assert found == [0.02, 0.034]
+
+
 @pytest.mark.parametrize(
     "name, message",
     [

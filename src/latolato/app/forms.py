@@ -16,7 +16,7 @@ from typing import Any
 
 from latolato.app.run_request import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
-from latolato.core.quantities import QUANTITIES, Quantity
+from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
 from latolato.figures.grids import SCALES
@@ -35,16 +35,6 @@ from latolato.simulation.summary import plain
 from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
 from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan
 
-# Units offered for an SI unit, the first being the one that a form begins with.
-UNITS: dict[str, tuple[str, ...]] = {
-    "m": ("cm", "mm", "m", "in"),
-    "kg": ("g", "kg"),
-    "s": ("s", "ms", "min"),
-    "rad": ("deg", "rad"),
-    "rad/s": ("rad/s", "Hz", "rpm", "deg/s"),
-    "m/s^2": ("m/s^2",),
-    "1": ("1",),
-}
 _making = threading.Lock()
 
 
@@ -184,15 +174,9 @@ def units_of(quantity: Quantity) -> list[dict[str, Any]]:
     """Return the units to choose from with their size in SI units, the usual one first."""
     unit = quantity.unit
     known = sorted(
-        UNITS.get(unit, (unit,) if unit else ()), key=lambda each: each != quantity.first_unit
+        UNITS.get(unit, (unit,) if unit else ()), key=lambda each: each != quantity.shown_unit
     )
     return [{"name": each, "size": 1.0 if each == unit else _size(each, unit)} for each in known]
-
-
-def quantity_of(name: str, unit: str) -> Quantity:
-    """Return the quantity of a variable, by its name if it is known."""
-    known = QUANTITIES.get(name)
-    return known if known is not None and known.unit == unit else Quantity(unit, "", name)
 
 
 def _size(unit: str, si_unit: str) -> float:
@@ -202,7 +186,12 @@ def _size(unit: str, si_unit: str) -> float:
 
 
 def _quantity(quantity: Quantity) -> dict[str, str]:
-    return {"unit": quantity.unit, "symbol": quantity.symbol, "label": quantity.long_name}
+    return {
+        "unit": quantity.unit,
+        "symbol": quantity.symbol,
+        "label": quantity.long_name,
+        "shown_unit": quantity.shown_unit,
+    }
 
 
 def _observable(law: Any) -> dict[str, Any]:

@@ -27,6 +27,11 @@ class Quantity:
     first_unit: str = ""
 
     @property
+    def shown_unit(self) -> str:
+        """The unit in which people read it, on screens, in pictures and in text tables."""
+        return self.first_unit or UNITS.get(self.unit, (self.unit,))[0]
+
+    @property
     def label(self) -> str:
         """Axis label: name, symbol and unit."""
         unit = "" if self.unit == "1" else f" [{self.unit}]"
@@ -37,6 +42,17 @@ class Quantity:
         """What a dataset's variable says about itself: ``units``, ``long_name``, ``symbol``."""
         return {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
 
+
+# Units in which people read and write quantities of an SI unit, the usual one first.
+UNITS: dict[str, tuple[str, ...]] = {
+    "m": ("cm", "mm", "m", "in"),
+    "kg": ("g", "kg"),
+    "s": ("s", "ms", "min"),
+    "rad": ("deg", "rad"),
+    "rad/s": ("rad/s", "Hz", "rpm", "deg/s"),
+    "m/s^2": ("m/s^2",),
+    "1": ("1",),
+}
 
 # Products of ten numbers of these sizes are floats; a pendulum's are far from either.
 SMALLEST, LARGEST = 1e-30, 1e30
@@ -294,6 +310,12 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "separation_at_contact": Quantity("rad", r"\Theta_k", "angle between the balls at an impact"),
 }
+
+
+def quantity_of(name: str, unit: str) -> Quantity:
+    """Return the quantity of a variable, by its name if it is known."""
+    known = QUANTITIES.get(name)
+    return known if known is not None and known.unit == unit else Quantity(unit, "", name)
 
 
 def quantity_field(

@@ -238,7 +238,7 @@ class Scene:
         colours = {name: style.RED if name == "left" else style.BLUE for name in self._angles}
         for name, angle in self._angles.items():
             whole.plot(self._time, angle, color=colours[name], lw=style.THIN)
-        whole.set_ylabel(style.label(run["angle"], short=True))
+        style.show_unit(whole.yaxis, run["angle"], short=True)
         whole.set_xlabel(style.label(run["time"]))
         cursor = whole.axvline(self._time[0], color=style.INK, lw=style.LINE)
         self._cursor = self._add(whole, cursor)
@@ -249,7 +249,7 @@ class Scene:
         part.set_xlim(-0.5 * self._window, 0.5 * self._window)
         part.set_ylim(whole.get_ylim())
         part.axvline(0.0, color=style.INK, lw=style.LINE)
-        part.set_ylabel(style.label(run["angle"], short=True))
+        style.show_unit(part.yaxis, run["angle"], short=True)
         part.set_xlabel(f"time from now [{run['time'].attrs['units']}]")
         for name in self._angles:
             (line,) = part.plot([], [], color=colours[name])

@@ -237,10 +237,10 @@ class Drawing:
             self._draw_cells(axes, look)
             handles = self._legend_of_cells()
             for side, axis in zip(self.sides, ("y", "x"), strict=True):
-                getattr(axes, f"set_{axis}label")(side.label)
                 if side.is_log:
                     getattr(axes, f"set_{axis}scale")("log")
                     _number(getattr(axes, f"{axis}axis"), side)
+                side.label(getattr(axes, f"{axis}axis"))
                 edges = side.edges
                 getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
             if look.lines:
@@ -276,7 +276,8 @@ class Drawing:
             if mask.any():
                 style.fill_cells(axes, x.edges, y.edges, mask, colour)
         if not self.classes:
-            style.colour_bar(cells, style.label(self.data), aspect=28)
+            bar = style.colour_bar(cells, aspect=28)
+            style.show_unit(bar.long_axis, self.data)
 
     def _special(self) -> list[tuple[Any, str]]:
         """Return the cells that have a colour of their own, and it."""
@@ -357,8 +358,8 @@ class Drawing:
             if self.log:
                 axes.set_yscale("log")
             axes.set_xlim(float(along.values[0]), float(along.values[-1]))
-            axes.set_xlabel(along.label)
-            axes.set_ylabel(style.label(self.data))
+            along.label(axes.xaxis)
+            style.show_unit(axes.yaxis, self.data)
             if self.classes:
                 axes.set_yticks(range(len(self.classes)), list(self.classes))
             _finish(figure, axes, self.title, handles)

@@ -64,7 +64,7 @@ def draw_angles(axes: Axes, run: xr.Dataset) -> None:
             lw=style.THIN,
             label=f"{name} ball",
         )
-    axes.set_ylabel(style.label(run["angle"], short=True))
+    style.show_unit(axes.yaxis, run["angle"], short=True)
     if len(balls) > 1:
         _legend(axes)
 
@@ -75,7 +75,6 @@ def draw_angle_strip(run: xr.Dataset) -> Figure:
     figure, panels = style.new_figure(1)
     angles = panels[0, 0]
     draw_angles(angles, run)
-    style.degree_axis(angles)
     angles.set_xlabel(style.label(run["time"]))
     return figure
 
@@ -90,12 +89,11 @@ def draw_run(run: xr.Dataset) -> Figure:
     curves = with_contacts(run)
     draw_angles(angles, curves)
     _draw_contacts(angles, curves)
-    style.degree_axis(angles)
     _draw_curves(energies, curves, ENERGIES)
     _draw_curves(ledger, curves, LEDGER)
     _draw_balance(ledger, curves)
     pivot.plot(run["time"], run["pivot_height"], color=style.INK)
-    pivot.set_ylabel(style.label(run["pivot_height"], short=True))
+    style.show_unit(pivot.yaxis, run["pivot_height"], short=True)
     pivot.set_xlabel(style.label(run["time"]))
     for axes, letter, text in zip(
         panels[:, 0],

@@ -13,6 +13,7 @@ from latolato.figures import style
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axis import Axis
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -31,12 +32,12 @@ class Side:
     name: str
     is_log: bool
 
-    @property
-    def label(self) -> str:
-        """The axis label."""
+    def label(self, axis: Axis) -> None:
+        """Label an axis of matplotlib."""
         import xarray as xr
 
-        return style.label(xr.DataArray(self.values, attrs=dict(self.attributes))) or self.name
+        about = {"long_name": self.name, **self.attributes}
+        style.show_unit(axis, xr.DataArray(self.values, name=self.name, attrs=about))
 
     @property
     def edges(self) -> Floats:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError
+from latolato.core.quantities import quantity_of
+from latolato.io.shown_units import SIZES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -231,7 +233,9 @@ def label(variable: xr.DataArray, *, short: bool = False, unit: str = "") -> str
 
 
 def pretty_unit(unit: str) -> str:
-    """Return a unit as it is printed: ``kg*m/s^2`` becomes ``kg m/s²``."""
+    """Return a unit as it is printed: ``kg*m/s^2`` becomes ``kg m/s²``, ``deg`` the sign."""
+    if unit == "deg":
+        return "°"
     return unit.replace("*", " ").replace("^2", "²").replace("^(3/2)", "³ᐟ²")
 
 
@@ -342,6 +346,31 @@ def pi_text(value: float, parts: int = 2) -> str:
     factor = "" if over == 1 else str(over)
     tail = "" if under == 1 else f"/{under}"
     return f"${sign}{factor}\\pi{tail}$"
+
+
+def show_unit(axis: Axis, variable: xr.DataArray, *, short: bool = False) -> None:
+    """Label an axis of values in SI units, in the unit in which people read the variable."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    name, units = str(variable.name), str(variable.attrs.get("units", ""))
+    unit = quantity_of(name, units).shown_unit
+    size = float(SIZES.get(unit, 1))
+    axis.set_label_text(label(variable, short=short, unit=pretty_unit(unit)))
+    if size == 1.0:
+        return
+
+    class Round(MaxNLocator):
+        """Ticks at round numbers of the unit."""
+
+        def tick_values(self, vmin: float, vmax: float) -> Any:
+            return size * np.asarray(super().tick_values(vmin / size, vmax / size))
+
+    steps = [1, 1.5, 3, 4.5, 6, 9, 10] if unit == "deg" else [1, 2, 2.5, 5, 10]
+    if axis.get_scale() == "linear":
+        axis.set_major_locator(Round(6, steps=steps))
+    axis.set_major_formatter(
+        FuncFormatter(lambda value, _: f"{value / size:g}".replace("-", "\N{MINUS SIGN}"))
+    )
 
 
 def degree_axis(axes: Axes, *, spacing: float | None = None) -> Axes:

@@ -21,7 +21,7 @@ def write_columns(columns: Columns, attributes: Mapping[str, Any], path: Path, s
     """Write columns of equal length and attributes as the suffix says, ``.csv`` or ``.parquet``.
 
     A CSV begins with ``# key: value`` lines of the attributes and one ``# column name [unit]``
-    line for each column.
+    line for each column; a name may end in a unit of its own.
     """
     if suffix == ".csv":
         _write_csv(columns, attributes, path)
@@ -95,8 +95,8 @@ def _write_csv(columns: Columns, attributes: Mapping[str, Any], path: Path) -> N
         for key, value in attributes.items():
             file.write(f"# {key}: {_text(value)}\n")
         for name, (_, about) in columns.items():
-            unit, meaning = about.get("units", "1"), about.get("long_name", name)
-            file.write(f"# column {name} [{unit}]: {meaning}\n")
+            head = name if name.endswith("]") else f"{name} [{about.get('units', '1')}]"
+            file.write(f"# column {head}: {about.get('long_name', name)}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(columns)
         table.writerows(zip(*(_plain(values) for values, _ in columns.values()), strict=True))

@@ -13,9 +13,10 @@ import numpy as np
 
 from latolato.core.atomic import atomic_path, check_folder, checked_path, remove_leftovers
 from latolato.core.errors import InputError
-from latolato.core.quantities import QUANTITIES
+from latolato.core.quantities import QUANTITIES, quantity_of
 from latolato.core.versions import FORMAT, check_format
 from latolato.io.column_files import Columns, import_pyarrow, read_columns, write_columns
+from latolato.io.shown_units import SIZES, read_texts, shown_texts
 from latolato.simulation.record import BALL, BALLS, Record
 
 if TYPE_CHECKING:
@@ -58,7 +59,9 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
     and ``name_imag``, which `load` joins. CSV and Parquet hold sweeps, one row per point, and runs,
     one row per instant. The variables of a `BallPair` are columns ``angle_right`` and
-    ``angle_left``. The contacts of a run, if any were possible, go to a second file
+    ``angle_left``. The columns of a CSV have the units of pages and pictures: one that is not in
+    the unit of the dataset has its unit in its name, ``angle [deg]``, and `load` returns the same
+    numbers. The contacts of a run, if any were possible, go to a second file
     ``<stem>.contacts.csv``, which is put in place first and removed when a run without them takes
     the place of one with them. An interrupted or failed call leaves no file; what a killed one left
     for the same path is removed by the next.
@@ -98,7 +101,10 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
         dataset = dataset.to_dataset().assign_attrs(format=FORMAT)
 
     def write(dataset: xr.Dataset, dimension: str, unfinished: Path) -> None:
-        write_columns(_columns(dataset, dimension), dataset.attrs, unfinished, suffix)
+        columns = _columns(dataset, dimension)
+        if suffix == ".csv":
+            columns = _shown(columns)
+        write_columns(columns, dataset.attrs, unfinished, suffix)
 
     if is_sweep(dataset):
         from latolato.sweeps.long_table import as_table
@@ -192,11 +198,32 @@ def _read(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
         )
     if not {"scenario", "plan", "latolato_version"} & attributes.keys():
         raise InputError(f"'{path}' is no run of latolato: its header is missing")
-    typed: Columns = {
-        name: (np.array(values, dtype=_kind(name)), _about(name) | about)
-        for name, (values, about) in columns.items()
-    }
+    typed: Columns = {}
+    for head, (values, about) in columns.items():
+        name, unit = _name_and_unit(head)
+        numbers = read_texts(values, unit) if unit else values
+        typed[name] = (np.array(numbers, dtype=_kind(name)), _about(name) | about)
     return typed, attributes
+
+
+def _shown(columns: Columns) -> Columns:
+    """Return columns in the units in which people read them, which are in their names then."""
+    shown: Columns = {}
+    for name, (values, about) in columns.items():
+        unit = quantity_of(_base(name), str(about.get("units", "1"))).shown_unit
+        if unit in SIZES:
+            shown[f"{name} [{unit}]"] = (shown_texts(values.tolist(), unit), about)
+        else:
+            shown[name] = (values, about)
+    return shown
+
+
+def _name_and_unit(head: str) -> tuple[str, str]:
+    """Return the name of a column and the unit after it, "" without one."""
+    name, _, unit = head.removesuffix("]").partition(" [")
+    if unit and unit not in SIZES:
+        raise InputError(f"column '{head}' has an unknown unit", way_out=f"use {', '.join(SIZES)}")
+    return name, unit
 
 
 @contextmanager
@@ -358,9 +385,15 @@ def _no_contacts(two: bool) -> Columns:
 
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column's variable, as far as they are known."""
+    name = _base(name)
+    return QUANTITIES[name].attributes if name in QUANTITIES else {}
+
+
+def _base(name: str) -> str:
+    """Return the name of the variable to which a column belongs."""
     for ball in BALLS:
         name = name.removesuffix(f"_{ball}")
-    return QUANTITIES[name].attributes if name in QUANTITIES else {}
+    return name
 
 
 def _kind(name: str) -> type:

@@ -16,6 +16,7 @@ from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.io.shown_units import SIZES
 
 _PI = "3.1415926535897932384626433833"
 
@@ -261,5 +262,7 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
         raise InputError(
             f"{{parameter}}: '{path}' cannot be read as numbers: {error}", parameter=name
         ) from None
-    result: list[float] = numbers.tolist()
+    # What `latolato.save` writes in another unit has this in its title.
+    unit = titles[index].removesuffix("]").partition(" [")[2]
+    result: list[float] = (numbers * float(SIZES.get(unit, 1))).tolist()
     return result

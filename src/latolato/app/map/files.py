@@ -16,7 +16,7 @@ import numpy as np
 
 from latolato.app.blocks import pack_files
 from latolato.app.downloads import PICTURE_DPI, TYPES
-from latolato.app.forms import quantity_of, units_of
+from latolato.app.forms import units_of
 from latolato.app.jobs import Job
 from latolato.app.map.stored import (
     MOST_CELLS,
@@ -28,7 +28,7 @@ from latolato.app.map.stored import (
 )
 from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY
+from latolato.core.quantities import ANY, quantity_of
 from latolato.core.registry import checked_number
 from latolato.scenario.scenario import Scenario
 

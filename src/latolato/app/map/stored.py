@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.forms import quantity_of, shown_variable, units_of
+from latolato.app.forms import shown_variable, units_of
 from latolato.app.jobs import Job
 from latolato.app.run_request import TooLargeError, options_of
 from latolato.core.errors import InputError
 from latolato.core.parameters import law_parameters
-from latolato.core.quantities import Quantity
+from latolato.core.quantities import Quantity, quantity_of
 from latolato.core.registry import describe, suggest
 from latolato.figures.sides import Side, spaced, values_along
 from latolato.numerics.records import STATUS_NAMES

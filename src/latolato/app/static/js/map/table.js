@@ -2,6 +2,7 @@
 
 import { tablesOf as tablesOfRun } from "../model/files.js";
 import { InputError } from "../model/rules.js";
+import { isShown, shownText } from "../model/shown.js";
 import { NOT_YET } from "./grid.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -41,7 +42,7 @@ export function csvOf(question, grid) {
   const own = grid.status.map((status, cell) => (grid.stride[cell] === 1 ? status : NOT_YET));
   const missing = own.filter((status) => status === NOT_YET).length;
   const { width } = grid;
-  /** @type {{name: string, unit: string, label: string, at: (cell: number) => number}[]} */
+  /** @type {{name: string, unit: string, label: string, units?: {name: string}[], at: (cell: number) => number}[]} */
   const columns = [
     { ...grid.yAxis, at: (cell) => plan.y.values[Math.floor(cell / width)] },
     { ...grid.xAxis, at: (cell) => plan.x.values[cell % width] },
@@ -51,16 +52,23 @@ export function csvOf(question, grid) {
     { name: "status", unit: "1", label: "status of the point",
       at: (cell) => (own[cell] === NOT_YET ? -1 : own[cell]) },
   ];
+  const plain = (/** @type {number} */ value) => (Number.isNaN(value) ? "nan"
+    : Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf");
+  const shown = columns.map(({ name, unit, units = [], label, at }) => {
+    const own = units[0]?.name ?? unit;
+    if (!isShown(own)) return { head: name, title: `# column ${name} [${unit}]: ${label}`,
+      text: (/** @type {number} */ cell) => plain(at(cell)) };
+    const head = `${name} [${own}]`;
+    return { head, title: `# column ${head}: ${label}`, text: (/** @type {number} */ cell) =>
+      (Number.isFinite(at(cell)) ? shownText(at(cell), own) : plain(at(cell))) };
+  });
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
     rounding: "page", ...attributesOf(question),
     ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is -1 there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
   const lines = [...Object.entries(about).map(([name, value]) => `# ${name}: ${value}`),
-    ...columns.map(({ name, unit, label }) => `# column ${name} [${unit}]: ${label}`),
-    columns.map(({ name }) => name).join(",")];
-  const text = (/** @type {number} */ value) => (Number.isNaN(value) ? "nan"
-    : Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf");
-  own.forEach((_, cell) => lines.push(columns.map(({ at }) => text(at(cell))).join(",")));
+    ...shown.map(({ title }) => title), shown.map(({ head }) => head).join(",")];
+  own.forEach((_, cell) => lines.push(shown.map(({ text }) => text(cell)).join(",")));
   return `${lines.join("\n")}\n`;
 }
 

@@ -1,6 +1,7 @@
 /** Files of a run, as Python writes and reads them: its columns, its contacts, its scenario. */
 
 import { commandLine } from "./lines.js";
+import { isShown, shownText } from "./shown.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("../shared/block.js").Block} Block */
@@ -86,7 +87,7 @@ function table(registry, { about, arrays, shapes }, names) {
   const isToy = registry.systems[about.options.system].contacts;
   /** @type {{name: string, title: string, at: (i: number) => any}[]} */
   const columns = names.flatMap((name) => {
-    const { unit, label } = registry.quantities[name];
+    const { unit, label, shown_unit: shownUnit } = registry.quantities[name];
     const shape = shapes[name];
     const length = shape[shape.length - 1];
     const values = arrays[name];
@@ -95,6 +96,11 @@ function table(registry, { about, arrays, shapes }, names) {
     const rows = two && shape.length === 2 && shape[0] === 2 ? SIDES : [""];
     return rows.map((side, row) => {
       const whole = side ? `${name}_${side}` : name;
+      if (isShown(shownUnit)) {
+        const head = `${whole} [${shownUnit}]`;
+        return { name: head, title: `# column ${head}: ${label}${whose}`,
+          at: (/** @type {number} */ i) => shownText(values[row * length + i], shownUnit) };
+      }
       const at = name === "contact_kind"
         ? (/** @type {number} */ i) => about.contact_kinds[values[i]]
         : (/** @type {number} */ i) => values[row * length + i];
@@ -106,7 +112,7 @@ function table(registry, { about, arrays, shapes }, names) {
   const lines = [...head, ...columns.map(({ title }) => title), columns.map(({ name }) => name).join(",")];
   const shape = shapes[names[0]];
   for (let i = 0; i < shape[0]; i += 1)
-    lines.push(columns.map(({ at }) => { const value = at(i); return value !== value ? "nan" : value; }).join(","));
+    lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan")).join(","));
   return `${lines.join("\n")}\n`;
 }
 
