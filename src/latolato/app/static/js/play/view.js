@@ -38,8 +38,7 @@ export class PlayView {
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.presets.field, this.makeActions(),
         this.downloads.root, form),
-      el("div", { class: "main" }, el("div", { class: "stage-tools" }),
-        el("div", { class: "stage-messages" }), stage, el("details", { class: "card" },
+      el("div", { class: "main" }, el("div", { class: "stage-messages" }), stage, el("details", { class: "card" },
         el("summary", {}, t("code")), el("p", { class: "hint" }, t("codeHint")), this.code)));
     this.form = new Form(form, page.registry, page.store);
     this.player = new Player(stage);
@@ -52,7 +51,7 @@ export class PlayView {
       const pinned = this.player.togglePin();
       if (this.pin) this.pin.textContent = t(pinned ? "unpin" : "pin");
     } } }, t("pin"));
-    return el("div", { class: "actions" }, this.pin);
+    return el("div", { class: "actions" }, this.pin, el("div", { class: "stage-tools" }));
   }
 
   /** Return a picture of the stage. */
