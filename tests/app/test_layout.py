@@ -314,6 +314,24 @@ def test_a_refusal_without_a_field_in_sight_stands_on_the_stage(page):
     assert page.locator(".stage-messages").inner_text() == ""
 
 
+def test_the_first_run_finds_its_place(page):
+    held = []
+    page.route("**/one.wasm", lambda route: held.append(route))
+    page.set_viewport_size(LAPTOP)
+    page.goto("/?view=play")
+    parts = (".stage", ".scrub", ".transport", ".drawers", ".more-curves")
+    page.locator(".more-curves").wait_for()
+    before = [page.locator(each).bounding_box() for each in parts]
+    page.wait_for_timeout(500)
+    for route in held:
+        route.continue_()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    after = [page.locator(each).bounding_box() for each in parts]
+    for one, other in zip(before, after, strict=True):
+        assert one["y"] == pytest.approx(other["y"], abs=3)
+        assert one["x"] == pytest.approx(other["x"], abs=3)
+
+
 def test_messages_and_curves_move_nothing(page):
     open_view(page, "&scenario=toy&duration=3 s")
     parts = (".stage", ".transport", ".knobs", ".drawers")
