@@ -94,7 +94,7 @@ export function toSi(text, units) {
 
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
   Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ",
-  langle: "⟨", rangle: "⟩" };
+  varepsilon: "ε", epsilon: "ε", langle: "⟨", rangle: "⟩" };
 
 /**
  * Return the parts of a symbol written in TeX as text, each on the line, below or above it.

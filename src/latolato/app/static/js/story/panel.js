@@ -2,6 +2,7 @@
 
 import { LongRunError, Runner } from "../model/client.js";
 import { InputError } from "../model/rules.js";
+import { inLanguage } from "../model/words.js";
 import { el, tell } from "../shared/dom.js";
 import { openLink } from "../shared/links.js";
 import { t, tr } from "../strings.js";
@@ -102,7 +103,7 @@ export class StoryPanel {
       this.tables = tables;
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
-      this.refuse(error.message);
+      this.refuse(inLanguage(error));
       return;
     }
     // An address that names a story alone shows what the story shows.

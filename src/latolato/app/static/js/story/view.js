@@ -1,6 +1,7 @@
 /** Stories: the list of stories and challenges, and a story file of one's own. */
 
 import { InputError } from "../model/rules.js";
+import { inLanguage } from "../model/words.js";
 import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
 import { format } from "../shared/state.js";
@@ -77,7 +78,7 @@ export class StoryView {
     } catch (error) {
       if (!(error instanceof InputError || error instanceof Offline)) throw error;
       this.error.hidden = false;
-      this.error.textContent = error.message;
+      this.error.textContent = inLanguage(error);
     }
   }
 }

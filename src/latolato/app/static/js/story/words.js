@@ -8,7 +8,7 @@ const DIGITS = 3;
 // What may never happen.
 const MAY_BE_NEVER = ["time_to_angle", "top_time", "response_period"];
 /** How units are shown, and how large each is. @type {Record<string, [string, number]>} */
-const SHOWN = { rad: ["°", 1 / DEGREES], m: [" mm", 1e-3], 1: ["", 1], "1/s": [" per second", 1] };
+const SHOWN = { rad: ["°", 1 / DEGREES], m: [" mm", 1e-3], 1: ["", 1] };
 
 /**
  * Return a quantity of a run in words.
@@ -28,6 +28,6 @@ export function shownNumber(name, value, unit) {
  * @param {number} [digits]
  */
 export function withUnit(value, unit, digits = DIGITS) {
-  const [words, size] = SHOWN[unit] ?? [` ${unit}`, 1];
+  const [words, size] = unit === "1/s" ? [` ${t("perSecond")}`, 1] : SHOWN[unit] ?? [` ${unit}`, 1];
   return `${short(value / size, digits)}${words}`.replace("-", "−");
 }
