@@ -71,7 +71,7 @@ def _draw_map(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     text = style.label(dataset["transverse_exponent"])
     style.colour_bar(cells, text, aspect=28, extend="both").ax.set_yscale("linear")
     for side, axis in ((x, "x"), (y, "y")):
-        getattr(axes, f"set_{axis}label")(side.label)
+        side.label(getattr(axes, f"{axis}axis"))
         if side.is_log:
             getattr(axes, f"set_{axis}scale")("log")
     handles: list[Any] = []
