@@ -303,15 +303,20 @@ def test_the_curve_shows_some_swings_and_follows_the_clock(page):
     assert low < 100 < high < 200
 
 
-def test_a_refusal_without_a_field_in_sight_stands_on_the_stage(page):
+def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
-    page.evaluate("() => window.latolato.views.play.page.store.option('radius', '9 m')")
-    page.locator(".stage-messages").get_by_text("must lie in [0, length)").wait_for()
-    page.evaluate("() => window.latolato.views.play.page.store.option('restitution', '2')")
-    page.evaluate("() => window.latolato.views.play.page.store.option('radius', null)")
+    messages = page.locator(".stage-messages")
+    option = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
+    page.evaluate(option, ["radius", "9 m"])
+    messages.get_by_text("“radius of one ball” must lie").wait_for()
+    page.evaluate(option, ["restitution", "2"])
+    page.evaluate(option, ["radius", None])
     page.locator(".knobs").get_by_text("must lie in [0, 1]").wait_for()
-    assert page.locator(".stage-messages").inner_text() == ""
+    messages.get_by_text("“coefficient of restitution” must lie").wait_for()
+    assert messages.locator(".message").count() == 1
+    page.evaluate(option, ["restitution", None])
+    messages.locator(".message").wait_for(state="detached")
 
 
 def test_the_first_run_finds_its_place(page):
@@ -336,7 +341,10 @@ def test_messages_and_curves_move_nothing(page):
     open_view(page, "&scenario=toy&duration=3 s")
     parts = (".stage", ".transport", ".knobs", ".drawers")
     places = [page.locator(each).bounding_box() for each in parts]
-    page.evaluate("() => window.latolato.views.play.note('This run takes long.', 'Stop', () => {})")
+    page.evaluate(
+        "() => window.latolato.views.play.note('This run takes long.', "
+        "[{ label: 'Stop', act: () => {} }])"
+    )
     page.get_by_role("button", name="Pivot", exact=True).click()
     page.get_by_role("slider", name="Bounciness, slider").press("ArrowLeft")
     page.get_by_role("button", name="Reset").wait_for()

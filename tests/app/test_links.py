@@ -89,7 +89,7 @@ def test_values_that_contradict_each_other_are_refused_with_a_way_back(page):
 def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered(page):
     page.goto("/?view=play&scenario=toy&duration=4 s")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field = page.get_by_role("textbox", name="Bounciness")
     field.fill("2")
     field.press("Enter")
     message = page.locator(".message.bad")
@@ -108,7 +108,7 @@ def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered
 def test_a_knob_of_live_offers_the_nearest_value(page):
     page.goto("/?view=live&scenario=toy")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
-    knob = page.get_by_label("coefficient of restitution", exact=False).first
+    knob = page.get_by_role("textbox", name="Bounciness")
     knob.fill("-1")
     knob.press("Enter")
     page.locator(".message").get_by_text("must lie between 0 and 1").wait_for()

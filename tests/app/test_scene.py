@@ -16,8 +16,10 @@ PLAYER = "const { motion, scene, clock } = window.latolato.views.play.player;"
 
 
 def open_play(page, query):
+    """Open Play with a run that stands still."""
     page.goto(f"/?view=play{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    of_scene(page, "clock.pause()")
 
 
 def of_scene(page, expression, argument=None):

@@ -43,7 +43,7 @@ def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
 def test_the_link_is_copied(page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     open_menu(page, "view=play&scenario=toy&token=secret")
-    field = page.get_by_label("coefficient of restitution", exact=False).first
+    field = page.get_by_role("textbox", name="Bounciness")
     field.fill("0.8")
     field.press("Enter")
     page.get_by_role("button", name="Copy the link").click()
@@ -82,3 +82,18 @@ def test_a_system_that_shares_gets_the_link_and_the_picture(page):
     page.evaluate(refuse, "NotAllowedError")
     page.get_by_role("button", name="Share").click()
     page.get_by_role("button", name="Copy the link").wait_for()
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (844, 390), (683, 384), (390, 844)])
+def test_the_menu_opens_within_the_stage_and_moves_nothing(page, size):
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.goto("/?view=play&scenario=toy")
+    page.wait_for_selector(READY, timeout=PATIENCE)
+    button, stage = page.get_by_role("button", name="Share"), page.locator(".stage")
+    places = [button.bounding_box(), stage.bounding_box()]
+    button.click()
+    menu = page.locator(".share-menu").bounding_box()
+    assert [button.bounding_box(), stage.bounding_box()] == places
+    for start, length in (("x", "width"), ("y", "height")):
+        assert menu[start] >= places[1][start]
+        assert menu[start] + menu[length] <= places[1][start] + places[1][length]

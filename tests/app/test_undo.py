@@ -12,6 +12,7 @@ STEP = "() => history.state.step"
 def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
     page.goto(f"/?view=play{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_text("More parameters", exact=True).click()
 
 
 def type_into(page, label, text):
@@ -156,14 +157,14 @@ def test_a_toy_of_live_goes_on_where_a_control_is_undone(page):
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     page.evaluate("() => { window.first = window.latolato.views.live.toy; }")
     usual = page.evaluate("() => window.first.controls.restitution")
-    type_into(page, "coefficient of restitution", "0.5")
+    type_into(page, "Bounciness", "0.5")
     wait_for_step(page, 1)
     page.keyboard.press("Control+z")
     page.wait_for_function(
         "(usual) => window.latolato.views.live.toy?.controls.restitution === usual", arg=usual
     )
     assert page.evaluate("() => window.latolato.views.live.toy === window.first")
-    knob = page.get_by_label("coefficient of restitution", exact=False).first
+    knob = page.get_by_role("textbox", name="Bounciness")
     page.wait_for_function("(e) => e.value !== '0.5'", arg=knob.element_handle())
 
 

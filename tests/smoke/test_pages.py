@@ -12,6 +12,8 @@ from latolato.physics.drives import drives
 
 # How long a page may take to its end [ms].
 PATIENCE = 300_000
+# What is refused says so in one of these.
+FAULTS = [".error", ".notice", ".message.bad"]
 SWEEPS = [name for name, scenario in ll.scenarios().items() if scenario.varied]
 RUNS = [name for name in ll.scenarios() if name not in SWEEPS]
 # Mirrored balls and balls that differ; `tests/app/test_analyses.py` asks it all of a pendulum.
@@ -31,12 +33,13 @@ def page(page):
 
 def faults(page):
     """Return the errors that are on show."""
-    return [e.inner_text() for e in page.locator(".error, .notice").all() if e.is_visible()]
+    return [e.inner_text() for e in page.locator(", ".join(FAULTS)).all() if e.is_visible()]
 
 
 def wait_for(page, end):
     """Wait for a page's end, or for what it says instead, which is a fault."""
-    page.wait_for_selector(f"{end}, .error:visible, .notice:visible", timeout=PATIENCE)
+    ends = [end, *(f"{fault}:visible" for fault in FAULTS)]
+    page.wait_for_selector(", ".join(ends), timeout=PATIENCE)
     page.wait_for_load_state("networkidle")
     assert not faults(page)
 

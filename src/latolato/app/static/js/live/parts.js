@@ -69,8 +69,7 @@ export function layOut(parts, keeper, preset, knobs, senses) {
         el("details", { class: "about" }, el("summary", {}, t("liveWhy")), el("p", {}, t("liveHint")),
           el("ol", {}, el("li", {}, t("liveStep1")), el("li", {}, t("liveStep2"))),
           el("p", { class: "hint" }, t("liveMore")))),
-      el("p", { class: "hint", id: "live-keys" }, t("liveKeys")))),
-  parts.more);
+      parts.more, el("p", { class: "hint", id: "live-keys" }, t("liveKeys")))));
 }
 
 /**
