@@ -87,7 +87,7 @@ export class LiveView {
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
     this.senses.narrator.labels = page.registry.options;
-    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses.root);
+    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     this.senses.narrator.onDescribe = () => this.watch.describe();
