@@ -238,6 +238,7 @@ def live(browser: Any, address: str) -> None:
         line(f"Live: pictures a second at 10x{more}", f"{rate:.1f}", asked)
     throttle.send("Emulation.setCPUThrottlingRate", {"rate": 1})
     page.get_by_label("Speed", exact=True).select_option("1")
+    page.get_by_text("Listen and read").click()
     # In turns, so that whatever else the machine does weighs on both.
     rates: dict[bool, list[float]] = {False: [], True: []}
     for turn in range(2 * SENSES):

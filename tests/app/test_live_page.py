@@ -253,6 +253,26 @@ def test_live_is_accessible_and_fits_the_screen(page, width):
     assert page.evaluate("() => document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.parametrize("language", ["en", "id"])
+@pytest.mark.parametrize("width", [390, 600, 910, 1366])
+def test_nothing_on_the_stage_lies_over_something_else(page, width, language):
+    page.set_viewport_size({"width": width, "height": 844})
+    open_live(page, f"&lang={language}")
+    page.wait_for_function("() => document.querySelector('.readout').textContent")
+    over, within = page.evaluate(
+        """() => {
+          const [readout, tools, stage] = [".readout", ".stage-tools", ".stage"]
+            .map((each) => document.querySelector(`.live ${each}`).getBoundingClientRect());
+          return [readout.left < tools.right && tools.left < readout.right
+              && readout.top < tools.bottom && tools.top < readout.bottom,
+            [...document.querySelectorAll(".live .stage-tools > *")].every((each) =>
+              each.getBoundingClientRect().right <= stage.right)];
+        }"""
+    )
+    assert not over
+    assert within
+
+
 def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     page.emulate_media(reduced_motion="reduce")
     page.goto("/?view=live")

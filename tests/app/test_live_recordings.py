@@ -59,17 +59,16 @@ def test_a_recording_with_a_push_opens_as_it_was_kept(page):
     page.get_by_text("A hand took part").wait_for()
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_text("Energy and more curves").click()
     page.get_by_text("the hand", exact=True).wait_for()
     assert page.evaluate("() => window.latolato.views.play.player.motion.about.by_hand")
-    slider = page.get_by_label("driving amplitude, slider")
-    if slider.count():  # whoever changes a parameter gets a run of these parameters
-        runs = page.locator("[data-runs]").get_attribute("data-runs")
-        slider.focus()
-        slider.press("ArrowRight")
-        page.wait_for_function(
-            "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
-        )
-        assert not page.evaluate("() => window.latolato.views.play.player.motion.about.by_hand")
+    # Whoever changes a parameter gets a run of these parameters.
+    runs = page.locator("[data-runs]").get_attribute("data-runs")
+    page.get_by_label("How far the hand moves, slider").press("ArrowRight")
+    page.wait_for_function(
+        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
+    )
+    assert not page.evaluate("() => window.latolato.views.play.player.motion.about.by_hand")
 
 
 def test_a_recording_ends_when_it_is_as_long_as_it_may_be(page):

@@ -155,7 +155,7 @@ def test_a_granted_sensor_shakes_and_the_screen_stays_on(page):
     assert page.evaluate("() => window.locks") == 0
 
 
-def test_the_pivot_can_be_dragged(page):
+def test_the_hand_can_be_dragged_and_the_cursor_says_so(page):
     open_live(page, STILL)
     box = page.get_by_role("application").bounding_box()
     x, y, size = page.evaluate(
@@ -166,8 +166,13 @@ def test_the_pivot_can_be_dragged(page):
             .map((each) => each / ratio);
         }"""
     )
+    cursor = "() => getComputedStyle(window.latolato.views.live.parts.canvas).cursor"
+    page.mouse.move(box["x"] + 10, box["y"] + box["height"] - 10)
+    assert page.evaluate(cursor) == "auto"
     page.mouse.move(box["x"] + x, box["y"] + y)
+    assert page.evaluate(cursor) == "grab"
     page.mouse.down()
+    assert page.evaluate(cursor) == "grabbing"
     page.mouse.move(box["x"] + x, box["y"] + y - 0.06 * size)
     wait_for_toy(page, "Math.abs(toy.pivot.height - 0.06) < 3e-3")
     for k in range(40):

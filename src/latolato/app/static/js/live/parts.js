@@ -50,17 +50,17 @@ export function makeParts(ratios, actions) {
  *   of the last one
  * @param {{field: HTMLElement, question: HTMLElement}} preset
  * @param {HTMLElement} knobs
- * @param {HTMLElement} senses sound, description and the list of keys
+ * @param {import("../shared/senses.js").Senses} senses sound, description and the list of keys
  */
 export function layOut(parts, keeper, preset, knobs, senses) {
   return el("div", { class: "view live" }, el("div", { class: "desk" }, preset.question,
     el("div", { class: "bench" },
       el("section", { class: "stage" }, parts.canvas,
-        parts.status, el("div", { class: "stage-tools" }),
+        parts.status, el("div", { class: "stage-tools" }, senses.toggle),
         el("div", { class: "stage-messages" })),
       el("div", { class: "panel" }, parts.angle.figure,
         el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, parts.shake, keeper.button,
-          el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses),
+          el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses.root),
       keeper.result),
     el("aside", { class: "side" },
       el("div", { class: "card" }, preset.field), knobs,

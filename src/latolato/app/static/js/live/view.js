@@ -3,11 +3,10 @@
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, spansOf } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
-import { short, shownUnit } from "../shared/units.js";
 import { withControls } from "../live/address.js";
+import { fit, makeKnobs, refusal } from "../live/controls.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";
@@ -43,11 +42,6 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
-// Keys of each control, as they are shown.
-const KEYS = { drive_amplitude: ["↑", "↓"], drive_frequency: ["→", "←"], damping: ["D", "⇧D"],
-  restitution: ["E", "⇧E"] };
-// In this order, by what tells most.
-const CONTROLS = ["drive_amplitude", "drive_frequency", "restitution", "damping"];
 
 /**
  * Return whether two cases differ in nothing but what the controls change.
@@ -78,7 +72,7 @@ export class LiveView {
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
     this.shake = new Shake(() => this.toy, () => this.showShake());
-    this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value), KEYS);
+    this.knobs = makeKnobs(page.registry, (name, text, value) => this.take(name, text, value));
     this.parts = makeParts(RATIOS, {
       pause: () => this.pause(),
       push: () => this.push(),
@@ -93,7 +87,7 @@ export class LiveView {
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
     this.senses.narrator.labels = page.registry.options;
-    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses.root);
+    this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
     this.senses.narrator.onDescribe = () => this.watch.describe();
@@ -201,28 +195,16 @@ export class LiveView {
 
   /** @param {Toy} toy */
   start(toy) {
-    const { controls, limits, system } = toy;
     this.toy = toy;
     this.motion = new LiveMotion(toy, this.watch.history);
-    const names = CONTROLS.filter((name) => name in controls);
-    const { naturalFrequency, balls: [{ length, mass }] } = system;
-    this.knobs.make(names);
-    const spans = spansOf({ length, mass, naturalFrequency, values: controls });
-    this.knobs.allow(Object.fromEntries(names.map((name) => {
-      const [low, high] = spans[name] ?? limits[name];
-      return [name, [low, Math.min(high, limits[name][1])]];
-    })));
-    for (const name of names) {
-      this.knobs.all[name].limits = limits[name];
-      this.knobs.all[name].show(controls[name]);
-    }
+    fit(this.knobs, toy);
     this.showRatio();
     const single = this.motion.balls.length < 2;
     this.root.classList.toggle("single", single);
     this.parts.energy.title.textContent = t("curveEnergy", { whose: whose(this.motion) });
     this.watch.begin(single);
     const { motion } = this;
-    this.senses.loudest = LOUDEST * system.naturalFrequency;
+    this.senses.loudest = LOUDEST * toy.system.naturalFrequency;
     this.senses.narrator.begin({ motion: /** @type {any} */ (motion), log: () => motion.log });
     this.rescale();
     this.shake.apply();
@@ -264,14 +246,11 @@ export class LiveView {
     const isRatio = name === "frequency_ratio";
     const scale = isRatio && toy ? toy.system.naturalFrequency : 1;
     const control = isRatio ? "drive_frequency" : name;
-    const [low, high] = toy?.limits[control].map((end) => end / scale) ?? [value, value];
-    if (value < low || value > high) {
-      const { only, unit, option } = knob;
-      const shown = only?.shown ?? shownUnit(unit.name);
-      const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
-      const about = t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() });
+    const range = toy?.limits[control].map((end) => end / scale) ?? [value, value];
+    const refused = refusal(knob, value, range);
+    if (refused) {
+      const { about, nearest } = refused;
       knob.error(about);
-      const nearest = `${value < low ? least : most} ${shown}`.trim();
       this.say(about, [{ label: t("takeNearest", { value: nearest }), act: () => knob.give(value) }], true);
       return;
     }

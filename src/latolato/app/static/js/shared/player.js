@@ -36,7 +36,7 @@ export class Player {
     this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
       { title: t("keysOfCurve"), actions: this.curves.actions }]);
     /** What stands on the stage: buttons above, messages below. */
-    this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch());
+    this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.senses.toggle);
     this.messages = el("div", { class: "stage-messages" });
     this.stage = el("div", { class: "stage" }, canvas, this.tools, this.messages);
     this.bench = el("div", { class: "bench" }, this.stage,

@@ -56,7 +56,7 @@ export class Senses {
     const { line, about } = this.narrator;
     const others = stage.getAttribute("aria-describedby");
     stage.setAttribute("aria-describedby", others ? `${about.id} ${others}` : about.id);
-    const choice = (/** @type {string} */ name, /** @type {string | undefined} */ title,
+    const choice = (/** @type {string} */ name, /** @type {string} */ title,
       /** @type {(on: boolean) => void} */ turn) => {
       const box = el("input", { type: "checkbox", checked: choices()[name] === true, on: { change: () => {
         choose(name, box.checked);
@@ -65,13 +65,17 @@ export class Senses {
       turn(box.checked);
       return el("label", { class: "check", title }, box, t(name));
     };
-    this.root = el("div", { class: "row senses" },
-      choice("sound", undefined, (on) => { this.sound.clacks = on; }),
-      choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
-      choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
-      el("button", { type: "button", class: "plain", on: { click: () => this.narrator.answer() } },
-        t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
-      this.keys.root, line, about);
+    /** Stands on the stage. */
+    this.toggle = choice("sound", t("soundHint"), (on) => { this.sound.clacks = on; });
+    // Screen readers are silent about what is in a closed `details`, which shows no dialog either.
+    this.root = el("div", { class: "senses" },
+      el("details", { class: "about" }, el("summary", {}, t("listenAndRead")), el("div", { class: "row" },
+        choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
+        choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
+        el("button", { type: "button", class: "plain", on: { click: () => this.narrator.answer() } },
+          t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
+        this.keys.button)),
+      line, about, this.keys.dialog);
   }
 
   /** Return the keys that every motion has. @returns {Actions} */
