@@ -41,8 +41,9 @@ def run():
 def player(page, which=0):
     """Wait for a player and its curves."""
     page.get_by_role("button", name="Play", exact=True).nth(which).wait_for()
-    page.locator(".inset .more-curves").nth(which).evaluate("more => { more.open = true; }")
-    page.locator(".inset .ledger-row").nth(4 * which).wait_for()
+    more = page.locator(".inset .more-curves").nth(which)
+    more.evaluate("more => { more.open = true; }")
+    more.locator(".ledger-row").first.wait_for()
     return page.locator(".inset").nth(which)
 
 
