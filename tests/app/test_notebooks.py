@@ -234,7 +234,8 @@ def test_the_modules_of_many_widgets_run_once_in_a_page(browser, run):
           const make = URL.createObjectURL;
           URL.createObjectURL = (blob) => { made += 1; return make(blob); };
           const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-          const model = { get: () => new DataView(bytes.buffer), on() {}, off() {} };
+          const values = { block: new DataView(bytes.buffer), language: "", texts: "" };
+          const model = { get: (name) => values[name], on() {}, off() {} };
           const counts = [];
           for (let i = 0; i < 2; i += 1) {
             const url = make(new Blob([source], { type: "text/javascript" }));
