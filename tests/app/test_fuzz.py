@@ -193,6 +193,8 @@ def test_no_address_makes_a_page_stumble(pairs, page):
 @hypothesis.given(
     pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario", "embed"]), TEXTS))
 )
+@hypothesis.example(pairs=[(name, "a\nb") for name in ("view", "scenario", "system", "gravity")])
+@hypothesis.example(pairs=[("a\nb", ""), ("a\nb.c", ""), ("restitution", "\n\u2028" * 300)])
 @many
 def test_of_any_link_something_readable_remains(pairs, page):
     answer = page("link", "?" + urlencode(pairs, errors="replace"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,8 @@ from latolato.app.pages import STATIC
 
 HERE = Path(__file__).parent / "js"
 NODE = Path(sys.executable).parent / "node"
+# Modules that load with the one that names them, and not later by a call of `import`.
+IMPORTED = re.compile(r'^(?:import|export)\s[^;]*?"(\.[^"]+)";', re.MULTILINE)
 
 
 @pytest.mark.parametrize("path", sorted(HERE.glob("*.test.mjs")), ids=lambda path: path.name)
@@ -46,11 +49,23 @@ def test_every_module_but_the_table_of_texts_is_small():
 
 
 def test_texts_stand_in_the_table_of_strings_only():
-    import re
-
     table = (STATIC / "js" / "strings.js").read_text()
     known = set(re.findall(r"^  (\w+):", table, re.MULTILINE))
     used = set()
     for path in STATIC.glob("js/**/*.js"):
         used |= set(re.findall(r'\bt\("(\w+)"', path.read_text()))
     assert used <= known
+
+
+def test_modules_of_play_are_asked_for_with_the_page_and_once_each():
+    page = (STATIC / "index.html").read_text()
+    asked = re.findall(r'rel="modulepreload" href="(.+?)"', page)
+    left = [STATIC / "js" / "main.js", STATIC / "js" / "play" / "view.js"]
+    needed: set[Path] = set()
+    while left:
+        module = left.pop()
+        if module not in needed:
+            needed.add(module)
+            names = IMPORTED.findall(module.read_text())
+            left += [(module.parent / name).resolve() for name in names]
+    assert sorted(asked) == sorted(path.relative_to(STATIC).as_posix() for path in needed)

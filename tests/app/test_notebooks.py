@@ -41,8 +41,9 @@ def run():
 def player(page, which=0):
     """Wait for a player and its curves."""
     page.get_by_role("button", name="Play", exact=True).nth(which).wait_for()
-    page.locator(".inset .more-curves").nth(which).evaluate("more => { more.open = true; }")
-    page.locator(".inset .ledger-row").nth(4 * which).wait_for()
+    more = page.locator(".inset .more-curves").nth(which)
+    more.evaluate("more => { more.open = true; }")
+    more.locator(".ledger-row").first.wait_for()
     return page.locator(".inset").nth(which)
 
 
@@ -233,7 +234,8 @@ def test_the_modules_of_many_widgets_run_once_in_a_page(browser, run):
           const make = URL.createObjectURL;
           URL.createObjectURL = (blob) => { made += 1; return make(blob); };
           const bytes = Uint8Array.from(atob(block), (c) => c.charCodeAt(0));
-          const model = { get: () => new DataView(bytes.buffer), on() {}, off() {} };
+          const values = { block: new DataView(bytes.buffer), language: "", texts: "" };
+          const model = { get: (name) => values[name], on() {}, off() {} };
           const counts = [];
           for (let i = 0; i < 2; i += 1) {
             const url = make(new Blob([source], { type: "text/javascript" }));

@@ -397,6 +397,10 @@ def test_files_that_are_kept_are_those_of_the_pages(web):
     text = (folder / "files.js").read_text().removeprefix("self.SITE = ").rstrip(";\n")
     paths = json.loads(text)["paths"]
     assert {"index.html", "latolato.js", "registry.json", "kernels/one.wasm"} <= set(paths)
+    assert {"languages/id.json", "stories/contents.json", "stories/why_twice.toml"} <= set(paths)
+    styles = re.findall(r'rel="stylesheet" href="(.+?)"', (folder / "index.html").read_text())
+    assert styles
+    assert set(styles) <= set(paths)
     assert all((folder / path).is_file() for path in paths)
     pages = sum((folder / path).stat().st_size for path in paths)
     assert pages < 2_500_000, "the first visit loads all of this"

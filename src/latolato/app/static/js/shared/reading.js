@@ -59,9 +59,13 @@ export function readable(registry, state, views) {
   return { state: { ...state, view, scenario, options, extra }, left };
 }
 
-/** @param {string} text */
+/**
+ * Return a text of a link on one line, and only its beginning if it is long.
+ * @param {string} text
+ */
 export function cut(text) {
-  return text.length > LONGEST ? t("cut", { text: text.slice(0, LONGEST) }) : text;
+  const line = text.replace(/\s+/g, " ");
+  return line.length > LONGEST ? t("cut", { text: line.slice(0, LONGEST) }) : line;
 }
 
 /**
