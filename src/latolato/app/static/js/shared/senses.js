@@ -68,11 +68,16 @@ export class Senses {
     /** Stands on the stage. */
     this.toggle = choice("sound", t("soundHint"), (on) => { this.sound.clacks = on; });
     // Screen readers are silent about what is in a closed `details`, which shows no dialog either.
+    /** Say what happens now, and show it to who asks. */
+    this.answer = () => {
+      line.classList.remove("unseen");
+      this.narrator.answer();
+    };
     this.root = el("div", { class: "senses" },
       el("details", { class: "about" }, el("summary", {}, t("listenAndRead")), el("div", { class: "row" },
         choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
         choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
-        el("button", { type: "button", class: "plain", on: { click: () => this.narrator.answer() } },
+        el("button", { type: "button", class: "plain", on: { click: () => this.answer() } },
           t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
         this.keys.button)),
       line, about, this.keys.dialog);
@@ -81,7 +86,7 @@ export class Senses {
   /** Return the keys that every motion has. @returns {Actions} */
   actions() {
     return {
-      w: { text: "keyWhat", act: () => this.narrator.answer() },
+      w: { text: "keyWhat", act: () => this.answer() },
       "?": { text: "keyHelp", act: () => this.keys.open() },
     };
   }
