@@ -16,7 +16,7 @@ import latolato as ll
 from browser_checks import SIZES, assert_panels_have_room, serious_faults
 from in_node import NODE
 from latolato import analysis
-from latolato.app import stories
+from latolato.app import STATIC, stories
 from latolato.app.run_request import RunRequest
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
@@ -50,16 +50,65 @@ TRIED = {
         {"drive_frequency": "19", "drive_amplitude": "0.06"},
     ],
     "upside_down": [
-        {"drive_frequency": "90 rad/s"}, {"drive_frequency": "102 rad/s"},
+        {"drive_frequency": "14 Hz"}, {"drive_frequency": "16.3 Hz"},
         {"drive_frequency": "205 rad/s"}, {"drive_frequency": "205 rad/s"},
         {"initial_angle": "100 deg"}, {"drive_frequency": "150", "drive_amplitude": "0.02"},
     ],
+}  # fmt: skip
+# How to do it by hand: what a control is called in the table of texts (or its label, or its unit),
+# and what is typed.
+BY_HAND = {
+    "first_clack": [
+        ("knobAmplitude", "4 cm"), ("knobAmplitude", "0"), ("knobAmplitude", "4 cm"),
+        ("knobRestitution", "0.85"), ("knobAmplitude", "70"),
+    ],
+    "why_twice": [
+        ("mass of one ball", "1.6 kg"), ("timesNatural", "2"), ("timesNatural", "1.95"),
+        ("initial angle", "0.0005 rad"), ("knobDamping", "0"), ("map", ""),
+    ],
+    "high_then_low": [
+        ("initial angle above the low contact angle", "10"), ("knobAmplitude", "20"),
+        ("knobAmplitude", "40"), ("angular frequency of each stage", ""),
+        ("initial angle above the low contact angle", "7"), ("low", ""),
+    ],
+    "order_and_chaos": [
+        ("knobAmplitude", "80"), ("knobAmplitude", "87"), ("knobAmplitude", "89.8"),
+        ("knobAmplitude", "94"), ("initial angle", "20.001"), ("map", ""),
+    ],
+    "upside_down": [
+        ("knobFrequency", "14"), ("knobFrequency", "16.3"), ("knobFrequency", "32.7"),
+        ("knobFrequency", "32.7"), ("initial angle", "100"), ("map", ""),
+    ],
+}  # fmt: skip
+INDONESIAN = json.loads((STATIC / "languages" / "id.json").read_text(encoding="utf-8"))
+ENGLISH = {
+    "story": "Story", "storyAnyway": "Go on anyway", "storyNext": "Next", "storyFinish": "Finish",
+    "view_story": "Stories", "moreParameters": "More parameters",
+    "timesNatural": "\N{MULTIPLICATION SIGN} ω₀",
+    "knobAmplitude": "How far the hand moves", "knobFrequency": "How often",
+    "knobRestitution": "Bounciness", "knobDamping": "Friction",
 }  # fmt: skip
 SOLUTIONS = {
     "least_amplitude": {"drive_amplitude": "40 mm", "drive_frequency": "2.3 Hz"},
     "shortest_protocol": {"drive_times": "0 s, 1 s", "frequency_ratios": "3.3, 2.389"},
     "guess_tongue": {"guess": "120 mm, 57 mm, 8 mm, 49 mm, 95 mm"},
 }
+
+
+def said(text, language):
+    """What a page in a language says for a text of a story, or for one named in the table."""
+    if language == "en":
+        return ENGLISH.get(text, text)
+    return INDONESIAN["strings"].get(text) or INDONESIAN["texts"].get(" ".join(text.split()), text)
+
+
+def texts_of(part):
+    """All texts of a story that readers see."""
+    for key, value in part.items() if isinstance(part, dict) else enumerate(part):
+        if isinstance(value, dict | list):
+            yield from texts_of(value)
+        elif key in ("title", "text", "question", "answer", "label"):
+            yield value
 
 
 def options_of(name, step, tried):
@@ -424,42 +473,92 @@ def value_on(page):
     return float(number.get_attribute("data-value"))
 
 
+@pytest.mark.parametrize("language", ["en", "id"])
 @pytest.mark.parametrize("name", STORIES)
-def test_a_story_is_told_to_its_end_by_keys_alone(page, name):
+def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
     steps = FILES[name]["steps"]
-    page.goto("/?view=story")
-    link = page.get_by_role("link", name=FILES[name]["title"])
+    foreign = {text for text in texts_of(FILES[name]) if said(text, language) != text}
+    assert bool(foreign) == (language != "en")
+    page.goto(f"/?view=story&lang={language}")
+    link = page.get_by_role("link", name=said(FILES[name]["title"], language))
     link.wait_for()
     tab_to(page, link)
     page.keyboard.press("Enter")
-    panel = page.get_by_role("complementary", name="Story")
+    panel = page.get_by_role("complementary", name=said("story", language))
     for i, step in enumerate(steps, start=1):
-        panel.get_by_role("heading", name=step["title"], exact=True, level=3).wait_for()
-        places = [choice.get("right", False) for choice in step["predict"]["choices"]]
+        title = said(step["title"], language)
+        panel.get_by_role("heading", name=title, exact=True, level=3).wait_for()
+        choices = step["predict"]["choices"]
+        right = [choice.get("right", False) for choice in choices].index(True)
         radios = panel.get_by_role("radio")
         if step["look"]["view"] != "live":  # whose stage takes the focus
             focused = page.evaluate("document.activeElement.textContent")
-            assert focused == step["title"]
+            assert focused == title
         tab_to(page, radios.first)
         page.keyboard.press("Space")
-        for _ in range(places.index(True)):
+        for _ in range(right):
             page.keyboard.press("ArrowDown")
         page.keyboard.press("Enter")
-        panel.get_by_text(
-            f"✓ {step['predict']['choices'][places.index(True)]['answer']}"
-        ).wait_for()
+        panel.get_by_text(f"✓ {said(choices[right]['answer'], language)}").wait_for()
         if step["look"]["view"] != "map":
             expected = number_of(name, i)
             assert value_on(page) == pytest.approx(expected, rel=1e-5, nan_ok=True)
-        assert not panel.get_by_text(step["explanation"]["text"]).is_visible()
-        anyway = panel.get_by_role("button", name="Go on anyway")
+        explanation = panel.get_by_text(said(step["explanation"]["text"], language))
+        assert not explanation.is_visible()
+        anyway = panel.get_by_role("button", name=said("storyAnyway", language))
         tab_to(page, anyway)
         page.keyboard.press("Enter")
-        panel.get_by_text(step["explanation"]["text"]).wait_for()
-        tab_to(page, panel.get_by_role("button", name="Finish" if i == len(steps) else "Next"))
+        explanation.wait_for()
+        assert foreign.isdisjoint(panel.inner_text().split("\n"))
+        next_one = said("storyFinish" if i == len(steps) else "storyNext", language)
+        tab_to(page, panel.get_by_role("button", name=next_one))
         page.keyboard.press("Enter")
-    page.get_by_role("heading", level=1, name="Stories").wait_for()
+    page.get_by_role("heading", level=1, name=said("view_story", language)).wait_for()
     assert "story." not in page.url
+
+
+def try_by_hand(page, name, step, language):
+    """Do what "try" says, with the controls that it names."""
+    control, text = BY_HAND[name][step - 1]
+    if control == "map":
+        page.locator("[data-done]").wait_for()
+        page.locator("main canvas").first.click()
+        return
+    if control == "low":
+        task = said(FILES[name]["steps"][step - 1]["try"]["text"], language)
+        button = re.search("“(.+?)”", task)[1]
+        page.get_by_role("button", name=re.compile(f"^{button}")).click()
+        return
+    label = said(control, language)
+    if not control.startswith(("knob", "times")):
+        page.get_by_text(said("moreParameters", language), exact=True).click()
+    if control == "angular frequency of each stage":
+        fields = [page.get_by_label(f"{label} {row}", exact=True) for row in (1, 2)]
+        for field, value in zip(
+            fields, [field.input_value() for field in fields][::-1], strict=True
+        ):
+            field.fill(value)
+            field.press("Enter")
+        return
+    if control == "timesNatural":
+        field = page.locator(".knobs .entry .entry", has_text=label).get_by_role("textbox")
+    else:
+        field = page.get_by_role("textbox", name=re.compile(rf"^{label}(\s\S+)?$"))
+    field.fill(text)
+    field.press("Enter")
+
+
+@pytest.mark.parametrize("language", ["en", "id"])
+@pytest.mark.parametrize("name", STORIES)
+def test_what_a_step_says_can_be_tried_with_the_controls_of_the_page(page, name, language):
+    for step, tables in enumerate(FILES[name]["steps"], start=1):
+        page.goto(address(name, step) + f"&story.answers={'1' * step}&lang={language}")
+        page.locator(".story-number strong[data-value]").wait_for(state="attached")
+        page.locator("main .view").wait_for()
+        why = page.get_by_text(said(tables["explanation"]["text"], language))
+        assert not why.is_visible()
+        try_by_hand(page, name, step, language)
+        why.wait_for()
 
 
 @pytest.mark.parametrize("name", STORIES)
@@ -538,10 +637,11 @@ def test_a_broken_file_is_named_in_one_sentence(page, tmp_path):
 
 @pytest.mark.parametrize("name", ["no_such", "own-file", "../../index"])
 def test_a_story_that_is_gone_leads_to_the_list(page, name):
-    page.goto(f"/?view=play&story.name={name}")
-    panel = page.get_by_role("complementary", name="Story")
-    panel.get_by_role("alert").wait_for()
-    panel.get_by_role("link", name="All stories and challenges").click()
+    page.goto(f"/?view=play&story.name={name}&story.step=2&story.answers=1")
+    page.locator(".stage-messages .message.bad").wait_for()
+    assert not page.get_by_role("complementary", name="Story").is_visible()
+    page.wait_for_url(lambda url: "story." not in url)
+    page.locator(".stage").get_by_role("button", name="All stories and challenges").click()
     page.get_by_role("heading", level=1, name="Stories").wait_for()
 
 

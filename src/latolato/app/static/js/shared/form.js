@@ -96,15 +96,19 @@ export class Form {
    * @param {string | null} text
    */
   give(name, text) {
-    const { options } = this.store.state;
-    const others = (this.registry.alternatives ?? []).filter((/** @type {string[]} */ group) => group.includes(name))
-      .flat().filter((/** @type {string} */ other) => other !== name && other in options);
-    if (!others.length) {
-      this.store.option(name, text);
-      return;
-    }
-    const kept = Object.entries({ ...options, [name]: text })
-      .filter(([other, value]) => !others.includes(other) && value !== null);
+    this.giveAll({ [name]: text });
+  }
+
+  /**
+   * Set some options, and take back those that say the same in another way.
+   * @param {Record<string, string | null>} changed
+   */
+  giveAll(changed) {
+    const groups = (this.registry.alternatives ?? []).filter((/** @type {string[]} */ group) =>
+      group.some((name) => name in changed));
+    const others = groups.flat().filter((/** @type {string} */ name) => !(name in changed));
+    const kept = Object.entries({ ...this.store.state.options, ...changed })
+      .filter(([name, value]) => !others.includes(name) && value !== null);
     this.store.set({ options: /** @type {Record<string, string>} */ (Object.fromEntries(kept)) });
   }
 
@@ -277,11 +281,11 @@ export class Form {
     let columns = names.map(() => []);
     const write = () => {
       /** @type {Record<string, string>} */
-      const changed = { ...this.store.state.options };
+      const changed = {};
       names.forEach((name, k) => {
         changed[name] = columns[k].map((v) => `${short(v / unit(k).size, 12)} ${unit(k).name}`).join(", ");
       });
-      this.store.set({ options: changed });
+      this.giveAll(changed);
     };
     const draw = () => {
       body.replaceChildren(...columns[0].map((_, i) => el("tr", {},

@@ -4,7 +4,7 @@ import { LongRunError, Runner } from "../model/client.js";
 import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
 import { el, tell } from "../shared/dom.js";
-import { openLink } from "../shared/links.js";
+import { openLink, openState } from "../shared/links.js";
 import { t, tr } from "../strings.js";
 import { Challenge, SCORE } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
@@ -112,19 +112,24 @@ export class StoryPanel {
   }
 
   /**
-   * Say why there is no story, and lead on.
+   * Say on the stage why there is no story, and lead on; the address keeps nothing of it.
    * @param {string} text
    */
   refuse(text) {
-    this.place.textContent = this.title.textContent = "";
-    this.progress.hidden = true;
-    this.body.replaceChildren(el("p", { class: "error", role: "alert" }, text));
-    this.nav.replaceChildren(this.listLink());
+    const { messages, store } = this.page;
+    store.drop(Object.keys(store.state.extra).filter(isOfStory));
+    messages.say("story", text, { isBad: true,
+      actions: [{ label: t("storyAll"), act: () => openState(this.page, this.list) }] });
+  }
+
+  /** The state that shows the list of stories. */
+  get list() {
+    const { state } = this.page.store;
+    return { ...state, view: "story", extra: withoutStory(state.extra) };
   }
 
   listLink() {
-    const { state } = this.page.store;
-    return openLink(this.page, { ...state, view: "story", extra: withoutStory(state.extra) }, t("storyAll"));
+    return openLink(this.page, this.list, t("storyAll"));
   }
 
   /** Show the step or the challenge, as far as the reader is. */
@@ -238,5 +243,10 @@ function bringUp() {
 
 /** @param {Record<string, string>} extra */
 function withoutStory(extra) {
-  return Object.fromEntries(Object.entries(extra).filter(([name]) => !name.startsWith("story.")));
+  return Object.fromEntries(Object.entries(extra).filter(([name]) => !isOfStory(name)));
+}
+
+/** @param {string} name */
+function isOfStory(name) {
+  return name.startsWith("story.");
 }
