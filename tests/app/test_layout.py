@@ -391,3 +391,27 @@ def test_small_windows_show_the_stage_and_cut_nothing_off(page, view, size):
           && each.getBoundingClientRect().right > innerWidth + 1).map((each) => each.outerHTML)"""
     )
     assert wide == []
+
+
+def test_a_slip_of_the_keyboard_is_refused_on_the_stage_with_a_way_on(page):
+    open_view(page, "", "play")
+    field = page.get_by_role("textbox", name="How far the hand moves")
+    field.fill("99999")
+    field.press("Enter")
+    page.locator(".message.bad").get_by_text("must lie between 0 and 900 mm").wait_for()
+    assert "drive_amplitude" not in page.url
+    page.get_by_role("button", name="Take 900 mm").click()
+    page.wait_for_url("**drive_amplitude=900*")
+    assert field.input_value() == "900"
+
+
+def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
+    open_view(page, "&scenario=fig02_mathieu", "play")
+    marks = page.evaluate(
+        """() => {
+          const { plot } = window.latolato.views.play.player.curves.charts[0];
+          return plot.axes[1]._values.map(Number);
+        }"""
+    )
+    assert len(marks) >= 3
+    assert min(marks) < 0 < max(marks)

@@ -1,10 +1,7 @@
 /** The knobs of a live toy: their ranges, and the values that they refuse. */
 
 import { Knobs, spansOf } from "../shared/knobs.js";
-import { short, shownUnit } from "../shared/units.js";
-import { t } from "../strings.js";
 
-/** @typedef {import("../shared/knob.js").Knob} Knob */
 /** @typedef {import("./toy.js").Toy} Toy */
 
 // Keys of each control, as they are shown.
@@ -39,22 +36,4 @@ export function fit(knobs, { controls, limits, system }) {
     knobs.all[name].limits = limits[name];
     knobs.all[name].show(controls[name]);
   }
-}
-
-/**
- * Return why a value is refused and the nearest one that is taken, both in words; null for a value
- * that lies in its range.
- * @param {Knob} knob
- * @param {number} value in SI units
- * @param {number[]} range
- */
-export function refusal(knob, value, [low, high]) {
-  if (value >= low && value <= high) return null;
-  const { only, unit, option } = knob;
-  const shown = only?.shown ?? shownUnit(unit.name);
-  const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
-  return {
-    about: t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() }),
-    nearest: `${value < low ? least : most} ${shown}`.trim(),
-  };
 }

@@ -3,10 +3,11 @@
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
+import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls } from "../live/address.js";
-import { fit, makeKnobs, refusal } from "../live/controls.js";
+import { fit, makeKnobs } from "../live/controls.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";

@@ -5,7 +5,7 @@ import { el } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
+import { Knobs, refusal, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
@@ -15,6 +15,7 @@ import { Player } from "../shared/player.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { withStart } from "../shared/start.js";
+import { short } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -23,6 +24,9 @@ import { t, tr } from "../strings.js";
 const PATIENCE = 700; // ms
 // Where the address names a recording of Live that the browser keeps.
 const RECORDING = "play.recording";
+// Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
+const FARTHEST = 10;
+const SLIPS = ["drive_amplitude", "drive_frequency"];
 
 export class PlayView {
   /** @param {Page} page */
@@ -35,7 +39,7 @@ export class PlayView {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.form = new Form(form, page.registry, page.store);
     this.presets = presetField(page);
-    this.knobs = new Knobs(page.registry, (name, text) => this.form.give(name, text || null));
+    this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value));
     this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
@@ -190,6 +194,26 @@ export class PlayView {
     this.hasBegun = true;
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     if (!isCalm && !this.page.store.state.embed) this.player.clock.play();
+  }
+
+  /**
+   * Take what was slid or typed into a knob, unless it is far beyond its slider.
+   * @param {string} name
+   * @param {string} text
+   * @param {number | null} value in SI units
+   */
+  take(name, text, value) {
+    const knob = this.knobs.all[name];
+    const [low, farthest] = SLIPS.includes(name) && knob.span
+      ? [0, Number(short(FARTHEST * knob.span[1], 2))] : [-Infinity, Infinity];
+    const refused = value === null ? null : refusal(knob, value, [low, farthest]);
+    if (!refused) {
+      this.form.give(name, text || null);
+      return;
+    }
+    knob.error(refused.about);
+    this.note(refused.about, [{ label: t("takeNearest", { value: refused.nearest }),
+      act: () => knob.give(Number(value) < low ? low : farthest) }], true);
   }
 
   /**

@@ -1,5 +1,7 @@
 /** Axes: limits that can be drawn, and round numbers between them. */
 
+import { short } from "./units.js";
+
 /** Values that differ by less than this share of their size differ by rounding only. */
 export const ROUNDING = 1e-9;
 /** The same for samples that come in single precision. */
@@ -52,3 +54,14 @@ export function ticks(low, high, count = 5) {
     if (marks.length >= LEAST_MARKS || i === 0) return marks;
   }
 }
+
+// Marks of an upright axis are about so far apart.
+const MARK_EVERY = 30; // pixels of the page
+
+/** What uPlot is told of an upright axis: its width, and at least three marks. */
+export const UPRIGHT = {
+  size: 58,
+  splits: (/** @type {any} */ { over }, /** @type {number} */ _, /** @type {number} */ low,
+    /** @type {number} */ high) => ticks(low, high, Math.max(Math.round(over.clientHeight / MARK_EVERY), 2)),
+  values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => short(mark, 4)),
+};

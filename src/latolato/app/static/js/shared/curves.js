@@ -5,7 +5,7 @@
 
 import UPlot from "../../vendor/uPlot.esm.js";
 import { t } from "../strings.js";
-import { axisLimits, SINGLE } from "./axis.js";
+import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
 import { followKeys } from "./keys.js";
@@ -24,7 +24,6 @@ import { short } from "./units.js";
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
-const AXIS_WIDTH = 58;
 const HEIGHT = 170;
 // What is shown of a run while the clock is followed: so many natural periods, and the instant no
 // further on than this share of them.
@@ -225,8 +224,6 @@ export class Curves {
       font: "12px system-ui, sans-serif",
     };
     const right = curves.find((curve) => curve.axis === "right");
-    const marks = (/** @type {any} */ _, /** @type {number[]} */ values) =>
-      values.map((value) => short(value, 4));
     return {
       width: Math.max(this.root.clientWidth, 100),
       height: heightOf(panel),
@@ -258,8 +255,8 @@ export class Curves {
         { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
           marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
             : short(m))) },
-        { ...axis, size: AXIS_WIDTH, values: marks },
-        ...(right ? [{ ...axis, scale: "right", side: 1, size: AXIS_WIDTH, values: marks,
+        { ...axis, ...UPRIGHT },
+        ...(right ? [{ ...axis, ...UPRIGHT, scale: "right", side: 1,
           stroke: paint(right.paint), grid: { show: false } }] : []),
       ],
       series: [{}, ...curves.map((curve) => ({

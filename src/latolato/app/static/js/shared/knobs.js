@@ -3,6 +3,7 @@
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Knob } from "./knob.js";
+import { short, shownUnit } from "./units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /**
@@ -116,4 +117,22 @@ export class Knobs {
     for (const [name, knob] of Object.entries(this.all)) knob.error(name === field ? text : null);
     return field !== null && field in this.all;
   }
+}
+
+/**
+ * Return why a value is refused and the nearest one that is taken, both in words; null for a value
+ * that lies in its range.
+ * @param {Knob} knob
+ * @param {number} value in SI units
+ * @param {number[]} range
+ */
+export function refusal(knob, value, [low, high]) {
+  if (value >= low && value <= high) return null;
+  const { only, unit, option } = knob;
+  const shown = only?.shown ?? shownUnit(unit.name);
+  const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
+  return {
+    about: t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() }),
+    nearest: `${value < low ? least : most} ${shown}`.trim(),
+  };
 }
