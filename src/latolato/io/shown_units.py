@@ -28,12 +28,13 @@ def shown_texts(values: Iterable[float], unit: str) -> list[str]:
 
 
 def _shown(value: float, size: Decimal) -> str:
-    """Return a number in a unit with 17 digits, or 20 where these would not keep it."""
+    """Return a number in a unit with as many digits as keep it, 15 to 17 or 20."""
     if value != value or value in (float("inf"), float("-inf")):
         return str(value)
-    text = _rounded(_DECIMALS.divide(Decimal(repr(value)), size), 17)
-    if float(_DECIMALS.multiply(Decimal(text), size)) == value:
-        return text
+    for digits in (15, 16, 17):
+        text = _rounded(_DECIMALS.divide(Decimal(repr(value)), size), digits)
+        if float(_DECIMALS.multiply(Decimal(text), size)) == value:
+            return text
     return _rounded(_DECIMALS.divide(Decimal(value), size), 20)
 
 

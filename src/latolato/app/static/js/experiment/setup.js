@@ -48,6 +48,10 @@ export class Setup {
         own.take(name, value);
         store.keep(`experiment.${name}`, value);
       },
+      set: (/** @type {{options: Record<string, string>}} */ { options }) => {
+        for (const name of new Set([...Object.keys(this.values), ...Object.keys(options)]))
+          if (options[name] !== this.values[name]) own.option(name, options[name] ?? null);
+      },
       take: (/** @type {string} */ name, /** @type {string | null} */ value) => {
         if (value === null) delete this.values[name];
         else this.values[name] = value;
