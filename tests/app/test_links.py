@@ -7,7 +7,7 @@ import pytest
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 READY = "[data-runs], [data-ready], [data-pictures], [data-form]"
-# The parts of a link, and what a page says of each.
+# Broken parts of links, and the sentence about each.
 BROKEN = {
     "scenario=fig99": "There is no preset “fig99” any more.",
     "lenght=1 m": "There is no parameter “lenght”.",

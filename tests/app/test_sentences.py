@@ -198,7 +198,7 @@ def test_what_matters_in_a_motion_is_said(told):
     assert said("fig12")[-1] == said("first_push")[-1] == "tellClack_steady"
     assert set(said("kapitza")) == {"tellUpright_ball"}
     assert said("zeno") == ["tellFirst_bottom", "tellRest_bottom"]
-    # Swing by swing a run that dies away is told as that.
+    # Described swing by swing, a run that dies away must say so.
     assert "tellPeak_both_lower" in said("zeno", 0.3)
     assert {"tellPeak_right_higher", "tellPeak_left_lower"} <= set(said("ballpair_asymmetric", 0.3))
 

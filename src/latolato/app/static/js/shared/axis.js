@@ -58,7 +58,7 @@ export function ticks(low, high, count = 5) {
 // Marks of an upright axis are about so far apart.
 const MARK_EVERY = 30; // pixels of the page
 
-/** What uPlot is told of an upright axis: its width, and at least three marks. */
+/** Settings of an upright axis of uPlot: its width, and at least three marks. */
 export const UPRIGHT = {
   size: 58,
   splits: (/** @type {any} */ { over }, /** @type {number} */ _, /** @type {number} */ low,

@@ -1,39 +1,41 @@
-/** Units in which a person likes to read, kept in the browser from one visit to the next. */
+/** Choices of a person, kept in the browser from one visit to the next. */
 
-const KEY = "latolato.scenario.units";
-/** @type {Record<string, string> | null} */
-let known = null;
-
-/** Return the units that were chosen, by option. */
-function habits() {
-  if (known) return known;
-  try {
-    known = { ...JSON.parse(localStorage.getItem(KEY) ?? "{}") };
-  } catch {
-    known = {}; // spoiled by somebody, or the browser keeps nothing
+/** @template T */
+class Habits {
+  /** @param {string} key in the browser's storage */
+  constructor(key) {
+    this.key = key;
+    /** @type {Record<string, T> | null} */
+    this.known = null;
   }
-  return /** @type {Record<string, string>} */ (known);
-}
 
-/**
- * Return the unit that was chosen last for an option, if any.
- * @param {string} option
- * @returns {string | undefined}
- */
-export function habit(option) {
-  return habits()[option];
-}
+  /** Return what was chosen, now or the last time. */
+  get all() {
+    if (this.known) return this.known;
+    try {
+      this.known = { ...JSON.parse(localStorage.getItem(this.key) ?? "{}") };
+    } catch {
+      this.known = {}; // spoiled by somebody, or the browser keeps nothing
+    }
+    return /** @type {Record<string, T>} */ (this.known);
+  }
 
-/**
- * Keep a choice.
- * @param {string} option
- * @param {string} unit
- */
-export function keepHabit(option, unit) {
-  habits()[option] = unit;
-  try {
-    localStorage.setItem(KEY, JSON.stringify(known));
-  } catch {
-    // The choice holds for this visit.
+  /**
+   * Keep a choice.
+   * @param {string} name
+   * @param {T} value
+   */
+  keep(name, value) {
+    this.all[name] = value;
+    try {
+      localStorage.setItem(this.key, JSON.stringify(this.all));
+    } catch {
+      // The choice holds for this visit.
+    }
   }
 }
+
+/** The unit that was chosen last for each option. @type {Habits<string>} */
+export const unitHabits = new Habits("latolato.scenario.units");
+/** Which descriptions and sounds are on. @type {Habits<boolean>} */
+export const senseHabits = new Habits("latolato.senses");

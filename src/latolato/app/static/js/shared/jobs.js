@@ -91,7 +91,7 @@ export class JobLine {
    * @param {string} path
    * @param {any} request
    * @param {{expected?: number | null, timed?: (seconds: number) => void}} [options] seconds that
-   *   it takes, if that was measured before, and what is told when it is
+   *   it takes, if that was measured before; `timed` is called with those it took
    * @returns {Promise<Block | null>}
    */
   async run(path, request, { expected = null, timed } = {}) {

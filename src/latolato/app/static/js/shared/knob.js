@@ -2,7 +2,7 @@
 
 import { t } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { habit, keepHabit } from "./habits.js";
+import { unitHabits } from "./habits.js";
 import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
 
 /** @typedef {import("./laws.js").Option} Option */
@@ -53,7 +53,7 @@ export class Knob {
     this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
       change: () => {
         this.chosen = /** @type {HTMLSelectElement} */ (this.units).value;
-        keepHabit(name, this.chosen);
+        unitHabits.keep(name, this.chosen);
         if (this.value !== null) this.show(this.value);
         unitChosen?.();
       } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
@@ -76,7 +76,7 @@ export class Knob {
   get unit() {
     const { units } = this.option;
     const named = (/** @type {string | undefined} */ name) => units.find((u) => u.name === name);
-    return this.only ?? named(this.chosen) ?? named(habit(this.name)) ?? units[0]
+    return this.only ?? named(this.chosen) ?? named(unitHabits.all[this.name]) ?? units[0]
       ?? { name: "", size: 1 };
   }
 

@@ -2,6 +2,7 @@
 
 import { t } from "../strings.js";
 import { el } from "./dom.js";
+import { senseHabits } from "./habits.js";
 import { KeyList } from "./keys.js";
 import { Narrator } from "./narrator.js";
 import { Sound } from "./sound.js";
@@ -9,37 +10,8 @@ import { Sound } from "./sound.js";
 /** @typedef {import("./keys.js").Actions} Actions */
 /** @typedef {import("./narrator.js").Source} Source */
 
-const KEPT = "latolato.senses";
 // What passed in a longer time of the page, as after a jump, is not heard.
 const LONGEST = 0.3; // s
-
-/** @type {Record<string, boolean> | null} */
-let known = null;
-
-/** Return what was chosen, in this view or another one, now or the last time. */
-function choices() {
-  if (known) return known;
-  try {
-    known = { ...JSON.parse(localStorage.getItem(KEPT) ?? "{}") };
-  } catch {
-    known = {}; // spoiled by somebody, or the browser keeps nothing
-  }
-  return /** @type {Record<string, boolean>} */ (known);
-}
-
-/**
- * Keep a choice.
- * @param {string} name
- * @param {boolean} on
- */
-function choose(name, on) {
-  choices()[name] = on;
-  try {
-    localStorage.setItem(KEPT, JSON.stringify(known));
-  } catch {
-    // The choice holds for this visit.
-  }
-}
 
 export class Senses {
   /**
@@ -58,8 +30,8 @@ export class Senses {
     stage.setAttribute("aria-describedby", others ? `${about.id} ${others}` : about.id);
     const choice = (/** @type {string} */ name, /** @type {string} */ title,
       /** @type {(on: boolean) => void} */ turn) => {
-      const box = el("input", { type: "checkbox", checked: choices()[name] === true, on: { change: () => {
-        choose(name, box.checked);
+      const box = el("input", { type: "checkbox", checked: senseHabits.all[name] === true, on: { change: () => {
+        senseHabits.keep(name, box.checked);
         turn(box.checked);
       } } });
       turn(box.checked);

@@ -28,7 +28,7 @@ export class StoryPanel {
     this.runner = new Runner(page.registry);
     /** @type {import("./check.js").Schema} */
     this.schema = /** @type {any} */ (null);
-    /** What is told. @type {Table | null} */
+    /** The story on show. @type {Table | null} */
     this.tables = null;
     this.name = "";
     /** @type {Step | Challenge | null} */
