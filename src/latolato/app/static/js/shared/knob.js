@@ -177,6 +177,7 @@ export class Knob {
     const text = parts.map((part) => `${part}${unit}`).join(", ");
     this.isDraft = false;
     this.taken = text;
+    this.error(null);
     this.take(text, parts.length > 1 ? null : this.valueOf(text));
   }
 
