@@ -12,7 +12,9 @@ from latolato.app.run_request import RunRequest
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
-PLAYER = "const { motion, scene, clock, start } = window.latolato.views.play.player;"
+PLAYER = (
+    "const { player } = window.latolato.views.play; const { motion, scene, clock, start } = player;"
+)
 
 
 def open_play(page, query):
@@ -116,6 +118,30 @@ def test_a_dragged_ball_is_where_the_run_begins(page, scenario, ball, through, w
     assert np.atleast_1d(run["angle"].isel(time=0).values) == pytest.approx(
         np.radians(chosen), abs=1e-9
     )
+
+
+def test_curve_and_legend_show_where_a_ball_is_led(page):
+    open_play(page, "&scenario=ballpair_asymmetric")
+    lead(page, 0, [30, 75])
+    held = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    legend = page.locator(".timeline .legend output").all_inner_texts()
+    assert [float(text) for text in legend] == pytest.approx(np.degrees(held), abs=0.05)
+    # Dots stand on the curve's axis, at the beginning.
+    over = page.locator(".timeline .u-over").bounding_box()
+    dots = [dot.bounding_box() for dot in page.locator(".timeline .led:visible").all()]
+    assert [dot["x"] + dot["width"] / 2 - over["x"] for dot in dots] == pytest.approx(
+        [0, 0], abs=1.5
+    )
+    places = of_player(
+        page,
+        "argument.map((angle) => player.curves.charts[0].plot.valToPos(angle, 'y'))",
+        list(np.degrees(held)),
+    )
+    assert [dot["y"] + dot["height"] / 2 - over["y"] for dot in dots] == pytest.approx(
+        np.clip(places, 0, over["height"]), abs=1.5
+    )
+    release(page)
+    page.wait_for_function("() => !document.querySelector('.timeline .led:not([hidden])')")
 
 
 def test_mirrored_balls_move_together_and_never_through_each_other(page):

@@ -165,8 +165,7 @@ export class Start {
     const pose = poseOf(motion.at("pivot_height", 0), motion.balls,
       ({ row, sign }) => (sign * this.degrees[row]) / DEGREES);
     scene.held = { ...pose, led: motion.balls.indexOf(led), text: t("degrees", { angle: chosen }) };
-    if (clock.time > 0) clock.seek(0);
-    else scene.draw();
+    clock.seek(0);
   }
 
   /** Say what is chosen, and ask for its run. */
