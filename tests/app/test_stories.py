@@ -712,3 +712,32 @@ def test_a_phone_sees_the_stage_above_the_panel(page, place):
     panel = page.locator("#story").bounding_box()
     assert stage["y"] >= 0
     assert stage["y"] + stage["height"] <= panel["y"] + 1
+
+
+# How far an element reaches out of the window, or of what it scrolls in [px].
+HIDDEN = """(elements) => elements.map((element) => {
+  const { top, bottom } = element.getBoundingClientRect();
+  const frame = document.querySelector(".story-body").getBoundingClientRect();
+  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
+})"""
+
+
+@pytest.mark.parametrize("language", ["en", "id"])
+@pytest.mark.parametrize("name", STORIES)
+def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
+    page.set_viewport_size(SIZES[1])
+    for step in range(1, len(FILES[name]["steps"]) + 1):
+        page.goto(address(name, step) + f"&lang={language}")
+        page.locator(".story-step").wait_for()
+        check = page.locator(".story-step [type=submit]")
+        assert check.evaluate_all(HIDDEN) == pytest.approx([0], abs=1), step
+        answers = page.locator(".story-step .check")
+        hidden = answers.evaluate_all(HIDDEN)
+        if language == "en":
+            assert hidden == pytest.approx([0] * answers.count(), abs=1), step
+        # The others are a swipe away, and not below what stays in place.
+        answers.last.scroll_into_view_if_needed()
+        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
+        answers.last.click()
+        check.click()
+        page.locator(".story-reply:not(:empty)").first.wait_for()
