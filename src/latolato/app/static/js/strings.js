@@ -222,7 +222,7 @@ export const STRINGS = {
   shakeLost: "The motion sensor fell silent, so the pivot comes to rest. Press Shake it to leave the pivot to the drive.",
   shakeLimited: "The pivot moves at most {limit} cm up and down, with up to 8 times gravity. Stronger shaking is cut off.",
   shakeNone: "No motion sensor answers here. Open this page on a phone, or drag the pivot up and down with the mouse or a finger.",
-  shakeRefused: "This page may not use the motion sensor. Allow it in the browser's settings for this page, or close the tab, open it again and choose Allow. You can also drag the pivot up and down.",
+  shakeRefused: "The motion sensor is not allowed here. Allow it in the browser's settings or open the page in a new tab; or drag the pivot up and down.",
   shakeInsecure: "Browsers give the motion sensor to secure pages only. Open this page at an address that begins with https, or drag the pivot up and down.",
   lastSeconds: "time from now [s]",
   liveCosine: "Here the pivot moves as a cosine, with the amplitude and frequency that this drive begins with.",
