@@ -625,14 +625,27 @@ def test_a_file_of_ones_own_is_told_also_after_a_reload(page, tmp_path):
 
 def test_a_broken_file_is_named_in_one_sentence(page, tmp_path):
     file = tmp_path / "mine.toml"
-    file.write_text(example().replace("[steps.explanation]", "[steps.reason]"))
+    file.write_text(example().replace("[steps.explanation]", "[steps.explanations]"))
     page.goto("/?view=story")
     page.get_by_label("Open a story file").set_input_files(file)
     alert = page.get_by_role("alert").filter(has_text="mine.toml")
     alert.wait_for()
-    assert alert.inner_text().startswith(
-        "The story “mine.toml” cannot be told: step 1: there is no"
+    assert alert.inner_text() == (
+        "The story “mine.toml” cannot be told: step 1: there is no entry 'explanations': "
+        "did you mean 'explanation'?"
     )
+
+
+@pytest.mark.parametrize("step", ["99", "0", "two"])
+@pytest.mark.parametrize("query", ["?", "?scenario=toy&"])
+def test_a_step_that_there_is_not_is_named_and_the_story_begins(page, query, step):
+    page.goto(f"/{query}story.name=first_clack&story.step={step}")
+    page.locator("#story .story-step").wait_for()
+    page.locator(".message").get_by_text(
+        f"This story has no step “{step}”: its steps are 1 to 5."
+    ).wait_for()
+    assert page.locator(".story-place").inner_text() == "Step 1 of 5"
+    page.wait_for_url(lambda url: f"story.step={step}" not in url)
 
 
 @pytest.mark.parametrize("name", ["no_such", "own-file", "../../index"])
