@@ -193,6 +193,38 @@ def test_arrow_keys_change_the_start_and_say_so(page):
     page.wait_for_function(f"() => {{ {PLAYER} return clock.time > 0; }}")
 
 
+def test_keys_move_each_of_two_balls(page):
+    open_play(page, "&scenario=ballpair_asymmetric&initial_angle=40 deg, -30 deg")
+    stage = page.get_by_role("application")
+    stage.focus()
+    stage.press("ArrowRight")
+    page.get_by_text("The balls start at 45, -30 degrees.").wait_for()
+    stage.press("a")
+    stage.press("a")
+    stage.press("d")
+    stage.press("Shift+D")
+    page.get_by_text("The balls start at 45, -34 degrees.").wait_for()
+    page.wait_for_function("() => location.search.includes('initial_angle=45+deg%2C+-34+deg')")
+    stage.press("?")
+    keys = page.get_by_role("dialog")
+    assert "where the left ball starts" in keys.inner_text()
+    keys.get_by_role("button", name="Close").click()
+
+
+def test_keys_of_a_left_ball_move_its_twin_and_are_not_listed_for_one(page):
+    open_play(page, "&scenario=toy&initial_angle=20 deg")
+    page.get_by_role("application").press("a")
+    page.get_by_text("The balls start at 25 degrees.").wait_for()
+    open_play(page, "&scenario=fig02")
+    stage = page.get_by_role("application")
+    stage.press("a")
+    stage.press("?")
+    keys = page.get_by_role("dialog").inner_text()
+    assert "where the ball starts" in keys
+    assert "left ball" not in keys
+    assert "initial_angle" not in page.url
+
+
 def test_keys_stop_where_the_balls_touch(page):
     open_play(page, "&scenario=toy&initial_angle=8 deg")
     page.get_by_role("application").press("ArrowLeft")

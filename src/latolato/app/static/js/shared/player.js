@@ -31,6 +31,7 @@ export class Player {
     this.timeline = new Timeline(this.clock);
     this.more = new MoreCurves(this.clock, this.curves);
     this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
+      ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
       { title: t("keysOfCurve"), actions: this.curves.actions }]);
     /** What stands on the stage: buttons above, messages below. */
     this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.senses.toggle);
