@@ -115,8 +115,8 @@ export class Start {
    */
   enable(choose) {
     const { canvas } = this.scene;
+    if (canvas.tabIndex < 0) followKeys(canvas, this.actions);
     this.choose = choose;
-    followKeys(canvas, this.actions);
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", t("playStage"));
@@ -158,7 +158,7 @@ export class Start {
   press(k, way, isSmall) {
     const { motion } = this.scene;
     const ball = motion?.balls[k];
-    if (!ball) return;
+    if (!ball || !this.choose) return;
     this.clock.pause();
     // The run of the key before may not be there yet.
     const now = performance.now();
