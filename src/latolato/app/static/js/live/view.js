@@ -3,7 +3,7 @@
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { refusal } from "../shared/knobs.js";
+import { namesBesideKnobs, refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls } from "../live/address.js";
@@ -87,7 +87,7 @@ export class LiveView {
     this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
-    this.senses.narrator.labels = page.registry.options;
+    this.senses.narrator.labels = namesBesideKnobs(page.registry);
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle, this.parts.energy);
