@@ -165,6 +165,29 @@ def test_a_drive_that_pages_do_not_have_is_left_to_the_program(visit, name):
     assert found == {"error": text}
 
 
+def test_a_dragged_ball_changes_the_attributes_of_the_start(visit):
+    visit.evaluate(SET, [0, {"scenario": "fig02", "initial-angle": "20 deg"}])
+    player = "document.querySelector('latolato-player')"
+    visit.evaluate(f"""() => {player}.addEventListener("computed",
+        () => {{ window.isDragged = true; }}, {{ once: true }})""")
+    box = visit.locator("latolato-player canvas.scene").bounding_box()
+    x, y = visit.evaluate(f"""() => {{
+      const {{ scene }} = {player}.player;
+      return [scene.drawn[0].x / devicePixelRatio, scene.drawn[0].y / devicePixelRatio];
+    }}""")
+    visit.mouse.move(box["x"] + x, box["y"] + y)
+    visit.mouse.down()
+    visit.mouse.move(box["x"] + x + 30, box["y"] + y - 30)
+    visit.mouse.up()
+    visit.wait_for_function("() => window.isDragged")
+    text = visit.locator("latolato-player").get_attribute("initial-angle")
+    assert text.endswith(" deg")
+    assert float(text.removesuffix(" deg")) > 25
+    wanted = in_python("fig02", {"initial_angle": text})["options"]
+    found = visit.evaluate(f"() => {player}.player.motion.about.options")
+    assert wanted.items() <= found.items()
+
+
 def test_two_elements_of_a_page_have_runs_of_their_own(visit):
     for which, length in ((0, "50 cm"), (1, "80 cm")):
         visit.evaluate(SET, [which, {"scenario": "fig02", "length": length, "duration": "2 s"}])

@@ -241,7 +241,7 @@ PLACES = f"""() => {{
   const {{ scrub }} = timeline;
   const box = scrub.getBoundingClientRect();
   const thumb = parseFloat(getComputedStyle(scrub).getPropertyValue("--thumb"));
-  const line = curves.charts[0].head.getBoundingClientRect();
+  const line = curves.charts[0].instant.head.getBoundingClientRect();
   return [box.left + 0.5 * thumb + (scrub.value / scrub.max) * (box.width - thumb),
     0.5 * (line.left + line.right)];
 }}"""
@@ -415,3 +415,16 @@ def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
     )
     assert len(marks) >= 3
     assert min(marks) < 0 < max(marks)
+
+
+@pytest.mark.parametrize("language", ["en", "id"])
+def test_a_phone_s_header_shows_the_whole_name_of_its_language(page, language):
+    page.set_viewport_size(PHONE)
+    page.goto(f"/?view=play&lang={language}")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    select = page.locator("#language")
+    width = select.bounding_box()["width"]
+    select.evaluate("(element) => { element.style.width = 'max-content'; }")
+    assert select.bounding_box()["width"] <= width
+    tops = [page.locator(name).bounding_box()["y"] for name in ("#language", "#theme")]
+    assert tops[0] == pytest.approx(tops[1], abs=3)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+import latolato as ll
+
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 READY = "[data-runs], [data-ready], [data-pictures], [data-form]"
@@ -12,6 +14,10 @@ BROKEN = {
     "scenario=fig99": "There is no preset “fig99” any more.",
     "lenght=1 m": "There is no parameter “lenght”.",
     "strange.thing=1": "There is no parameter “strange.thing”.",
+    "play.speed=2": "There is no parameter “play.speed”.",
+    "live.thing=1": "There is no parameter “live.thing”.",
+    "paper.figur=fig02": "There is no parameter “paper.figur”.",
+    "story.nme=why_twice": "There is no parameter “story.nme”.",
     "length=much": "“pivot to ball centre” must be given in m",
     "length=3 kg": "(or a unit that converts to it), got '3 kg'.",
     "restitution=1.2": "“coefficient of restitution” must lie in [0, 1], got 1.2; give at most 1.",
@@ -56,6 +62,18 @@ def test_a_link_to_a_preset_that_is_gone_leads_to_the_first_one(page):
     page.get_by_role("button", name="Go to the first preset").click()
     page.wait_for_function("() => location.search === '?view=live&scenario=toy'")
     assert page.get_by_label("Begin with").input_value() == "toy"
+
+
+def test_a_link_that_calls_its_preset_preset_is_told_the_key(page):
+    page.goto("/?preset=fig02")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.locator(".message").get_by_text("as in “scenario=fig02”, not by “preset”").wait_for()
+    title = ll.load_scenario("fig02").title
+    page.get_by_role("button", name=f"Show “{title}”").click()
+    page.wait_for_function("() => location.search === '?view=play&scenario=fig02'")
+    page.goto("/?preset=nothing")
+    page.locator(".message").get_by_text("not by “preset”").wait_for()
+    assert page.locator(".message button").count() == 1  # dismisses it
 
 
 def test_a_link_to_a_map_leads_to_map(page):

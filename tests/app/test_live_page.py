@@ -281,3 +281,38 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     assert of_toy(page, "time") == 0.0
     page.get_by_role("button", name="Play", exact=True).click()
     wait_for_toy(page, "toy.time > 0.1")
+
+
+def test_the_legends_say_what_the_toy_does(page):
+    open_live(page)
+    wait_for_toy(page, "toy.time > 1")
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_text("Energies", exact=True).click()
+    page.wait_for_timeout(300)
+    for names, values in (
+        (("right", "left"), "motion.balls.map((ball) => motion.angle(ball) * 180 / Math.PI)"),
+        (("kinetic", "potential"), "[toy.energies.kinetic, toy.energies.potential]"),
+    ):
+        wanted = page.evaluate(
+            f"() => {{ const {{ toy, motion }} = window.latolato.views.live; return {values}; }}"
+        )
+        shown = [page.locator(f".legend .of-{name} output").inner_text() for name in names]
+        assert [float(text) for text in shown] == pytest.approx(wanted, rel=1e-3, abs=1e-6)
+    before = page.locator(".legend .of-right output").inner_text()
+    page.get_by_role("button", name="Play", exact=True).click()
+    page.wait_for_function(
+        "before => document.querySelector('.legend .of-right output').textContent !== before",
+        arg=before,
+    )
+
+
+def test_the_stage_has_a_frame_only_for_who_uses_keys(page):
+    open_live(page)
+    stage = page.get_by_role("application")
+    outline = "(element) => [element.matches(':focus'), getComputedStyle(element).outlineStyle]"
+    assert stage.evaluate(outline) == [True, "none"]
+    page.keyboard.press("ArrowUp")
+    assert stage.evaluate(outline) == [True, "solid"]
+    page.keyboard.press("Tab")
+    page.keyboard.press("Shift+Tab")
+    assert stage.evaluate(outline) == [True, "solid"]

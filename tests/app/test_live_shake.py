@@ -116,15 +116,15 @@ def test_a_device_without_a_sensor_offers_the_pivot(page):
 @pytest.mark.parametrize(
     "script,sentence",
     [
-        ("DeviceMotionEvent.requestPermission = async () => 'denied'", "may not use the motion"),
+        ("DeviceMotionEvent.requestPermission = async () => 'denied'", "is not allowed here"),
         (
             "DeviceMotionEvent.requestPermission = async () => { throw new Error('no click'); }",
-            "may not use the motion",
+            "is not allowed here",
         ),
         (
             "delete DeviceMotionEvent.requestPermission;"
             "Permissions.prototype.query = async () => ({ state: 'denied' })",
-            "may not use the motion",
+            "is not allowed here",
         ),
         ("Object.defineProperty(window, 'isSecureContext', { value: false })", "secure pages only"),
         ("delete window.DeviceMotionEvent", "No motion sensor answers here."),
@@ -213,3 +213,17 @@ def test_a_recording_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path)
     assert page.evaluate("() => window.latolato.views.play.player.motion.about.options.drive") == (
         "measured_pivot"
     )
+
+
+@pytest.mark.parametrize("language", ["en", "id"])
+def test_a_message_leaves_the_picture_of_a_phone_free(page, language):
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.add_init_script("DeviceMotionEvent.requestPermission = async () => 'denied'")
+    page.goto(f"/?view=live&lenght=1&lang={language}")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.evaluate("() => window.latolato.views.live.shake.toggle()")
+    page.locator(".message").nth(1).wait_for()
+    picture = page.locator("canvas.scene").bounding_box()
+    messages = page.locator(".stage-messages").bounding_box()
+    assert messages["y"] >= picture["y"] + picture["height"] - 1
+    assert messages["height"] <= 0.25 * 844  # so much of the window, whatever they say

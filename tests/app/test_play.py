@@ -51,6 +51,34 @@ def test_a_slider_changes_the_curve_and_the_address(page):
     page.wait_for_function("() => location.search.includes('drive_amplitude')")
 
 
+def test_time_and_angles_that_are_written_are_of_one_instant(page):
+    page.goto("/?view=play&scenario=toy")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_timeout(1500)  # the first clacks
+    written, paused = page.evaluate(
+        """async () => {
+          const { player } = window.latolato.views.play;
+          const { clock, motion } = player;
+          const read = (time) => [document.querySelector(".transport .time").textContent,
+            [...document.querySelectorAll(".timeline .legend output")]
+              .map((output) => Number(output.textContent)),
+            time, motion.balls.map((ball) => (motion.angle(ball, time) * 180) / Math.PI)];
+          const written = [];
+          // The last to hear of an instant.
+          const end = clock.subscribe((time) => { if (clock.isRead) written.push(read(time)); });
+          await new Promise((done) => setTimeout(done, 1500));
+          end();
+          clock.pause();
+          return [written, read(clock.time)];
+        }"""
+    )
+    # No faster than a person reads them, and then all together.
+    assert 5 <= len(written) <= 16
+    for text, legend, time, angles in [*written, paused]:
+        assert text == f"t = {time:.2f} s"
+        assert legend == pytest.approx(angles, abs=0.06)  # four digits
+
+
 def test_a_bad_value_is_told_beside_its_field(page, watch):
     open_form(page)
     field = page.get_by_label("radius of one ball", exact=False).first
@@ -128,10 +156,10 @@ def test_curves_go_through_the_data(page, scheme):
 CURSOR = """(share) => {
   const { clock, curves } = window.latolato.views.play.player;
   clock.seek(share * clock.end);
-  return curves.charts.map(({ plot, head }) => {
+  return curves.charts.map(({ plot, instant }) => {
     const box = plot.over.getBoundingClientRect();
     const { min, max } = plot.scales.x;
-    const line = head.getBoundingClientRect();
+    const line = instant.head.getBoundingClientRect();
     return {
       drawn: 0.5 * (line.left + line.right),
       wanted: box.left + ((clock.time - min) / (max - min)) * box.width,

@@ -12,7 +12,9 @@ from latolato.app.run_request import RunRequest
 
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
-PLAYER = "const { motion, scene, clock, start } = window.latolato.views.play.player;"
+PLAYER = (
+    "const { player } = window.latolato.views.play; const { motion, scene, clock, start } = player;"
+)
 
 
 def open_play(page, query):
@@ -118,6 +120,30 @@ def test_a_dragged_ball_is_where_the_run_begins(page, scenario, ball, through, w
     )
 
 
+def test_curve_and_legend_show_where_a_ball_is_led(page):
+    open_play(page, "&scenario=ballpair_asymmetric")
+    lead(page, 0, [30, 75])
+    held = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
+    legend = page.locator(".timeline .legend output").all_inner_texts()
+    assert [float(text) for text in legend] == pytest.approx(np.degrees(held), abs=0.05)
+    # Dots stand on the curve's axis, at the beginning.
+    over = page.locator(".timeline .u-over").bounding_box()
+    dots = [dot.bounding_box() for dot in page.locator(".timeline .led:visible").all()]
+    assert [dot["x"] + dot["width"] / 2 - over["x"] for dot in dots] == pytest.approx(
+        [0, 0], abs=1.5
+    )
+    places = of_player(
+        page,
+        "argument.map((angle) => player.curves.charts[0].plot.valToPos(angle, 'y'))",
+        list(np.degrees(held)),
+    )
+    assert [dot["y"] + dot["height"] / 2 - over["y"] for dot in dots] == pytest.approx(
+        np.clip(places, 0, over["height"]), abs=1.5
+    )
+    release(page)
+    page.wait_for_function("() => !document.querySelector('.timeline .led:not([hidden])')")
+
+
 def test_mirrored_balls_move_together_and_never_through_each_other(page):
     open_play(page, "&scenario=toy")
     low, high = of_player(page, "[motion.low, motion.high]")
@@ -165,6 +191,38 @@ def test_arrow_keys_change_the_start_and_say_so(page):
     page.wait_for_function("() => location.search.includes('initial_angle=22+deg')")
     stage.press("Space")
     page.wait_for_function(f"() => {{ {PLAYER} return clock.time > 0; }}")
+
+
+def test_keys_move_each_of_two_balls(page):
+    open_play(page, "&scenario=ballpair_asymmetric&initial_angle=40 deg, -30 deg")
+    stage = page.get_by_role("application")
+    stage.focus()
+    stage.press("ArrowRight")
+    page.get_by_text("The balls start at 45, -30 degrees.").wait_for()
+    stage.press("a")
+    stage.press("a")
+    stage.press("d")
+    stage.press("Shift+D")
+    page.get_by_text("The balls start at 45, -34 degrees.").wait_for()
+    page.wait_for_function("() => location.search.includes('initial_angle=45+deg%2C+-34+deg')")
+    stage.press("?")
+    keys = page.get_by_role("dialog")
+    assert "where the left ball starts" in keys.inner_text()
+    keys.get_by_role("button", name="Close").click()
+
+
+def test_keys_of_a_left_ball_move_its_twin_and_are_not_listed_for_one(page):
+    open_play(page, "&scenario=toy&initial_angle=20 deg")
+    page.get_by_role("application").press("a")
+    page.get_by_text("The balls start at 25 degrees.").wait_for()
+    open_play(page, "&scenario=fig02")
+    stage = page.get_by_role("application")
+    stage.press("a")
+    stage.press("?")
+    keys = page.get_by_role("dialog").inner_text()
+    assert "where the ball starts" in keys
+    assert "left ball" not in keys
+    assert "initial_angle" not in page.url
 
 
 def test_keys_stop_where_the_balls_touch(page):

@@ -625,14 +625,27 @@ def test_a_file_of_ones_own_is_told_also_after_a_reload(page, tmp_path):
 
 def test_a_broken_file_is_named_in_one_sentence(page, tmp_path):
     file = tmp_path / "mine.toml"
-    file.write_text(example().replace("[steps.explanation]", "[steps.reason]"))
+    file.write_text(example().replace("[steps.explanation]", "[steps.explanations]"))
     page.goto("/?view=story")
     page.get_by_label("Open a story file").set_input_files(file)
     alert = page.get_by_role("alert").filter(has_text="mine.toml")
     alert.wait_for()
-    assert alert.inner_text().startswith(
-        "The story “mine.toml” cannot be told: step 1: there is no"
+    assert alert.inner_text() == (
+        "The story “mine.toml” cannot be told: step 1: there is no entry 'explanations': "
+        "did you mean 'explanation'?"
     )
+
+
+@pytest.mark.parametrize("step", ["99", "0", "two"])
+@pytest.mark.parametrize("query", ["?", "?scenario=toy&"])
+def test_a_step_that_there_is_not_is_named_and_the_story_begins(page, query, step):
+    page.goto(f"/{query}story.name=first_clack&story.step={step}")
+    page.locator("#story .story-step").wait_for()
+    page.locator(".message").get_by_text(
+        f"This story has no step “{step}”: its steps are 1 to 5."
+    ).wait_for()
+    assert page.locator(".story-place").inner_text() == "Step 1 of 5"
+    page.wait_for_url(lambda url: f"story.step={step}" not in url)
 
 
 @pytest.mark.parametrize("name", ["no_such", "own-file", "../../index"])
@@ -712,3 +725,32 @@ def test_a_phone_sees_the_stage_above_the_panel(page, place):
     panel = page.locator("#story").bounding_box()
     assert stage["y"] >= 0
     assert stage["y"] + stage["height"] <= panel["y"] + 1
+
+
+# How far an element reaches out of the window, or of what it scrolls in [px].
+HIDDEN = """(elements) => elements.map((element) => {
+  const { top, bottom } = element.getBoundingClientRect();
+  const frame = document.querySelector(".story-body").getBoundingClientRect();
+  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
+})"""
+
+
+@pytest.mark.parametrize("language", ["en", "id"])
+@pytest.mark.parametrize("name", STORIES)
+def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
+    page.set_viewport_size(SIZES[1])
+    for step in range(1, len(FILES[name]["steps"]) + 1):
+        page.goto(address(name, step) + f"&lang={language}")
+        page.locator(".story-step").wait_for()
+        check = page.locator(".story-step [type=submit]")
+        assert check.evaluate_all(HIDDEN) == pytest.approx([0], abs=1), step
+        answers = page.locator(".story-step .check")
+        hidden = answers.evaluate_all(HIDDEN)
+        if language == "en":
+            assert hidden == pytest.approx([0] * answers.count(), abs=1), step
+        # The others are a swipe away, and not below what stays in place.
+        answers.last.scroll_into_view_if_needed()
+        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
+        answers.last.click()
+        check.click()
+        page.locator(".story-reply:not(:empty)").first.wait_for()

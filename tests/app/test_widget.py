@@ -251,6 +251,19 @@ def test_a_slider_computes_the_run_of_python_in_the_page(cell, run):
     check_shown(cell, run)
 
 
+def test_keys_on_the_animation_of_a_cell_choose_where_its_run_starts(cell, run):
+    show(cell, ll.play(run))
+    stage = cell.get_by_role("application")
+    stage.focus()
+    stage.press("ArrowRight")
+    cell.get_by_text("The balls start at 33.6 degrees.").wait_for(state="attached")
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
+    check_shown(cell, ll.simulate(toy, drive, initial_angle=math.radians(33.6), duration=3.0))
+    cell.get_by_role("button", name="Back to the run of this cell").click()
+    check_shown(cell, run)
+
+
 def check_shown(cell, run):
     """Compare the table of contacts in a cell with a run."""
     cell.locator(".more-curves").evaluate("more => { more.open = true; }")
@@ -280,6 +293,9 @@ def test_every_kind_of_run_has_its_fields(cell, name):
     field.fill("1.5")
     field.press("Enter")
     cell.get_by_text("duration=1.5").wait_for(state="attached")
+    cell.get_by_role("application").press("ArrowRight")
+    cell.get_by_text("initial_angle").first.wait_for(state="attached")
+    cell.wait_for_timeout(500)
     assert cell.locator(".error:visible").all_inner_texts() == []
 
 

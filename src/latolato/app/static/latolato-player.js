@@ -5,7 +5,7 @@
  *     <latolato-player scenario="fig04a_push" duration="20 s"></latolato-player>
  *
  * Its attributes are the options of the command line, with dashes, and `scenario`; the run is computed
- * again when one changes. It speaks the language that `lang` names, on itself or around it; a page
+ * again when one changes. A ball that is dragged changes those of the start. It speaks the language that `lang` names, on itself or around it; a page
  * whose elements ask for several gets the first that is not English. It sends no message and asks no other site for anything.
  *
  * @module
@@ -15,6 +15,7 @@ import { loadRegistry } from "./js/model/registry.js";
 import { inLanguage } from "./js/model/words.js";
 import { Inset } from "./js/shared/inset.js";
 import { firstOf, speak } from "./js/shared/language.js";
+import { withStart } from "./js/shared/start.js";
 import { ENGLISH } from "./js/strings.js";
 
 // Attributes of all elements, which are no options.
@@ -34,6 +35,7 @@ class LatolatoPlayer extends HTMLElement {
     await this.speak().catch((error) => console.warn(error));
     if (!this.isConnected || this.inset) return;
     this.inset = new Inset(this);
+    this.inset.player.start.enable((degrees) => this.startAt(degrees));
     this.observer.observe(this, { attributes: true });
     void this.compute();
   }
@@ -62,6 +64,18 @@ class LatolatoPlayer extends HTMLElement {
       .filter(({ name }) => !OF_ELEMENTS.test(name) && name !== "scenario")
       .map(({ name, value }) => [name.replaceAll("-", "_"), value]));
     return { scenario: this.getAttribute("scenario"), options };
+  }
+
+  /**
+   * Let the attributes ask for the run that begins with the balls at rest at these angles.
+   * @param {number[]} degrees
+   */
+  startAt(degrees) {
+    const { options } = this.request;
+    const started = withStart(options, this.player?.motion?.about.options ?? {}, degrees);
+    this.removeAttribute("initial-offset");
+    for (const [name, value] of Object.entries(started))
+      if (value !== options[name]) this.setAttribute(name.replaceAll("_", "-"), value);
   }
 
   async compute() {

@@ -11,6 +11,7 @@ import { Form } from "./shared/form.js";
 import { Inset } from "./shared/inset.js";
 import { speakTable } from "./shared/language.js";
 import { withLaws } from "./shared/laws.js";
+import { withStart } from "./shared/start.js";
 import { Store } from "./shared/state.js";
 import { t, tr } from "./strings.js";
 
@@ -55,6 +56,7 @@ class Controls {
     this.parts = [
       el("div", { class: "row" }, this.back, el("span", { class: "hint" }, t("cellHint"))), this.notes, fields,
       el("details", {}, el("summary", {}, t("code")), this.code)];
+    inset.player.start.enable((degrees) => this.startAt(degrees));
     this.show(block.about);
   }
 
@@ -76,6 +78,16 @@ class Controls {
       t("warning", { text: tr(text) })).join(" ");
     this.code.replaceChildren(...codeBlocks([pythonLines, commandLine].map((lines) => lines(registry, options))));
     this.back.disabled = Object.keys(form.store.state.options).length === 0;
+  }
+
+  /**
+   * Ask for the run that begins with the balls at rest at these angles.
+   * @param {number[]} degrees
+   */
+  startAt(degrees) {
+    const { store } = this.form;
+    const shown = this.inset.player.motion?.about.options ?? {};
+    store.set({ options: withStart(store.state.options, shown, degrees) });
   }
 
   /** Show the run of the cell again. */
@@ -139,6 +151,7 @@ export async function render({ model, el: cell }) {
       /** @type {ArrayBuffer} */ (buffer).slice(byteOffset, byteOffset + byteLength));
     inset.show(block);
     const law = lawBeyondPage(registry, block.about.options);
+    inset.player.start.choose = null;
     below.replaceChildren(...(law ? [el("p", { class: "hint" }, t("cellBeyond", { name: law }))]
       : new Controls(inset, registry, block).parts));
   };

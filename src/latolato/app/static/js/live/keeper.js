@@ -36,7 +36,7 @@ export class Keeper {
     this.count = el("summary", {});
     this.list = el("details", {}, this.count, this.actions, el("div", { class: "actions" },
       button(t("recordingOpen"), () => this.input.click()), this.input));
-    this.result = el("div", { class: "recorded" }, this.text, this.list);
+    this.result = el("div", { class: "recorded none" }, this.text, this.list);
     this.show();
     // The toy comes first.
     setTimeout(() => void this.refresh());
@@ -122,6 +122,7 @@ export class Keeper {
         time: duration.toFixed(1) }))));
     this.count.textContent = t("recordings", { count: this.entries.length });
     this.actions.hidden = this.entries.length === 0;
+    this.result.classList.toggle("none", this.actions.hidden);
   }
 
   /**

@@ -78,10 +78,11 @@ export function layOut(parts, keeper, preset, knobs, senses) {
  */
 function strip(label, curves) {
   const canvas = el("canvas", { class: "strip", role: "img", "aria-label": label });
+  const values = Object.fromEntries(curves.map(([name]) => [name, el("output", {})]));
   const legend = el("ul", { class: "legend" }, ...curves.map(([name, paint]) =>
-    el("li", { class: `of-${name}` }, el("span", { class: `key ${paint}` }), t(name))));
+    el("li", { class: `of-${name}` }, el("span", { class: `key ${paint}` }), t(name), " ", values[name])));
   const title = el("strong", {}, label);
   const figure = el("figure", { class: "panel" }, el("figcaption", {}, title, legend,
     el("span", { class: "axis" }, t("lastSeconds"))), canvas);
-  return { canvas, figure, title };
+  return { canvas, figure, title, values };
 }

@@ -3,7 +3,7 @@
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { refusal } from "../shared/knobs.js";
+import { namesBesideKnobs, refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls } from "../live/address.js";
@@ -87,10 +87,10 @@ export class LiveView {
     this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
-    this.senses.narrator.labels = page.registry.options;
+    this.senses.narrator.labels = namesBesideKnobs(page.registry);
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
-    this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
+    this.watch = new Watch(this.parts.angle, this.parts.energy);
     this.senses.narrator.onDescribe = () => this.watch.describe();
     const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
       this.toy?.hold({ ball: ball.row, angle });
@@ -114,7 +114,7 @@ export class LiveView {
       }));
     if (this.wish() !== this.signature || !this.toy) void this.begin();
     this.pace.rest();
-    this.parts.canvas.focus({ preventScroll: true });
+    this.takeKeys();
     requestAnimationFrame(this.draw);
   }
 
@@ -123,6 +123,16 @@ export class LiveView {
     for (const release of this.releases.splice(0)) release();
     this.keeper.finish();
     this.shake.end();
+  }
+
+  /** Let arrow keys steer the toy; a frame says so as soon as somebody uses keys. */
+  takeKeys() {
+    const { canvas } = this.parts;
+    canvas.classList.add("unasked");
+    const reveal = () => canvas.classList.remove("unasked");
+    canvas.focus({ preventScroll: true });
+    canvas.addEventListener("blur", reveal, { once: true });
+    window.addEventListener("keydown", reveal, { once: true });
   }
 
   /** Return what the address asks for, as a text to compare. */
@@ -336,8 +346,9 @@ export class LiveView {
     this.scene.time = toy.time;
     this.scene.draw();
     this.watch.draw(this.paused, this.parts.more.open);
-    if (now - this.readAt < READ_EVERY) return;
+    if (!this.paused && now - this.readAt < READ_EVERY) return;
     this.readAt = now;
+    this.watch.read(motion);
     const text = toy.isShaken ? "liveReadoutShaken"
       : motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
     const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
@@ -367,6 +378,7 @@ export class LiveView {
 
   pause() {
     this.paused = !this.paused;
+    this.dirty = true;
     this.pace.rest();
     this.showPause();
   }

@@ -2,12 +2,15 @@
 
 import { curvesOf } from "../shared/describe.js";
 import { inText } from "../shared/narrator.js";
+import { short } from "../shared/units.js";
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
 /** @typedef {import("./motion.js").LiveMotion} LiveMotion */
+/** @typedef {{canvas: HTMLCanvasElement, values: Record<string, HTMLElement>}} Place */
 
 const DEGREES = 180 / Math.PI;
+const DIGITS = 4;
 const LEFT = { name: "left", paint: "left" };
 const RIGHT = { name: "right", paint: "right" };
 const ENERGIES = [{ name: "kinetic", paint: "kinetic" }, { name: "potential", paint: "potential" },
@@ -15,16 +18,17 @@ const ENERGIES = [{ name: "kinetic", paint: "kinetic" }, { name: "potential", pa
 
 export class Watch {
   /**
-   * @param {HTMLCanvasElement} angle
-   * @param {HTMLCanvasElement} energy
+   * @param {Place} angle
+   * @param {Place} energy
    */
   constructor(angle, energy) {
     this.history = new History(["right", "left", "pivot", "kinetic", "potential", "total"]);
-    this.angle = new Strip(angle, { least: [-15, 15], curves: [LEFT, RIGHT] });
-    this.energy = new Strip(energy, { least: [0, 1e-6], curves: ENERGIES });
+    this.angle = new Strip(angle.canvas, { least: [-15, 15], curves: [LEFT, RIGHT] });
+    this.energy = new Strip(energy.canvas, { least: [0, 1e-6], curves: ENERGIES });
     this.angle.history = this.energy.history = this.history;
     this.labels = [{ strip: this.angle, quantity: "angle" }, { strip: this.energy, quantity: "energy" }]
       .map((each) => ({ ...each, label: each.strip.canvas.getAttribute("aria-label") }));
+    this.values = { ...angle.values, ...energy.values };
     this.turn = false;
   }
 
@@ -45,17 +49,24 @@ export class Watch {
    * @param {boolean} clacks whether balls met audibly since the last time
    */
   add(motion, clacks) {
-    const [first, second] = motion.balls;
-    const { time, energies: { kinetic, potential } } = motion.toy;
-    this.history.add(time, {
-      right: motion.angle(first) * DEGREES,
-      left: second ? motion.angle(second) * DEGREES : 0,
-      pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential,
-    });
+    const { time } = motion.toy;
+    this.history.add(time, valuesOf(motion));
     if (!clacks) return;
     const { marks } = this.angle;
     marks.push(time);
     while (marks[0] < time - SPAN) marks.shift();
+  }
+
+  /**
+   * Write what a toy does now into the legends.
+   * @param {LiveMotion} motion
+   */
+  read(motion) {
+    const now = valuesOf(motion);
+    for (const [name, output] of Object.entries(this.values)) {
+      const text = short(now[name], DIGITS);
+      if (output.textContent !== text) output.textContent = text;
+    }
   }
 
   /** Say in words what the curves show. */
@@ -87,4 +98,16 @@ export class Watch {
     if (both || this.turn) this.angle.draw();
     if (hasEnergy && (both || !this.turn)) this.energy.draw();
   }
+}
+
+/**
+ * Return what the curves show, now, by their names: angles in degrees.
+ * @param {LiveMotion} motion
+ * @returns {Record<string, number>}
+ */
+function valuesOf(motion) {
+  const [first, second] = motion.balls;
+  const { kinetic, potential } = motion.toy.energies;
+  return { right: motion.angle(first) * DEGREES, left: second ? motion.angle(second) * DEGREES : 0,
+    pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential };
 }

@@ -2,6 +2,8 @@
 
 // After a pause of the browser, such as a background tab, the clock goes on where it was.
 const LONGEST_FRAME = 0.1; // s
+// While it plays, texts follow at this rate and all at once; pictures at every instant.
+const READ_EVERY = 100; // ms
 
 export class Clock {
   constructor() {
@@ -10,6 +12,9 @@ export class Clock {
     this.speed = 1;
     this.looping = true;
     this.playing = false;
+    /** Whether this instant is one that texts show. */
+    this.isRead = true;
+    this.readAt = -Infinity;
     this.last = 0;
     this.frame = 0;
     /** @type {((time: number, clock: Clock) => void)[]} */
@@ -79,6 +84,9 @@ export class Clock {
   }
 
   tell() {
+    const now = performance.now();
+    this.isRead = !this.playing || now - this.readAt >= READ_EVERY;
+    if (this.isRead) this.readAt = now;
     for (const listener of this.listeners) listener(this.time, this);
   }
 }

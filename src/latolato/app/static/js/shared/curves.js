@@ -8,10 +8,11 @@ import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
+import { Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
 import { drawShades } from "./shades.js";
-import { dataOf, extremes, pathOf, resampled, valueAt } from "./traces.js";
+import { dataOf, extremes, pathOf, resampled } from "./traces.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -33,7 +34,6 @@ const AHEAD = 0.75;
 const EASE = 0.2;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
-const READ_EVERY = 100; // ms
 // A notch of the wheel, with Ctrl held, shows so much less or more.
 const WHEEL = 1.3;
 
@@ -54,14 +54,15 @@ export class Curves {
     this.onSpan = this.onZoom = (/** @type {number} */ _from, /** @type {number} */ _to) => {};
     /** Called when the charts were laid out again. */
     this.onLayout = () => {};
+    /** Returns balls that are led, in place of the instant of the run. @type {() => import("./motion.js").Pose | null} */
+    this.held = () => null;
     /** @type {Motion | null} */
     this.motion = null;
     /** @type {Motion | null} */
     this.pinned = null;
-    /** @type {{plot: any, head: HTMLElement, values: HTMLElement[], curves: Curve[],
+    /** @type {{plot: any, instant: Instant, curves: Curve[],
      *   host: HTMLElement, panel: Panel}[]} */
     this.charts = [];
-    this.readAt = 0;
     /** @type {[number, number]} */
     this.span = [0, 1];
     this.signature = "";
@@ -150,6 +151,7 @@ export class Curves {
       ...curve,
       label: `${curve.label}, ${t("pinned")}`,
       paint: "faint",
+      ofPose: undefined,
       values: resampled(pinned.time, curve.values, motion.time),
     }));
     return [...old, ...own];
@@ -162,12 +164,11 @@ export class Curves {
     const motion = /** @type {Motion} */ (this.motion);
     this.charts = this.panels.map((panel, i) => {
       const label = labelOf(panel, motion);
-      const values = all[i].map(() => el("output", {}));
+      const instant = new Instant(all[i]);
       const legend = el("ul", { class: "legend" }, ...all[i].map((curve, k) => {
         const key = el("span", { class: `key ${curve.paint}` });
-        return el("li", {}, key, curve.label, " ", values[k]);
+        return el("li", {}, key, curve.label, " ", instant.values[k]);
       }));
-      const head = el("div", { class: "playhead" });
       const host = el("div", {
         class: "chart", tabindex: "0", role: "img", "aria-label": nameOf(label, all[i]),
         on: {
@@ -179,9 +180,9 @@ export class Curves {
         el("figcaption", {}, el("strong", {}, label), legend), host));
       // Empty: `show` fills one chart after the other.
       const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
-      plot.over.append(head);
+      plot.over.append(instant.head, ...instant.dots);
       this.scrub(plot);
-      return { plot, head, values, curves: all[i], host, panel };
+      return { plot, instant, curves: all[i], host, panel };
     });
     this.resize();
   }
@@ -381,21 +382,11 @@ export class Curves {
   /** @param {number} time */
   move(time) {
     if (this.follows && this.motion) this.keepUp(time);
-    const now = performance.now();
-    const read = now - this.readAt > READ_EVERY || !this.clock.playing;
-    for (const { plot, head, values, curves } of this.charts) {
-      const { min, max } = plot.scales.x;
-      const inside = time >= min && time <= max;
-      head.style.visibility = inside ? "visible" : "hidden";
-      if (inside) head.style.transform = `translateX(${plot.valToPos(time, "x")}px)`;
-      if (read && this.motion) {
-        curves.forEach((curve, k) => {
-          const text = short(valueAt(this.motion?.time ?? [], curve.values, time), 4);
-          if (values[k].textContent !== text) values[k].textContent = text;
-        });
-      }
+    const held = this.held();
+    for (const { plot, instant, curves } of this.charts) {
+      instant.place(plot, curves, time, held);
+      if (this.clock.isRead && this.motion) instant.read(this.motion, curves, time, held);
     }
-    if (read) this.readAt = now;
   }
 
   resize() {

@@ -23,6 +23,16 @@ const COUNT = 3;
 const DIGITS = 4;
 
 /**
+ * Return what options are called beside knobs: those that have one by its name.
+ * @param {Registry} registry
+ * @returns {Record<string, {label: string}>}
+ */
+export function namesBesideKnobs(registry) {
+  const knobs = Object.entries(NAMES).map(([name, text]) => [name, { label: t(text) }]);
+  return { ...registry.options, ...Object.fromEntries(knobs) };
+}
+
+/**
  * Return the options that tell most about a toy, the first ones first, three where there are so many.
  * @param {Registry} registry
  * @param {Record<string, any>} options of a run, in SI units

@@ -10,6 +10,8 @@ import { format } from "./state.js";
 /** @typedef {import("./state.js").Page} Page */
 
 const KEPT = "latolato.language";
+// As in app.css.
+const NARROW = "(max-width: 800px)";
 
 /**
  * Return the first of some languages that there is, English if there is none; "id" serves "id-ID".
@@ -61,8 +63,10 @@ export async function speakInPage({ registry, store }) {
     store.state = { ...store.state, lang: undefined };
   }
   const select = /** @type {HTMLSelectElement} */ (document.getElementById("language"));
+  // A phone's header has room for the name alone.
+  const short = (/** @type {string} */ name) => (matchMedia(NARROW).matches ? { label: name } : {});
   select.replaceChildren(...Object.entries(languages).map(([each, { name, beta }]) =>
-    el("option", { value: each, lang: each, selected: each === languageCode() },
+    el("option", { value: each, lang: each, selected: each === languageCode(), ...short(name) },
       beta ? t("languageBeta", { name }) : name)));
   select.setAttribute("aria-label", t("language"));
   select.hidden = false;

@@ -117,7 +117,7 @@ export class Narrator {
   changed(name, before, now) {
     const label = this.labels[name]?.label;
     if (!label || typeof before !== "number" || typeof now !== "number" || now === before) return [];
-    return [{ name: now > before ? "moreOf" : "lessOf", values: { name: label } }];
+    return [{ name: now > before ? "moreOf" : "lessOf", values: { name: `${label.charAt(0).toUpperCase()}${label.slice(1)}` } }];
   }
 
   /**

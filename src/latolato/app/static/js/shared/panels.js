@@ -23,13 +23,17 @@ export function anglePanel({ wrapped = false, pivot = false } = {}) {
     label: t("curveAngle"),
     quantity: "angle",
     curves: (motion) => [
-      ...motion.balls.map((ball) => {
+      ...motion.balls.map((ball, k) => {
         const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES);
         return {
           label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
           paint: ball.name === "left" ? "left" : "right",
           values: wrapped ? values.map(wrap) : values,
           turn: wrapped ? 360 : undefined,
+          ofPose: (/** @type {import("./motion.js").Pose} */ { balls }) => {
+            const angle = balls[k].angle * DEGREES;
+            return wrapped ? wrap(angle) : angle;
+          },
         };
       }),
       ...(pivot ? [pivotCurve(motion)] : []),

@@ -15,8 +15,6 @@ import { Timeline } from "./timeline.js";
 /** @typedef {import("./motion.js").Motion} Motion */
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
-// Text and slider of the instant follow at this rate; the pictures at every frame.
-const READ_EVERY = 100; // ms
 
 export class Player {
   /**
@@ -29,11 +27,11 @@ export class Player {
     this.motion = null;
     /** @type {Motion | null} */
     this.pinned = null;
-    this.readAt = 0;
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.timeline = new Timeline(this.clock);
     this.more = new MoreCurves(this.clock, this.curves);
     this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
+      ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
       { title: t("keysOfCurve"), actions: this.curves.actions }]);
     /** What stands on the stage: buttons above, messages below. */
     this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.senses.toggle);
@@ -45,6 +43,7 @@ export class Player {
     this.scene = new Scene(canvas);
     this.start = new Start(this.scene, this.clock);
     canvas.after(this.scene.legend, this.start.said);
+    this.curves.held = () => this.scene.held;
     this.curves.onSpan = (from, to) => {
       this.timeline.mark();
       this.more.setSpan(from, to);
@@ -147,9 +146,7 @@ export class Player {
     this.senses.move(time, this.clock.playing, this.clock.speed);
     const label = this.clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
-    const now = performance.now();
-    if (this.clock.playing && now - this.readAt < READ_EVERY) return;
-    this.readAt = now;
+    if (!this.clock.isRead) return;
     if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(2) });
     this.timeline.tell(time);
   }

@@ -20,6 +20,11 @@ import { short, shownUnit } from "./units.js";
 
 // Longer texts of a link are not repeated.
 const LONGEST = 60;
+// What a link may hold of views that read all of theirs; others name what they cannot read themselves.
+const PARTS = /** @type {Record<string, string[]>} */ ({
+  play: ["recording"], live: [], paper: ["figure"],
+  story: ["name", "step", "answers", "tried", "score", "guess"],
+});
 // Views that show one run, not a sweep.
 const OF_RUNS = ["play", "live", "analyse"];
 
@@ -52,7 +57,8 @@ export function readable(registry, state, views) {
   }
   const options = readableOptions(registry, { ...state, scenario }, left);
   const extra = Object.fromEntries(Object.entries(state.extra).filter(([name]) => {
-    const isKnown = views.includes(name.split(".")[0]);
+    const [owner, ...part] = name.split(".");
+    const isKnown = views.includes(owner) && (PARTS[owner]?.includes(part.join(".")) ?? true);
     if (!isKnown) left.push({ text: t("unknownParameter", { name: cut(name) }) });
     return isKnown;
   }));
@@ -80,7 +86,9 @@ function readableOptions(registry, { view, scenario, options: all }, left) {
   let options = {};
   for (const [name, text] of Object.entries(all)) {
     const laws = { system: registry.systems, drive: registry.drives }[name];
-    if (!Object.hasOwn(registry.options, name))
+    if (name === "preset" && !Object.hasOwn(registry.options, name))
+      left.push(presetByAnotherName(registry, text));
+    else if (!Object.hasOwn(registry.options, name))
       left.push({ text: t("unknownParameter", { name: cut(name) }) });
     else if (laws && !Object.hasOwn(laws, text))
       left.push({ text: t(name === "system" ? "unknownSystem" : "unknownDrive", { name: cut(text) }) });
@@ -111,6 +119,19 @@ function readableOptions(registry, { view, scenario, options: all }, left) {
   if (left.length && !scenario && options.system)
     options = withLaws(registry, options, {}, system, drive ?? "fixed_pivot");
   return options;
+}
+
+/**
+ * Return what to say to a link that names a preset by a key that there is not.
+ * @param {Registry} registry
+ * @param {string} name of the preset
+ * @returns {Left}
+ */
+function presetByAnotherName(registry, name) {
+  const text = t("presetKey", { name: cut(name) });
+  const preset = Object.hasOwn(registry.scenarios, name) ? registry.scenarios[name] : null;
+  if (!preset || preset.sweep) return { text };
+  return { text, label: t("showPreset", { title: preset.title }), part: { scenario: name, options: {} } };
 }
 
 /**
@@ -175,7 +196,15 @@ function strangerTo(registry, name, { system, drive, contact }) {
  */
 export function sentence(registry, error) {
   const [text] = inPagesWords(registry, error);
-  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+  return stopped(`${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+}
+
+/**
+ * Return a text that ends like a sentence.
+ * @param {string} text
+ */
+export function stopped(text) {
+  return /[.?!]$/.test(text) ? text : `${text}.`;
 }
 
 /**

@@ -3,12 +3,14 @@
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { followDrag } from "./drag.js";
+import { followKeys } from "./keys.js";
 import { poseOf } from "./motion.js";
 
 /** @typedef {import("./scene.js").Scene} Scene */
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./motion.js").Ball} Ball */
 /** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./keys.js").Actions} Actions */
 
 const DEGREES = 180 / Math.PI;
 // Of the arrow keys, without and with Shift [degrees].
@@ -91,7 +93,18 @@ export class Start {
     this.said = el("p", { class: "unseen", role: "status" });
     followDrag(scene, { isOn: () => this.choose !== null, grab: () => clock.pause(),
       lead: (ball, angle) => this.lead(ball, angle * DEGREES), drop: () => this.drop() });
-    scene.canvas.addEventListener("keydown", (event) => this.press(event));
+    const step = (/** @type {number} */ k, /** @type {number} */ way) =>
+      (/** @type {KeyboardEvent} */ event) => this.press(k, way, event.shiftKey);
+    const [toLeft, toRight] = [step(1, -1), step(1, 1)];
+    /** @type {Actions} */
+    this.actions = {
+      ArrowLeft: { text: "keyStartRight", act: step(0, -1) },
+      ArrowRight: { text: "keyStartRight", act: step(0, 1) },
+      a: { text: "keyStartLeft", act: toLeft },
+      d: { text: "keyStartLeft", act: toRight },
+      A: { text: "keyStartLeft", act: toLeft },
+      D: { text: "keyStartLeft", act: toRight },
+    };
     // Where no run comes of a choice, the one on show goes on.
     clock.subscribe(() => { if (clock.playing) scene.held = null; });
   }
@@ -102,6 +115,7 @@ export class Start {
    */
   enable(choose) {
     const { canvas } = this.scene;
+    if (canvas.tabIndex < 0) followKeys(canvas, this.actions);
     this.choose = choose;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
@@ -129,22 +143,29 @@ export class Start {
     this.tell();
   }
 
+  /** Return what keys lead the balls that the run on show has. @returns {Actions} */
+  keys() {
+    const count = this.scene.motion?.balls.length ?? 0;
+    return Object.fromEntries(Object.entries(this.actions).filter(([key]) => count > 1 || key.startsWith("Arrow")));
+  }
+
   /**
-   * Follow the arrow keys, which lead the right ball.
-   * @param {KeyboardEvent} event
+   * Lead a ball by one step.
+   * @param {number} k number of the ball
+   * @param {number} way -1 to the left, 1 to the right
+   * @param {boolean} isSmall whether the step is
    */
-  press(event) {
-    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+  press(k, way, isSmall) {
     const { motion } = this.scene;
-    if (!way || !motion || !this.choose || event.ctrlKey || event.metaKey || event.altKey) return;
-    event.preventDefault();
+    const ball = motion?.balls[k];
+    if (!ball || !this.choose) return;
     this.clock.pause();
     // The run of the key before may not be there yet.
     const now = performance.now();
     if (now - this.pressed > QUICK) this.degrees = anglesOf(motion.pose(0));
     this.pressed = now;
     this.plays = false;
-    this.hold(motion.balls[0], this.degrees[0] + way * (event.shiftKey ? SMALL_STEP : STEP));
+    this.hold(ball, this.degrees[ball.row] + ball.sign * way * (isSmall ? SMALL_STEP : STEP));
     this.tell();
   }
 
@@ -165,8 +186,7 @@ export class Start {
     const pose = poseOf(motion.at("pivot_height", 0), motion.balls,
       ({ row, sign }) => (sign * this.degrees[row]) / DEGREES);
     scene.held = { ...pose, led: motion.balls.indexOf(led), text: t("degrees", { angle: chosen }) };
-    if (clock.time > 0) clock.seek(0);
-    else scene.draw();
+    clock.seek(0);
   }
 
   /** Say what is chosen, and ask for its run. */

@@ -2,12 +2,14 @@
 
 import UPlot from "../../vendor/uPlot.esm.js";
 import { envelope, isDense } from "./band.js";
+import { before } from "./motion.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /**
  * A curve; one whose values jump by `turn` where they are one turn on is not drawn through that.
+ * `ofPose` returns its value where the balls are on show.
  * @typedef {{label: string, paint: string, dash?: number[], values: ArrayLike<number>, turn?: number,
- *   axis?: "right"}} Curve
+ *   axis?: "right", ofPose?: (pose: import("./motion.js").Pose) => number}} Curve
  */
 
 const LINE = /** @type {any} */ (UPlot.paths).linear();
@@ -80,16 +82,14 @@ function drawn({ values, turn = Infinity }) {
 }
 
 /**
- * Return the sample at or before an instant.
+ * Return the value at an instant, linear between samples.
  * @param {ArrayLike<number>} times
  * @param {ArrayLike<number>} values
  * @param {number} time
  */
 export function valueAt(times, values, time) {
-  const n = times.length;
-  if (!n) return NaN;
-  const i = Math.round(((time - times[0]) / (times[n - 1] - times[0] || 1)) * (n - 1));
-  return values[Math.min(Math.max(i, 0), n - 1)];
+  const i = Math.max(Math.min(before(times, time), times.length - 2), 0);
+  return resampled([times[i], times[i + 1]], [values[i], values[i + 1]], [time])[0];
 }
 
 /**

@@ -3,6 +3,7 @@
 import { loadJson } from "../kernels/load.js";
 import { contentOf } from "../kernels/content.js";
 import { InputError } from "../model/rules.js";
+import { stopped } from "../shared/reading.js";
 import { t } from "../strings.js";
 import { check } from "./check.js";
 
@@ -73,7 +74,7 @@ async function named(name, work) {
     return await work();
   } catch (error) {
     throw error instanceof InputError
-      ? new InputError(t("storiesBroken", { name, error: error.message })) : error;
+      ? new InputError(t("storiesBroken", { name, error: stopped(error.message) })) : error;
   }
 }
 

@@ -5,6 +5,7 @@ import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
 import { el, tell } from "../shared/dom.js";
 import { openLink, openState } from "../shared/links.js";
+import { cut, sayLeft } from "../shared/reading.js";
 import { t, tr } from "../strings.js";
 import { Challenge, SCORE } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
@@ -108,7 +109,19 @@ export class StoryPanel {
     }
     // An address that names a story alone shows what the story shows.
     const { scenario, options } = this.page.store.state;
+    const left = this.leaveOutStep();
     if (!scenario && !Object.keys(options).length) this.lookAgain();
+    sayLeft(this.page, left, "link of story");
+  }
+
+  /** Take a step that there is not out of the address; returns what to say about it. */
+  leaveOutStep() {
+    const { store } = this.page;
+    const step = store.state.extra["story.step"];
+    const count = this.tables?.steps?.length ?? 1;
+    if (step === undefined || String(this.kept.step) === step) return [];
+    store.drop(["story.step"]);
+    return [{ text: t("storyNoStep", { step: cut(step), count }) }];
   }
 
   /**

@@ -4,6 +4,7 @@ import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
 import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
+import { stopped } from "../shared/reading.js";
 import { format } from "../shared/state.js";
 import { t, tr } from "../strings.js";
 import { keepOwnFile, load, loadContents, OWN } from "./files.js";
@@ -39,7 +40,7 @@ export class StoryView {
       el("h2", {}, t("challengesList")),
       el("ul", { class: "story-cards" }, ...of("challenge").map((each) => this.card(each))),
       ...of("broken").map(({ name, error = "" }) =>
-        el("p", { class: "error" }, t("storiesBroken", { name, error }))));
+        el("p", { class: "error" }, t("storiesBroken", { name, error: stopped(error) }))));
   }
 
   /** @param {Entry} entry */
