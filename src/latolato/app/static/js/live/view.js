@@ -87,7 +87,7 @@ export class LiveView {
     this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
-    this.senses.narrator.labels = page.registry.options;
+    this.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle.canvas, this.parts.energy.canvas);
@@ -420,9 +420,9 @@ export class LiveView {
    * @param {Error} error
    */
   refuse(error) {
-    const [message, field] = inPagesWords(this.page.registry, error);
-    this.knobs.error(message, field);
-    this.say(sentence(this.page.registry, error), waysOn(this.page, error), true);
+    const { registryInWords } = this.knobs;
+    this.knobs.error(...inPagesWords(registryInWords, error));
+    this.say(sentence(registryInWords, error), waysOn(this.page, error), true);
     this.allow(false);
   }
 
