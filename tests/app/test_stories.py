@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import subprocess
 from pathlib import Path
 from urllib.parse import parse_qs, urlencode, urlsplit
 
@@ -14,12 +13,12 @@ import pytest
 
 import latolato as ll
 from browser_checks import SIZES, assert_panels_have_room, serious_faults
-from in_node import NODE
 from latolato import analysis
 from latolato.app import STATIC, stories
 from latolato.app.run_request import RunRequest
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
+from site_in_node import answers_in_node
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to" / "stories.md"
 FILES = {path.stem: stories.read(path) for path in stories.FOLDER.glob("*.toml")}
@@ -142,14 +141,9 @@ def site(tmp_path_factory):
 
 def in_node(site, tmp_path, *, files=(), numbers=(), scores=()):
     """What pages say of files, numbers and scores."""
-    questions, answers = tmp_path / "questions.json", tmp_path / "answers.json"
-    questions.write_text(json.dumps({"files": files, "numbers": numbers, "scores": scores}))
-    script = Path(__file__).with_name("stories_in_node.mjs")
-    done = subprocess.run(
-        [NODE, script, site, questions, answers], capture_output=True, text=True, timeout=300
-    )
-    assert done.returncode == 0, done.stderr
-    return json.loads(answers.read_text())
+    program = Path(__file__).with_name("stories_in_node.mjs")
+    questions = {"files": files, "numbers": numbers, "scores": scores}
+    return answers_in_node(program, site, questions, tmp_path)
 
 
 # Files.
