@@ -26,6 +26,9 @@ export function wrapped(angle) {
   return wrap(DEGREES * angle);
 }
 
+/** @param {Event} event */
+export const isClack = ({ kind }) => kind === "bottom" || kind === "top";
+
 /** One ball on its way from state to state: it notes where it turns. */
 class Follower {
   /**
