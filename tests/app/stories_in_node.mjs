@@ -4,7 +4,7 @@ import { pathToFileURL } from "node:url";
 
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
-const [{ specify }, { run }, { blockOf }, { loadRegistry }, { read }, { quantity }, { runOnShow, shownBy },
+const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, read }, { quantity }, { runOnShow, shownBy },
   { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/block",
   "model/registry", "story/files", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
@@ -24,4 +24,4 @@ const reached = [];
 for (const { challenge, options } of scores)
   reached.push(plain(options.guess ? scoreOfGuess(registry, challenge, options.guess)
     : scoreOfRun(registry, challenge.task, await blockFor(requestOf(registry, challenge, options)))));
-writeFileSync(answers, JSON.stringify({ sentences, numbers: found, scores: reached }));
+writeFileSync(answers, JSON.stringify({ entries: await loadAll(registry), sentences, numbers: found, scores: reached }));

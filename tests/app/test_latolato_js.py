@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 import warnings
 from pathlib import Path
 
 import pytest
 
-from in_node import NODE
 from latolato.app.forms import registry
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from same_runs import check_same, in_python
+from site_in_node import answers_in_node
 
 PENDULUM = {"system": "pendulum", "length": 1, "mass": 1, "initial_angle": 0.1, "duration": 2}
 TOY = {
@@ -140,13 +138,8 @@ def answers(site, tmp_path_factory):
         {"scenario": "fig04a_clamp", "options": {"contact": "exact"}},
         {"scenario": "fig12", "options": {"length": 0.3}},
     ]
-    folder = tmp_path_factory.mktemp("node")
-    (folder / "requests.json").write_text(json.dumps(requests))
     program = Path(__file__).with_name("latolato_in_node.mjs")
-    command = [NODE, program, site, folder / "requests.json", folder / "answers.json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
-    read = json.loads((folder / "answers.json").read_text())
+    read = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
     pairs = zip(requests, read, strict=True)
     return [(each["scenario"], each["options"], answer) for each, answer in pairs]
 

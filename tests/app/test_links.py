@@ -111,7 +111,7 @@ def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered
     field.fill("2")
     field.press("Enter")
     message = page.locator(".message.bad")
-    message.get_by_text("“coefficient of restitution” must lie in [0, 1], got 2").wait_for()
+    message.get_by_text("“Bounciness” must lie in [0, 1], got 2").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
     page.get_by_role("button", name="Undo").last.click()
     page.wait_for_function("() => !location.search.includes('restitution')")

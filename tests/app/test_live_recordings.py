@@ -10,12 +10,12 @@ import latolato as ll
 from live_pages import PATIENCE, of_toy, open_live, wait_for_toy
 
 
-def record(page, *, push=False, seconds=0.5):
-    """Record the toy, with a push if asked."""
+def record(page, *, key=None, seconds=0.5):
+    """Record the toy; a key is pressed meanwhile if asked."""
     page.get_by_role("button", name="Record").click()
     wait_for_toy(page, "toy.recording?.duration > 0.1")
-    if push:
-        page.keyboard.press("p")
+    if key:
+        page.keyboard.press(key)
     wait_for_toy(page, f"toy.recording?.duration > {seconds}")
     page.get_by_role("button", name="Stop").click()
     page.get_by_text("Recorded ").wait_for()
@@ -29,11 +29,7 @@ def end_of_play(page):
 
 def test_a_recording_opens_in_play_as_a_run(page, tmp_path):
     open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.3")
-    page.keyboard.press("2")
-    wait_for_toy(page, "toy.recording?.duration > 0.8")
-    page.get_by_role("button", name="Stop").click()
+    record(page, key="2")
     page.get_by_text("make the same motion again").wait_for()
     for button, name in (("CSV", "live.csv"), ("CSV of contacts", "live.contacts.csv")):
         with page.expect_download() as caught:
@@ -51,11 +47,7 @@ def test_a_recording_opens_in_play_as_a_run(page, tmp_path):
 
 def test_a_recording_with_a_push_opens_as_it_was_kept(page):
     open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.2")
-    page.keyboard.press("p")
-    wait_for_toy(page, "toy.recording?.duration > 0.7")
-    page.get_by_role("button", name="Stop").click()
+    record(page, key="p")
     page.get_by_text("A hand took part").wait_for()
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
@@ -85,7 +77,7 @@ def test_a_recording_ends_when_it_is_as_long_as_it_may_be(page):
 
 def test_a_recording_outlives_the_page(page):
     open_live(page)
-    record(page, push=True)
+    record(page, key="p")
     page.get_by_role("button", name="Open in Play").click()
     end = end_of_play(page)
     page.reload()
@@ -125,7 +117,7 @@ def open_file(page, path):
 
 def test_a_file_of_a_recording_opens_as_it_was(page, tmp_path):
     open_live(page)
-    record(page, push=True)
+    record(page, key="p")
     path = tmp_path / "recording.json"
     save(page, path)
     block = """async () => {
@@ -190,7 +182,7 @@ def test_files_that_are_no_recordings_are_refused_in_a_sentence(page, tmp_path):
 def test_a_browser_that_keeps_nothing_says_so(page):
     page.add_init_script("Object.defineProperty(window, 'indexedDB', { value: undefined })")
     open_live(page)
-    record(page, push=True)
+    record(page, key="p")
     page.get_by_text("This browser did not keep it").wait_for()
     page.get_by_text("Recordings in this browser: 1").wait_for()
     page.get_by_role("button", name="Open in Play").click()
@@ -200,7 +192,7 @@ def test_a_browser_that_keeps_nothing_says_so(page):
 
 def test_the_oldest_recordings_make_room(page):
     open_live(page)
-    record(page, push=True)
+    record(page, key="p")
     page.evaluate(
         """async () => {
           const { MOST_KEPT, shelf } = await import("./js/shared/storage.js");

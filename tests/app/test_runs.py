@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import shlex
-import subprocess
 import tomllib
 from pathlib import Path
 
@@ -12,7 +10,6 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from in_node import NODE
 from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import balls_of, compute, strobes_of
@@ -22,6 +19,7 @@ from latolato.numerics.engine.record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import Scenario, scenarios
 from latolato.simulation.start import checked_contact
+from site_in_node import answers_in_node
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 SHORT = {"duration": "5 s"}
@@ -30,15 +28,12 @@ SHORT = {"duration": "5 s"}
 @pytest.fixture(scope="module")
 def of_pages(tmp_path_factory):
     """What pages say of every scenario, and write of it; Node.js is started once."""
-    site, folder = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("node")
+    site = tmp_path_factory.mktemp("site")
     write_site(site)
     requests = [{"scenario": name, "options": SHORT} for name in RUNS]
-    (folder / "requests.json").write_text(json.dumps(requests))
     program = Path(__file__).with_name("runs_in_node.mjs")
-    command = [NODE, program, site, folder / "requests.json", folder / "answers.json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stderr
-    return dict(zip(RUNS, json.loads((folder / "answers.json").read_text()), strict=True))
+    answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
+    return dict(zip(RUNS, answers, strict=True))
 
 
 @pytest.mark.parametrize("name", RUNS)

@@ -134,7 +134,7 @@ def test_a_changed_parameter_is_compared_with_before(page):
     open_view(page, "play", TOY)
     page.get_by_label("How far the hand moves, slider").fill("40")
     wait_until_said(page, "Now the balls no longer clack above the hand")
-    assert said(page).startswith("How far the hand moves: smaller now.")
+    assert said(page).startswith("“How far the hand moves” is smaller now.")
     page.get_by_label("Begin with").select_option("kapitza")
     wait_until_said(page, "A ball hangs from a hand that moves 2 centimetres")
 
@@ -143,15 +143,15 @@ def test_live_tells_what_a_key_changes(page):
     open_view(page, "live", TOY)
     wait_until_said(page, "clack above the hand for the first time")
     page.keyboard.press("ArrowUp")
-    wait_until_said(page, "How far the hand moves: larger now.")
+    wait_until_said(page, "“How far the hand moves” is larger now.")
     wait_until_said(page, "The balls swing as high as before, up to 175 degrees.")
     # A key that changes nothing, at the end of what a toy takes, is no change.
     page.keyboard.press("Space")
     page.evaluate("() => window.latolato.views.live.knobs.all.restitution.give(1)")
-    wait_until_said(page, "Bounciness: larger now.")
+    wait_until_said(page, "“Bounciness” is larger now.")
     page.keyboard.press("e")
     page.wait_for_timeout(900)
-    assert said(page) == "Bounciness: larger now."
+    assert said(page) == "“Bounciness” is larger now."
     names = [text_of(node, "name") for node in accessible(page)]
     assert any("angle [°]. The angles lie between -17" in name for name in names)
 

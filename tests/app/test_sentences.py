@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,8 +10,8 @@ import pytest
 from scipy.signal import find_peaks
 
 import latolato as ll
-from in_node import NODE
 from latolato.app.site import write_site
+from site_in_node import answers_in_node
 
 # In real time and, as in slow motion, swing by swing. The chaotic run is Python's up to 15 s: later
 # rounding decides.
@@ -38,15 +36,11 @@ ROUNDING = {"abs": 0.51, "rel": 0.06}
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
     """What is said of each run; Node.js is started once."""
-    site, folder = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("node")
+    site = tmp_path_factory.mktemp("site")
     write_site(site)
     requests = [{"scenario": name, "end": end, "step": step} for name, end, step in RUNS]
-    (folder / "requests.json").write_text(json.dumps(requests))
     program = Path(__file__).with_name("tell_in_node.mjs")
-    command = [NODE, program, site, folder / "requests.json", folder / "answers.json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    answers = json.loads((folder / "answers.json").read_text())
+    answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
     return {run[::2]: answer for run, answer in zip(RUNS, answers, strict=True)}
 
 

@@ -5,6 +5,7 @@ import re
 
 from latolato.app import STATIC
 
+EXPORT = b"export default uPlot;\n"
 LISTED = re.compile(r"\| `(?P<file>[\w./-]+)` .*`(?P<sum>[0-9a-f]{64})` \|")
 
 
@@ -15,4 +16,5 @@ def test_every_vendored_script_is_listed_with_its_checksum():
     present = {p.relative_to(folder).as_posix() for p in scripts}
     assert present == set(listed)
     for name, known in listed.items():
-        assert hashlib.sha256((folder / name).read_bytes()).hexdigest() == known
+        copy = (folder / name).read_bytes().removesuffix(EXPORT)
+        assert hashlib.sha256(copy).hexdigest() == known

@@ -1,15 +1,14 @@
 """Guided stories and challenges: their files, the numbers in them, and the scores of challenges.
 
-A file is TOML in ``static/stories``; `docs/how-to/stories.md` describes it. ``schema.json`` beside
-the files says which entries there are. Pages check files, compute numbers and scores themselves
-(``js/story``): the tests compare both.
+A file is TOML in ``static/stories``; `docs/how-to/stories.md` describes it. Pages read and check
+files by ``schema.json`` beside them (``js/story``). They also compute numbers and scores
+themselves: the tests compare both.
 """
 
 from __future__ import annotations
 
 import json
 import math
-import re
 import tomllib
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -20,10 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.app import STATIC
-from latolato.core.errors import InputError, reading
-from latolato.core.registry import suggest
-from latolato.scenario.options import law_options
-from latolato.scenario.scenario import ALTERNATIVES, shipped
+from latolato.core.errors import InputError
+from latolato.scenario.scenario import ALTERNATIVES
 from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
@@ -53,54 +50,13 @@ def schema() -> dict[str, Any]:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the tables of a file, checked.
-
-    Raises
-    ------
-    InputError
-        If it is no TOML, or something in it is missing, unknown or of the wrong type.
-    """
-    with reading(path):
-        try:
-            text = path.read_text(encoding="utf-8")
-        except UnicodeDecodeError as error:
-            raise InputError("this is not a text in UTF-8") from error
-        tables = parse(text)
-        check(tables)
-    return tables
+    """Return the tables of a file as they are: pages say what is wrong with one."""
+    return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
-def parse(text: str) -> dict[str, Any]:
-    """Return the tables of a text, unchecked."""
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        line = re.search(r"line (\d+)", str(error))
-        number = line[1] if line else text.count("\n") + 1  # at the end of the file
-        raise InputError(f"this is not TOML: look at line {number}") from error
-
-
-def contents(folder: Path = FOLDER) -> list[dict[str, Any]]:
-    """Return what a list of stories shows of each file in a folder: stories first, then challenges.
-
-    A file that cannot be read has its ``error`` instead.
-    """
-    entries: list[dict[str, Any]] = []
-    places: dict[str, tuple[int, float]] = {}
-    kinds = schema()["kinds"]
-    for path in sorted(folder.glob("*.toml")):
-        try:
-            tables = read(path)
-        except InputError as error:
-            error.where = ""
-            entries.append({"name": path.stem, "kind": "broken", "error": str(error)})
-            continue
-        about = {each: tables[each] for each in ("title", "summary", "minutes")}
-        kind, steps = tables.get("kind", "story"), len(tables.get("steps", []))
-        order = tables.get("order", math.inf)
-        entries.append({"name": path.stem, "kind": kind, "steps": steps, **about})
-        places[path.stem] = (kinds.index(kind), order)
-    return sorted(entries, key=lambda entry: places.get(entry["name"], (len(kinds), 0)))
+def contents(folder: Path = FOLDER) -> list[str]:
+    """Return the names of the files in a folder."""
+    return sorted(path.stem for path in folder.glob("*.toml"))
 
 
 def routes() -> list[BaseRoute]:
@@ -113,168 +69,7 @@ def routes() -> list[BaseRoute]:
 async def _contents(request: Request) -> Response:
     from starlette.responses import JSONResponse
 
-    from latolato.app.answers import answered
-
-    return await answered(request, lambda: JSONResponse(contents()))
-
-
-def check(tables: Tables) -> None:
-    """Raise InputError, with one sentence, if something is wrong with the tables of a file."""
-    known = schema()
-    number = tables.get("format", 1)
-    if not (isinstance(number, int) and 1 <= number <= known["format"]):
-        raise InputError(
-            f"it has format {number}, and this version reads {known['format']} at most"
-        )
-    kind = tables.get("kind", "story")
-    if kind not in known["kinds"]:
-        raise InputError(f"there is no kind '{kind}': {suggest(kind, known['kinds'])}")
-    _check_table(tables, kind, "")
-
-
-def _check_table(table: Any, kind: str, where: str) -> None:
-    """Check the entries of one table; `where` begins the sentences."""
-    fields = schema()["tables"][kind]
-    names = [name.rstrip("?") for name in fields]
-    for name in table:
-        if name not in names:
-            raise InputError(f"{where}there is no entry '{name}': {suggest(name, names)}")
-    for field, entry in fields.items():
-        name = field.rstrip("?")
-        if name in table:
-            _check_value(table[name], entry, name, where)
-        elif name == field:
-            raise InputError(f"{where}{name} is missing")
-    if kind in _CHECKS:
-        _CHECKS[kind](table, where)
-
-
-def _check_value(value: Any, entry: Any, name: str, where: str) -> None:
-    """Check one value: `entry` is a type, a table of the schema, or such in a list."""
-    known = schema()
-    if isinstance(entry, list):
-        kind, least, most = entry
-        if not isinstance(value, list):
-            raise InputError(f"{where}{name} must be a list")
-        if not least <= len(value) <= most:
-            raise InputError(f"{where}{name} must be {least} to {most}, got {len(value)}")
-        for place, part in enumerate(value, start=1):
-            _check_value(part, kind, f"{kind} {place}", where)
-        return
-    if entry in known["tables"]:
-        if not isinstance(value, dict):
-            raise InputError(f"{where}{name} must be a table")
-        _check_table(value, entry, f"{where.removesuffix(': ')}{', ' if where else ''}{name}: ")
-        return
-    is_right, words = _TYPES[_BASIC.get(entry, entry)]
-    if not is_right(value):
-        raise InputError(f"{where}{name} must be {words}")
-    if entry in _KNOWN:
-        _known(str(value), _KNOWN[entry](), f"{where}there is no {entry} '{value}'")
-    if entry == "angle":
-        _within(where, to_si, name, value, "rad")
-
-
-def _known(value: str, names: list[str], sentence: str) -> None:
-    if value not in names:
-        raise InputError(f"{sentence}: {suggest(value, names)}")
-
-
-def _within(where: str, work: Callable[..., object], *arguments: Any) -> None:
-    """Call a function; a refusal says where in the file it belongs."""
-    try:
-        work(*arguments)
-    except InputError as error:
-        raise InputError(f"{where}{error}") from error
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and value > 0
-
-
-def _is_table_of(*kinds: type) -> Callable[[Any], bool]:
-    return lambda value: (
-        isinstance(value, dict) and all(isinstance(part, kinds) for part in value.values())
-    )
-
-
-_TYPES: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "text": (lambda value: isinstance(value, str) and bool(value.strip()), "a text"),
-    "number": (_is_number, "a number above zero"),
-    "whole": (lambda value: isinstance(value, int), "a whole number"),
-    "switch": (lambda value: isinstance(value, bool), "true or false"),
-    "options": (_is_table_of(str, int, float, list), "a table of options"),
-    "extra": (
-        lambda value: _is_table_of(str)(value) and all("." in name for name in value),
-        'a table of texts with names such as "map.x"',
-    ),
-}
-# What is written as a text.
-_BASIC = dict.fromkeys(
-    ("kind", "view", "preset", "parameter", "quantity", "angle", "limit", "rule"), "text"
-)
-_KNOWN: dict[str, Callable[[], list[str]]] = {
-    "view": lambda: schema()["views"],
-    "preset": lambda: list(shipped()),
-    "parameter": lambda: list(law_options()),
-    "quantity": lambda: list(schema()["quantities"]),
-    "rule": lambda: list(schema()["rules"]),
-}
-
-
-def _check_look(look: Tables, where: str) -> None:
-    from latolato.app.run_request import RunRequest
-
-    request = RunRequest(look["preset"], look.get("options", {}))
-    _within(where, request.to_scenario)
-
-
-def _check_predict(predict: Tables, where: str) -> None:
-    right = sum(choice.get("right", False) for choice in predict["choices"])
-    if right != 1:
-        raise InputError(f"{where}one choice must be right, got {right}")
-
-
-def _check_condition(condition: Tables, where: str) -> None:
-    subjects = [name for name in ("parameter", "quantity", "address") if name in condition]
-    if len(subjects) != 1:
-        raise InputError(f"{where}name one of parameter, quantity, address")
-    for end in ("at_least", "at_most"):
-        if end in condition and subjects != ["address"]:
-            _within(where, _limit, condition, end)
-    _check_angle(condition, where)
-
-
-def _check_angle(table: Tables, where: str) -> None:
-    """Raise InputError if a quantity or a rule is about an angle and none is given."""
-    name = table.get("quantity") or table.get("rule")
-    if name in schema()["need_angle"] and "angle" not in table:
-        raise InputError(f"{where}angle is missing: {name} needs one")
-
-
-def _check_task(task: Tables, where: str) -> None:
-    _check_angle(task, where)
-    if task["rule"] == "guess_tongue" and "ratios" not in task:
-        raise InputError(f"{where}ratios is missing: guess_tongue needs them")
-    _within(where, to_si, "par", task["par"], schema()["rules"][task["rule"]])
-
-
-def _limit(condition: Tables, end: str) -> float:
-    """Return a limit of a condition [SI]."""
-    quantity = condition.get("quantity")
-    unit = (
-        schema()["quantities"][quantity] if quantity else law_options()[condition["parameter"]].unit
-    )
-    return float(to_si(end, condition[end], unit))
-
-
-_CHECKS: dict[str, Callable[[Tables, str], None]] = {
-    "look": _check_look,
-    "predict": _check_predict,
-    "condition": _check_condition,
-    "number_shown": _check_angle,
-    "task": _check_task,
-}
+    return JSONResponse(contents())
 
 
 class Run(NamedTuple):
@@ -479,8 +274,14 @@ def score(challenge: Tables, options: Mapping[str, Any]) -> Score:
     task, look = challenge["task"], challenge["look"]
     free = {name: options[name] for name in task["free"] if name in options}
     given = {**_without(look.get("options", {}), free), **free}
-    unit = schema()["rules"][task["rule"]]
-    value = float(_RULES[task["rule"]](task, look["preset"], given, options))
+    rule, unit = task["rule"], schema()["rules"][task["rule"]]
+    if rule == "guess_tongue":
+        value = _distance_from_tongue(options["guess"], task["ratios"], look["preset"], given)
+    elif rule == "least_amplitude":
+        value = _least_amplitude(run_of(look["preset"], given))
+    else:
+        angle = to_si("angle", task["angle"], "rad")
+        value = quantity("time_to_angle", run_of(look["preset"], given), angle)
     return Score(value, unit, value <= to_si("par", task["par"], unit))
 
 
@@ -490,23 +291,20 @@ def _without(options: Tables, replaced: Tables) -> dict[str, Any]:
     return {name: value for name, value in options.items() if name not in gone}
 
 
-def _least_amplitude(_: Tables, preset: str, options: Tables, __: Tables) -> float:
-    run = run_of(preset, options)
+def _least_amplitude(run: Run) -> float:
+    """Return the amplitude of a run that reaches the top [m]."""
     reached = "top" in run.contact_kind
     return float(run.options["drive_amplitude"]) if reached else math.nan
 
 
-def _shortest_time(task: Tables, preset: str, options: Tables, _: Tables) -> float:
-    return quantity("time_to_angle", run_of(preset, options), to_si("angle", task["angle"], "rad"))
-
-
-def _guess_tongue(task: Tables, preset: str, options: Tables, given: Tables) -> float:
+def _distance_from_tongue(guess: str, ratios: list[float], preset: str, options: Tables) -> float:
+    """Return how far guesses are on average from where parametric resonance begins [m]."""
     from latolato.analysis.mathieu import mathieu_threshold_amplitude
     from latolato.app.run_request import RunRequest
 
-    guesses = [to_si("guess", part.strip(), "m") for part in str(given["guess"]).split(",")]
-    if len(guesses) != len(task["ratios"]):
-        raise InputError(f"guess must hold {len(task['ratios'])} amplitudes, got {len(guesses)}")
+    guesses = [to_si("guess", part.strip(), "m") for part in guess.split(",")]
+    if len(guesses) != len(ratios):
+        raise InputError(f"guess must hold {len(ratios)} amplitudes, got {len(guesses)}")
     system = RunRequest(preset, options).to_scenario().system
     [ball] = system.balls
     edges = [
@@ -517,13 +315,6 @@ def _guess_tongue(task: Tables, preset: str, options: Tables, given: Tables) -> 
             damping=ball.damping,
             gravity=system.gravity,
         )
-        for ratio in task["ratios"]
+        for ratio in ratios
     ]
     return float(np.mean(np.abs(np.subtract(guesses, edges))))
-
-
-_RULES: dict[str, Callable[[Tables, str, Tables, Tables], float]] = {
-    "least_amplitude": _least_amplitude,
-    "shortest_time": _shortest_time,
-    "guess_tongue": _guess_tongue,
-}

@@ -21,6 +21,7 @@ from latolato.app.blocks import pack
 from latolato.app.forms import registry
 from latolato.app.run_request import MOST_SAMPLES
 from latolato.app.runs import about, arrays_of
+from latolato.app.site import without_descriptions
 from latolato.core.errors import InputError, import_extra
 from latolato.scenario.scenario import Scenario
 
@@ -43,9 +44,6 @@ _ATTRIBUTES = ("natural_frequency", "contact_angle_low", "contact_angle_high")
 _NAMED = re.compile(
     r'(?P<before>from |import\(|new URL\()"(?P<path>\.[^"]+\.js)"(?P<url>, import\.meta\.url\))?'
 )
-
-# Descriptions, in which types of other modules are named; browsers need neither.
-_DESCRIPTIONS = re.compile(r"/\*\*.*?\*/", re.DOTALL)
 
 
 def play(run: xr.Dataset, *, language: str = "en") -> Any:
@@ -194,7 +192,7 @@ def modules() -> list[tuple[str, str]]:
             continue
         source = _content() if path == CONTENT else (STATIC / path).read_text(encoding="utf-8")
         folder = PurePosixPath(path).parent
-        source = _DESCRIPTIONS.sub("", source)
+        source = without_descriptions(source)
         names[path] = [_joined(folder, match["path"]) for match in _NAMED.finditer(source)]
         sources[path] = _NAMED.sub(partial(_placed, folder), source)
         paths += names[path]

@@ -3,7 +3,7 @@
 import { followDrag } from "../shared/drag.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { namesBesideKnobs, refusal } from "../shared/knobs.js";
+import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls } from "../live/address.js";
@@ -87,7 +87,7 @@ export class LiveView {
     this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
-    this.senses.narrator.labels = namesBesideKnobs(page.registry);
+    this.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle, this.parts.energy);
@@ -432,9 +432,9 @@ export class LiveView {
    * @param {Error} error
    */
   refuse(error) {
-    const [message, field] = inPagesWords(this.page.registry, error);
-    this.knobs.error(message, field);
-    this.say(sentence(this.page.registry, error), waysOn(this.page, error), true);
+    const { registryInWords } = this.knobs;
+    this.knobs.error(...inPagesWords(registryInWords, error));
+    this.say(sentence(registryInWords, error), waysOn(this.page, error), true);
     this.allow(false);
   }
 

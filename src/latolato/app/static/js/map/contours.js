@@ -1,5 +1,7 @@
 /** Contour lines over a map, with their values on them. */
 
+import { before } from "../shared/motion.js";
+
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */
 /** @typedef {{x: number, y: number, angle: number}} Place */
@@ -161,13 +163,7 @@ function levelAt(points, along, share) {
  * @param {number} distance
  */
 function pointAt(points, along, distance) {
-  let low = 0;
-  let high = along.length - 1;
-  while (high - low > 1) {
-    const half = (low + high) >> 1;
-    if (along[half] <= distance) low = half;
-    else high = half;
-  }
-  const share = (distance - along[low]) / (along[high] - along[low] || 1);
-  return [0, 1].map((k) => points[2 * low + k] + share * (points[2 * high + k] - points[2 * low + k]));
+  const i = Math.min(before(along, distance), along.length - 2);
+  const share = (distance - along[i]) / (along[i + 1] - along[i] || 1);
+  return [0, 1].map((k) => points[2 * i + k] + share * (points[2 * i + 2 + k] - points[2 * i + k]));
 }

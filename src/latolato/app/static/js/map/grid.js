@@ -1,6 +1,7 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
 import { axisLimits, SINGLE } from "../shared/axis.js";
+import { before } from "../shared/motion.js";
 
 /**
  * What a map begins with: what it is of, and the middles and borders of its cells. Of `about`,
@@ -43,14 +44,7 @@ const FIRST_BAD = 3;
  */
 export function cellAt(edges, value) {
   if (!(value >= edges[0] && value <= edges[edges.length - 1])) return -1;
-  let low = 0;
-  let high = edges.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (edges[middle] <= value) low = middle;
-    else high = middle;
-  }
-  return low;
+  return Math.min(before(edges, value), edges.length - 2);
 }
 
 export class Grid {

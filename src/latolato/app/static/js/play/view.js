@@ -5,7 +5,7 @@ import { el } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, namesBesideKnobs, refusal, spansOf, tellingOptions } from "../shared/knobs.js";
+import { Knobs, refusal, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
@@ -51,7 +51,7 @@ export class PlayView {
     this.more = drawer("moreParameters", form);
     const place = el("div", { class: "player" });
     this.player = new Player(place);
-    this.player.senses.narrator.labels = namesBesideKnobs(page.registry);
+    this.player.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.presets.head.append(this.reset, this.makePin());
     place.prepend(el("div", { class: "desk" }, this.presets.question, this.player.bench,
@@ -243,11 +243,11 @@ export class PlayView {
    * @param {Error} error
    */
   refuse(error) {
-    const { registry } = this.page;
-    const words = inPagesWords(registry, error);
+    const { registryInWords } = this.knobs;
+    const words = inPagesWords(registryInWords, error);
     this.form.error(...words);
     this.knobs.error(...words);
-    this.note(sentence(registry, error), waysOn(this.page, error), true);
+    this.note(sentence(registryInWords, error), waysOn(this.page, error), true);
   }
 
   /**

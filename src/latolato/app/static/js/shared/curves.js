@@ -3,7 +3,7 @@
  * is dragged over them moves the clock.
  */
 
-import UPlot from "../../vendor/uPlot.esm.js";
+import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { curvesOf } from "./describe.js";

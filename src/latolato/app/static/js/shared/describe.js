@@ -4,7 +4,7 @@
  * Every function returns names of whole sentences of `strings.js` with the values of their gaps.
  */
 
-import { wrapped } from "./swings.js";
+import { isClack, wrapped } from "./swings.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -48,9 +48,6 @@ const sentence = (name, values = {}) => ({ name, values });
 
 /** @param {Log} log */
 const subject = (log) => (log.isPair ? "balls" : "ball");
-
-/** @param {Event} event */
-const isClack = ({ kind }) => kind === "bottom" || kind === "top";
 
 /** @param {Event} event */
 const turnsRound = ({ kind }) => kind === "dip" || kind === "peak";
@@ -256,7 +253,7 @@ function tumble(events) {
  * @param {number} above
  */
 function clacksAbove(events, below, above) {
-  const kinds = events.map(({ kind }) => kind).filter((kind) => kind === "bottom" || kind === "top");
+  const kinds = events.filter(isClack).map(({ kind }) => kind);
   const inTurn = kinds.every((kind, i) => i === 0 || kind !== kinds[i - 1]);
   if (inTurn && above > 1 && !events.some(({ kind }) => kind === "peak"))
     return sentence("tellInTurn", { rate: rateOf(events, "top") });

@@ -28,6 +28,7 @@ export class Knob {
   constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6, unitChosen }) {
     this.name = name;
     this.option = option;
+    this.label = label;
     this.take = take;
     this.only = unit;
     this.digits = digits;

@@ -23,16 +23,6 @@ const COUNT = 3;
 const DIGITS = 4;
 
 /**
- * Return what options are called beside knobs: those that have one by its name.
- * @param {Registry} registry
- * @returns {Record<string, {label: string}>}
- */
-export function namesBesideKnobs(registry) {
-  const knobs = Object.entries(NAMES).map(([name, text]) => [name, { label: t(text) }]);
-  return { ...registry.options, ...Object.fromEntries(knobs) };
-}
-
-/**
  * Return the options that tell most about a toy, the first ones first, three where there are so many.
  * @param {Registry} registry
  * @param {Record<string, any>} options of a run, in SI units
@@ -110,6 +100,14 @@ export class Knobs {
       digits: DIGITS, take: (text, value) => this.take(name, text, value) });
   }
 
+  /** The registry, in which options are called as their knobs on show are. */
+  get registryInWords() {
+    const options = { ...this.registry.options };
+    for (const [name, { label }] of Object.entries(this.all))
+      if (name in options) options[name] = { ...options[name], label };
+    return { ...this.registry, options };
+  }
+
   /**
    * Say how far the sliders go.
    * @param {Record<string, [number, number]>} spans
@@ -138,11 +136,11 @@ export class Knobs {
  */
 export function refusal(knob, value, [low, high]) {
   if (value >= low && value <= high) return null;
-  const { only, unit, option } = knob;
+  const { only, unit, label } = knob;
   const shown = only?.shown ?? shownUnit(unit.name);
   const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
   return {
-    about: t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() }),
+    about: t("outOfRange", { name: label, low: least, high: `${most} ${shown}`.trim() }),
     nearest: `${value < low ? least : most} ${shown}`.trim(),
   };
 }

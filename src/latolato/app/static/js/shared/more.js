@@ -6,6 +6,7 @@ import { el } from "./dom.js";
 import { Later } from "./later.js";
 import { ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
+import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
 import { short } from "./units.js";
 
@@ -13,7 +14,6 @@ import { short } from "./units.js";
 /** @typedef {import("./clock.js").Clock} Clock */
 
 const DEGREES = 180 / Math.PI;
-const KINDS = ["bottom", "top", "rest", "release"];
 const MOST_ROWS = 200;
 // Sections begin with this share of the run left out, which remembers the start.
 const SETTLED = 0.2;

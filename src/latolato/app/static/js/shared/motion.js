@@ -45,6 +45,14 @@ export function range(values) {
 }
 
 /**
+ * Return an angle within (-180°, 180°].
+ * @param {number} angle [°]
+ */
+export function wrap(angle) {
+  return angle - 360 * Math.ceil((angle - 180) / 360);
+}
+
+/**
  * Return pivot and balls where the balls have these angles: positions in m, x to the right and y up.
  * @param {number} height of the pivot [m]
  * @param {Ball[]} balls

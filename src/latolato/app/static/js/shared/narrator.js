@@ -32,8 +32,9 @@ export class Narrator {
     this.about = el("p", { class: "unseen", id: freshId() });
     /** Called when the stage is described anew, so that others are as well. */
     this.onDescribe = () => {};
-    /** The labels of options. @type {Record<string, {label: string}>} */
-    this.labels = {};
+    /** Returns what an option is called, if its changes are to be mentioned.
+     * @type {(option: string) => string | undefined} */
+    this.nameOf = () => undefined;
     /** @type {Source | null} */
     this.source = null;
     this.isPlaying = false;
@@ -110,14 +111,14 @@ export class Narrator {
 
   /**
    * Return what was changed.
-   * @param {string} name of an option
+   * @param {string} option
    * @param {unknown} before
    * @param {unknown} now
    */
-  changed(name, before, now) {
-    const label = this.labels[name]?.label;
-    if (!label || typeof before !== "number" || typeof now !== "number" || now === before) return [];
-    return [{ name: now > before ? "moreOf" : "lessOf", values: { name: `${label.charAt(0).toUpperCase()}${label.slice(1)}` } }];
+  changed(option, before, now) {
+    const name = this.nameOf(option);
+    if (!name || typeof before !== "number" || typeof now !== "number" || now === before) return [];
+    return [{ name: now > before ? "moreOf" : "lessOf", values: { name } }];
   }
 
   /**

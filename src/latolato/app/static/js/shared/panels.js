@@ -1,7 +1,7 @@
 /** What the curves of a run show: angles, energies, powers. */
 
 import { t } from "../strings.js";
-import { range } from "./motion.js";
+import { range, wrap } from "./motion.js";
 import { scaled } from "./traces.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -51,14 +51,6 @@ function pivotCurve(motion) {
   const [low, high] = range(heights);
   const [unit, size] = Math.max(-low, high) < LARGE ? ["mm", 1e-3] : ["cm", 1e-2];
   return { label: t("pivotIn", { unit }), paint: "force", values: scaled(heights, 1 / size), axis: "right" };
-}
-
-/**
- * Return an angle within (-180°, 180°].
- * @param {number} angle [°]
- */
-export function wrap(angle) {
-  return angle - 360 * Math.ceil((angle - 180) / 360);
 }
 
 /** @type {Panel[]} */

@@ -1,5 +1,7 @@
 /** What balls do, as events in time: turning points, full turns, clacks, rest and lift-off. */
 
+import { wrap } from "./motion.js";
+
 /** @typedef {import("./motion.js").Motion} Motion */
 /**
  * A peak is a turning point at which the ball falls back, a dip one at which it rises again; it is
@@ -12,7 +14,7 @@
 const DEGREES = 180 / Math.PI;
 const FULL = 2 * Math.PI;
 /** Contacts of a run, by their number. */
-const KINDS = /** @type {const} */ (["bottom", "top", "rest", "release"]);
+export const KINDS = /** @type {const} */ (["bottom", "top", "rest", "release"]);
 // A log of a motion without end forgets the oldest half of so many.
 const MOST = 20_000;
 
@@ -21,8 +23,11 @@ const MOST = 20_000;
  * @param {number} angle [rad]
  */
 export function wrapped(angle) {
-  return DEGREES * (angle - FULL * Math.ceil(angle / FULL - 0.5));
+  return wrap(DEGREES * angle);
 }
+
+/** @param {Event} event */
+export const isClack = ({ kind }) => kind === "bottom" || kind === "top";
 
 /** One ball on its way from state to state: it notes where it turns. */
 class Follower {

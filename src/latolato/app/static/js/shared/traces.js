@@ -1,6 +1,6 @@
 /** Curves as a chart draws them: what it is given, and the path through it. */
 
-import UPlot from "../../vendor/uPlot.esm.js";
+import UPlot from "../../vendor/uPlot.js";
 import { envelope, isDense } from "./band.js";
 import { before } from "./motion.js";
 

@@ -3,14 +3,14 @@
 import { loadJson } from "../kernels/load.js";
 import { contentOf } from "../kernels/content.js";
 import { InputError } from "../model/rules.js";
+import { inLanguage } from "../model/words.js";
 import { stopped } from "../shared/reading.js";
 import { t } from "../strings.js";
 import { check } from "./check.js";
 
 /** @typedef {import("./check.js").Table} Table */
 /** @typedef {import("./check.js").Schema} Schema */
-/** @typedef {{name: string, kind: string, steps?: number, title?: string, summary?: string,
- *   minutes?: number, error?: string}} Entry */
+/** @typedef {{name: string, tables?: Table, error?: string}} Entry */
 
 /** Stands in the address for the file that the reader opened. */
 export const OWN = "own-file";
@@ -21,9 +21,27 @@ export function loadSchema() {
   return loadJson("stories/schema.json");
 }
 
-/** Return what the site has. @returns {Promise<Entry[]>} */
-export function loadContents() {
+/** Return the names of the site's files. @returns {Promise<string[]>} */
+function loadNames() {
   return loadJson("stories/contents.json");
+}
+
+/**
+ * Return the files of the site in their order; one that cannot be told has its error instead.
+ * @param {import("../model/registry.js").Registry} registry
+ * @returns {Promise<Entry[]>}
+ */
+export async function loadAll(registry) {
+  const entries = await Promise.all((await loadNames()).map(async (name) => {
+    try {
+      return { name, tables: await load(registry, name) };
+    } catch (error) {
+      if (!(error instanceof InputError)) throw error;
+      return { name, error: inLanguage(error) };
+    }
+  }));
+  const place = (/** @type {Entry} */ { tables }) => tables?.order ?? Number.MAX_VALUE;
+  return entries.sort((one, other) => place(one) - place(other));
 }
 
 /**
@@ -35,6 +53,8 @@ export function loadContents() {
 export async function read(registry, text) {
   const [{ parse }, schema] = await Promise.all([
     import("../../vendor/smol-toml/parse.js"), loadSchema()]);
+  // Browsers put this mark where bytes are no text.
+  if (text.includes("\uFFFD")) throw new InputError("this is not a text in UTF-8");
   /** @type {Table} */
   let tables;
   try {
@@ -57,8 +77,7 @@ export async function load(registry, name) {
     if (kept) return named(kept.name, () => read(registry, kept.text));
     throw new InputError(t("storyOwnGone"));
   }
-  const known = (await loadContents()).map((entry) => entry.name);
-  if (!known.includes(name))
+  if (!(await loadNames()).includes(name))
     throw new InputError(t("storyUnknown", { name }));
   const text = await (await contentOf(`stories/${name}.toml`)).text();
   return named(`${name}.toml`, () => read(registry, text));
@@ -74,7 +93,7 @@ async function named(name, work) {
     return await work();
   } catch (error) {
     throw error instanceof InputError
-      ? new InputError(t("storiesBroken", { name, error: stopped(error.message) })) : error;
+      ? new InputError(t("storiesBroken", { name, error: stopped(inLanguage(error)) })) : error;
   }
 }
 

@@ -1,6 +1,7 @@
 /** Numbers of stories, made of a run as `latolato.app.stories` makes them. */
 
 import { row } from "../shared/block.js";
+import { Motion, range } from "../shared/motion.js";
 
 /** @typedef {import("../shared/block.js").Block} Block */
 
@@ -43,22 +44,6 @@ function first(block) {
 function contacts({ arrays, about }, kinds) {
   return [...arrays.contact_time].filter((_, i) =>
     kinds.includes(about.contact_kinds[arrays.contact_kind[i]]));
-}
-
-/**
- * Return a value between samples.
- * @param {ArrayLike<number>} time increasing
- * @param {ArrayLike<number>} values
- * @param {number} at
- */
-function between(time, values, at) {
-  let [low, high] = [0, time.length - 1];
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (time[middle] <= at) low = middle;
-    else high = middle;
-  }
-  return values[low] + ((at - time[low]) / (time[high] - time[low])) * (values[high] - values[low]);
 }
 
 /** @param {Block} block */
@@ -106,10 +91,11 @@ function swingPeriod(block) {
  */
 function responsePeriod(block) {
   const { time, strobe } = block.arrays;
-  const angle = first(block);
+  const motion = new Motion(block);
   const at = [...strobe].filter((each) => each >= LATE * time[time.length - 1])
-    .map((each) => between(time, angle, each));
-  const limit = REPEATS * (largest(angle) + largest(angle.map((value) => -value)));
+    .map((each) => motion.at("angle", each));
+  const [low, high] = range(first(block));
+  const limit = REPEATS * (high - low);
   for (let period = 1; period <= Math.min(LONGEST_PERIOD, at.length >> 1); period += 1)
     if (at.slice(period).every((value, i) => Math.abs(value - at[i]) < limit)) return period;
   return NaN;

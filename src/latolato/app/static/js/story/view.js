@@ -4,13 +4,12 @@ import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
 import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
-import { stopped } from "../shared/reading.js";
 import { format } from "../shared/state.js";
 import { t, tr } from "../strings.js";
-import { keepOwnFile, load, loadContents, OWN } from "./files.js";
+import { keepOwnFile, load, loadAll, OWN } from "./files.js";
 import { shownBy } from "./look.js";
 
-/** @typedef {import("./files.js").Entry} Entry */
+/** @typedef {import("./check.js").Table} Table */
 
 export class StoryView {
   /** @param {import("../shared/state.js").Page} page */
@@ -33,18 +32,20 @@ export class StoryView {
   hide() {}
 
   async list() {
-    const entries = await loadContents();
-    const of = (/** @type {string} */ kind) => entries.filter((entry) => entry.kind === kind);
-    this.lists.replaceChildren(
-      el("h2", {}, t("storiesList")), el("ul", { class: "story-cards" }, ...of("story").map((each) => this.card(each))),
-      el("h2", {}, t("challengesList")),
-      el("ul", { class: "story-cards" }, ...of("challenge").map((each) => this.card(each))),
-      ...of("broken").map(({ name, error = "" }) =>
-        el("p", { class: "error" }, t("storiesBroken", { name, error: stopped(error) }))));
+    const entries = await loadAll(this.page.registry);
+    const cards = (/** @type {boolean} */ areStories) => el("ul", { class: "story-cards" },
+      ...entries.flatMap(({ name, tables }) => (tables && "steps" in tables === areStories
+        ? [this.card(name, tables)] : [])));
+    this.lists.replaceChildren(el("h2", {}, t("storiesList")), cards(true),
+      el("h2", {}, t("challengesList")), cards(false),
+      ...entries.flatMap(({ error }) => (error ? [el("p", { class: "error" }, error)] : [])));
   }
 
-  /** @param {Entry} entry */
-  card({ name, title = "", summary = "", steps, minutes = 0 }) {
+  /**
+   * @param {string} name
+   * @param {Table} tables
+   */
+  card(name, { title, summary, steps, minutes }) {
     const state = { view: "play", scenario: null, options: {}, extra: { "story.name": name } };
     return el("li", { class: "card" }, el("h3", {}, el("a", { href: format(state),
       on: { click: (/** @type {MouseEvent} */ event) => {
@@ -52,7 +53,7 @@ export class StoryView {
         event.preventDefault();
         void this.open(name);
       } } }, tr(title))), el("p", {}, tr(summary)),
-    el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps ?? 0, minutes })));
+    el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps?.length ?? 0, minutes })));
   }
 
   /** @param {HTMLInputElement} input */
