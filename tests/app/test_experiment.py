@@ -82,6 +82,8 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     uploaded(page, path)
 
     assert serious_faults(page) == []
+    slider = page.get_by_role("slider", name="frame").bounding_box()
+    assert slider["width"] > 0.6 * page.locator(".clip-box").bounding_box()["width"]
 
     # Handles: found by themselves, moved by keys, and put back.
     handle = page.get_by_role("button", name=re.compile("^pivot: column"))

@@ -27,8 +27,10 @@ def of_scene(page, expression, argument=None):
     return page.evaluate(f"async (argument) => {{ {PLAYER} return {expression}; }}", argument)
 
 
-# The ends of all that is drawn over the whole run, in shares of the canvas.
+# The ends of all that is drawn up to an instant, in shares of the canvas as it is then or, for
+# `still`, at the start.
 ENDS = """(() => {
+  const { reach, still, end } = argument;
   const { width, height } = scene.canvas;
   const ends = { left: 1, right: 0, top: 1, bottom: 0 };
   const take = (x, y, r) => {
@@ -37,11 +39,13 @@ ENDS = """(() => {
     ends.top = Math.min(ends.top, (y - r) / height);
     ends.bottom = Math.max(ends.bottom, (y + r) / height);
   };
-  const { size } = scene.scale();
   for (let k = 0; k <= 20000; k += 1) {
-    const pose = motion.pose((k / 20000) * motion.end);
+    const time = (k / 20000) * Math.min(end ?? Infinity, motion.end);
+    scene.time = still ? 0 : time;
+    const { size } = scene.scale();
+    const pose = motion.pose(time);
     for (const { ball, x, y } of pose.balls) take(...scene.place(x, y), motion.radius(ball) * size);
-    const hand = argument.map((reach) => reach * scene.fist);
+    const hand = reach.map((each) => each * scene.fist);
     take(...scene.place(-hand[0], pose.height), 0);
     take(...scene.place(hand[1], pose.height + hand[2]), 0);
     take(...scene.place(0, pose.height - hand[3]), 0);
@@ -62,12 +66,15 @@ def test_nothing_of_the_motion_is_outside_of_the_canvas(page, width):
               return [-left, right, high, -low];
             }"""
         )
-        ends = of_scene(page, ENDS, reach)
+        ends = of_scene(page, ENDS, {"reach": reach})
         assert ends["left"] >= 0, name
         assert ends["top"] >= 0, name
         assert ends["right"] <= 1, name
         assert ends["bottom"] <= 1, name
-        # One of its sides is what limits its size: the rest of it is a margin of 5 % at each end.
+        # What is seen at first fills the canvas, however high the balls go later. One of its sides
+        # is what limits its size: the rest of it is a margin of 5 % at each end.
+        first = of_scene(page, "4 * 2 * Math.PI / motion.naturalFrequency")
+        ends = of_scene(page, ENDS, {"reach": reach, "still": True, "end": first})
         largest = max(ends["right"] - ends["left"], ends["bottom"] - ends["top"])
         assert largest > 0.85, name
 
@@ -257,7 +264,7 @@ def test_a_pinned_run_is_not_cut_off_by_a_smaller_one(page):
     page.wait_for_function(
         f"() => {{ {PLAYER} return scene.pinned && scene.pinned !== motion; }}", timeout=PATIENCE
     )
-    above = of_scene(page, "scene.place(0, scene.pinned.box().high)[1]")
+    above = of_scene(page, "scene.place(0, scene.pinned.box(scene.time).high)[1]")
     assert above >= 0
 
 

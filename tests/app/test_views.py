@@ -20,3 +20,32 @@ def test_every_view_has_one_title(page):
         views.nth(list(TITLES).index(name)).click()
         page.get_by_role("heading", level=1, name=TITLES[name]).wait_for()
         assert page.locator("h1").count() == 1
+
+
+def test_every_view_has_the_same_tools_at_its_top_right(page):
+    page.add_init_script("delete Navigator.prototype.share;")
+    page.goto("/?view=paper&unknown=1")
+    views = page.get_by_role("navigation", name="Views").get_by_role("link")
+    views.first.wait_for()
+    for name, title in TITLES.items():
+        views.nth(list(TITLES).index(name)).click()
+        page.get_by_role("heading", level=1, name=title).wait_for()
+        place = page.locator(".stage-tools")
+        assert place.get_by_role("button", name="Undo").is_visible()
+        assert place.get_by_role("button", name="Redo").is_visible()
+        place.get_by_role("button", name="Share").click()
+        assert place.get_by_label("Link to what is on show").input_value() == page.url
+        # Only a stage and a map can be saved as a picture.
+        has_picture = name in ("play", "map", "live")
+        assert place.get_by_role("button", name="Save the picture").is_visible() is has_picture
+        page.keyboard.press("Escape")
+    page.get_by_role("button", name="Undo").click()
+    page.get_by_role("heading", level=1, name=TITLES["experiment"]).wait_for()
+
+
+def test_messages_leave_the_columns_of_a_view_as_they_are(page):
+    page.goto("/?view=analyse&unknown=1")
+    message = page.locator(".message")
+    message.wait_for()
+    side = page.locator(".side").bounding_box()
+    assert message.bounding_box()["x"] > side["x"] + side["width"]

@@ -60,8 +60,20 @@ def test_labels_carry_names_symbols_and_units(grid):
     assert axes.get_ylabel() == "driving amplitude $A_0$ [mm]"
     assert bar.get_ylabel() == r"time mean of the total energy $\langle E\rangle$ [J]"
     title = axes.get_title(loc="left")
-    assert "$l$ = 0.5 m" in title
+    assert "$l$ = 50 cm" in title
     assert r"$\omega$" not in title  # it varies
+
+
+def test_titles_have_the_units_of_the_screen(grid):
+    title = ll.plot(grid, "motion_class").axes[0].get_title(loc="left")
+    assert "strong angle = 90°" in title
+    axes = {"drive_amplitude": [0.03], "frequency_ratio": [2.0, 2.2]}
+    title = (
+        ll.plot(sweep(TOY, axes), select={"drive_amplitude": 0.03}).axes[0].get_title(loc="left")
+    )
+    for part in ("$A_0$ = 30 mm", "$l$ = 100 cm", "$m$ = 800 g", "$r$ = 100 mm"):
+        assert part in title
+    assert r"$\theta_0$ = 11.46°" in title
 
 
 def test_points_without_an_answer_are_grey_and_counted_by_status(holed):
@@ -106,7 +118,7 @@ def test_one_dimension_gives_a_curve_and_few_curves_are_named(grid):
     assert len(single) == 1
     several = ll.plot(grid, "mean_energy", curves=True).axes[0].get_lines()
     names = [line.get_label() for line in several]
-    assert names == ["$A_0$ = 0 m", "$A_0$ = 0.05 m", "$A_0$ = 0.1 m"]
+    assert names == ["$A_0$ = 0 mm", "$A_0$ = 50 mm", "$A_0$ = 100 mm"]
     np.testing.assert_array_equal(several[2].get_ydata(), grid.mean_energy[2])
 
 

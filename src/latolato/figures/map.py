@@ -339,7 +339,8 @@ class Drawing:
                     unit = str(sides[0].attributes.get("units", "1"))
                     symbol = sides[0].attributes.get("symbol", "")
                     head = f"${symbol}$" if symbol else sides[0].name
-                    name = f"{head} = {style.unit_after(f'{sides[0].values[i]:.4g}', unit)}"
+                    value = style.shown_value(sides[0].name, float(sides[0].values[i]), unit)
+                    name = f"{head} = {value}"
                 (line,) = axes.plot(
                     along.values,
                     row,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -25,6 +24,8 @@ _OF_VARIABLE = {
     "motion_class": ("strong_angle", "weak_angle"),
     "self_start": ("least_motion",),
 }
+# Parameters of observables that are angles.
+_ANGLES = {"strong_angle", "weak_angle", "least_motion"}
 
 
 def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> list[str]:
@@ -64,22 +65,15 @@ def plain_text(text: str) -> str:
     return text.replace("$", "").replace("\\", "").replace("{", "").replace("}", "")
 
 
-def raised(text: str) -> str:
-    """Return a number such as ``2e-05`` with its power of ten as mathematics."""
-    digits, has_power, power = text.partition("e")
-    return rf"${digits}\times10^{{{int(power)}}}$" if has_power else text
-
-
 def in_words(grid: xr.Dataset, name: str, value: float) -> str:
-    """Return a parameter and its value as ``$e$ = 0.9``."""
+    """Return a parameter and its value in the unit in which people read it: ``$A_0$ = 20 mm``."""
     quantity = QUANTITIES.get(name)
     about = grid[name].attrs if name in grid.coords else {}
     symbol = about.get("symbol") or (quantity.symbol if quantity else "")
     unit = about.get("units") or (quantity.unit if quantity else "1")
-    if name in {"strong_angle", "weak_angle", "least_motion"}:
-        name, unit, value = name.replace("_", " "), "deg", math.degrees(value)
+    if name in _ANGLES:
+        unit = "rad"
     if name == "transient":
         unit = "s"
-    text = raised(f"{value:.4g}")
-    text = f"{text}°" if unit == "deg" else style.unit_after(text, unit)
-    return f"{f'${symbol}$' if symbol else name} = {text}"
+    head = f"${symbol}$" if symbol else name.replace("_", " ")
+    return f"{head} = {style.shown_value(name, value, unit)}"

@@ -244,6 +244,19 @@ def unit_after(number: str, unit: str) -> str:
     return number if unit in ("", "1") else f"{number} {pretty_unit(unit)}"
 
 
+def shown_value(name: str, value: float, unit: str) -> str:
+    """Return a value of a variable in an SI unit as people read it, with the unit: ``20 mm``."""
+    shown = quantity_of(name, unit).shown_unit
+    text = raised(f"{value / float(SIZES.get(shown, 1)):.4g}")
+    return f"{text}°" if shown == "deg" else unit_after(text, shown)
+
+
+def raised(number: str) -> str:
+    """Return a number such as ``2e-05`` with its power of ten as mathematics."""
+    digits, has_power, power = number.partition("e")
+    return rf"${digits}\times10^{{{int(power)}}}$" if has_power else number
+
+
 def edges_of(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the borders of cells about increasing values, midway between them."""
     if len(values) == 1:

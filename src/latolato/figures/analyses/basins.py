@@ -55,10 +55,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         _draw_attractor(panel, dataset.sel(attractor=number), _COLOURS[number])
     panel.set_xlim(limits[0])
     panel.set_ylim(limits[1])
-    if limits[0][1] - limits[0][0] > 0.9 * math.pi:
-        style.pi_ticks(panel.xaxis, parts=4 if limits[0][1] - limits[0][0] < 4.0 else 2)
-    panel.set_xlabel(style.label(x))
-    panel.set_ylabel(style.label(y))
+    style.show_unit(panel.xaxis, x)
+    style.show_unit(panel.yaxis, y)
     panel.set_title(_title(dataset), fontsize=style.SMALL)
     figure.legend(handles=_legend(dataset), loc="outside right center")
     return figure

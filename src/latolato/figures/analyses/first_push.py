@@ -80,8 +80,7 @@ def _draw_map(figure: Any, panel: Any, dataset: xr.Dataset) -> None:
     cells = style.draw_cells(panel, *edges, np.where(values > 0.0, values, math.nan))
     style.fill_cells(panel, *edges, np.isnan(values), style.GREY)
     style.colour_bar(cells, style.label(dataset["first_push"]), aspect=28)
-    style.pi_ticks(panel.yaxis)
-    panel.set_ylabel(style.label(y))
+    style.show_unit(panel.yaxis, y)
     handles = []
     for mask, colour, text in (
         (values == 0.0, style.PAPER, "no push needed"),

@@ -42,8 +42,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     x, y = dataset["frequency_ratio"], dataset["drive_amplitude"]
     edges = style.edges_of(x.values), style.edges_of(y.values)
     style.draw_cells(cells, *edges, _numbers(dataset), cmap=colours, norm=norm)
-    cells.set_xlabel(style.label(x))
-    cells.set_ylabel(style.label(y))
+    style.show_unit(cells.xaxis, x)
+    style.show_unit(cells.yaxis, y)
     style.panel_title(cells, "a", "response period in drive periods")
     _draw_shares(bars, dataset)
     style.panel_title(bars, "b", "shares of the cells with motion")

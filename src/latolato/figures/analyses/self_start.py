@@ -45,7 +45,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.note(axes, r"$A_0\omega^2 = g$", (float(ratios[0]), cosine[0]), (6.0, 5.0))
     amplitude = float(dataset.drive_amplitude)
     if math.isfinite(amplitude):
-        mark_answer(axes, (place, amplitude), f"{amplitude:.5g} m", (6.0, 6.0))
+        text = style.shown_value("drive_amplitude", amplitude, "m")
+        mark_answer(axes, (place, amplitude), text, (6.0, 6.0))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
@@ -53,7 +54,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.plain_ticks(axes.xaxis)
     style.plain_ticks(axes.yaxis)
     axes.set_xlabel(RATIO_LABEL)
-    axes.set_ylabel(style.label(dataset.drive_amplitude))
+    style.show_unit(axes.yaxis, dataset.drive_amplitude)
     names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
     axes.set_title(f"leaves rest inside\n{parameters_in_words(dataset, *names)}")
     return figure

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from latolato.figures import style
-from latolato.figures.map_title import raised, title_of
+from latolato.figures.map_title import title_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,5 +61,5 @@ def tex_number(value: float, digits: int = 4) -> str:
         return "no value"
     text = f"{value:.{digits}g}"
     if "e" in text:
-        return raised(text)
+        return style.raised(text)
     return text.replace("inf", "∞").replace("-", "\N{MINUS SIGN}")

@@ -63,8 +63,10 @@ function startViews(page) {
   /** @type {string | null} */
   let current = null;
   let again = 0;
-  const share = new Share(page.store, () => (current && made[current].picture?.()) ?? null);
+  const share = new Share(page.store, () => (current ? made[current] : {}));
   const tools = [...undoButtons(page.store.steps), share.root];
+  // Of views without a stage or a toolbar of their own.
+  const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
     const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
       if (e.ctrlKey || e.metaKey || e.shiftKey) return;
@@ -112,8 +114,10 @@ function startViews(page) {
     const head = made[view].root.querySelector("h1") ? [] : [el("h1", { class: "unseen" }, title)];
     const { root } = made[view];
     main.replaceChildren(...head, root);
-    (root.querySelector(".stage-messages") ?? root).prepend(page.messages.root);
-    root.querySelector(".stage-tools")?.append(...tools);
+    const top = root.querySelector(".main") ?? root;
+    (root.querySelector(".stage-messages") ?? top).prepend(page.messages.root);
+    if (!root.querySelector(".stage-tools")) page.messages.root.after(ownLine);
+    root.querySelector(".stage-tools").append(...tools);
     made[view].show();
     share.open(false);
     document.title = `${title} · latolato`;

@@ -150,18 +150,16 @@ export class LiveMotion {
   }
 
   /**
-   * Follow how high the balls went lately, and a shaken pivot; returns whether the box has to change.
+   * Let the box follow how high the balls went lately, and a shaken pivot.
    * @param {number} largest angle of the last seconds [rad]
    */
   rise(largest) {
     const side = this.longest + Math.max(...this.balls.map((b) => this.radius(b)));
     const above = Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2);
     const needed = side * Math.sin(above) + this.reach;
-    const before = this.top;
-    this.top += (needed > before ? GROW : SHRINK) * (needed - before);
+    this.top += (needed > this.top ? GROW : SHRINK) * (needed - this.top);
     const beyond = this.toy.isShaken ? Math.abs(this.toy.pivot.height) - this.reach : 0;
     if (beyond > 0) this.reach += GROW * beyond;
-    return Math.max(Math.abs(this.top - before), beyond) > 1e-5 * side;
   }
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */

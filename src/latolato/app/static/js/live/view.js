@@ -342,7 +342,7 @@ export class LiveView {
     if (!this.dirty || !this.motion || !this.toy) return;
     this.dirty = false;
     const { toy, motion, pace } = this;
-    if (motion.rise(this.watch.largest())) this.scene.box = motion.box();
+    motion.rise(this.watch.largest());
     this.scene.time = toy.time;
     this.scene.draw();
     this.watch.draw(this.paused, this.parts.more.open);

@@ -84,7 +84,8 @@ export class MapView {
     this.code = el("div", {});
     this.root = el("div", { class: "view split" },
       el("aside", { class: "side" }, this.controls.top, this.controls.root, this.parameters),
-      el("div", { class: "main" }, this.tools.root, el("div", { class: "stage-tools" }),
+      el("div", { class: "main" },
+        el("div", { class: "map-head" }, this.tools.root, el("div", { class: "stage-tools" })),
         el("div", { class: "stage-messages" }),
         el("div", { class: "map-and-point" },
           el("div", { class: "panel map-panel" }, this.field, readout, barBox), this.point.root),

@@ -1,6 +1,7 @@
 /** A run as the page knows it: the state at any instant, from the samples and the contacts. */
 
 import { row } from "./block.js";
+import { between, joined } from "./scale.js";
 
 /** @typedef {import("./block.js").Block} Block */
 /** @typedef {{name: string, row: number, sign: number, length: number, radius: number,
@@ -11,6 +12,8 @@ import { row } from "./block.js";
 // A ball of unknown or zero radius is drawn with this share of the length.
 export const SHOWN_RADIUS = 0.04;
 const BOX_SAMPLES = 4000;
+// The box of a picture is made of those of stretches of so many natural periods.
+const STRETCH = 4;
 
 /**
  * Return the last index whose value does not exceed `x`, 0 if there is none.
@@ -85,8 +88,8 @@ export class Motion {
     this.longest = Math.max(...this.balls.map((b) => b.length));
     /** [rad/s] */
     this.naturalFrequency = block.about.attributes?.natural_frequency ?? NaN;
-    /** @type {Box | null} */
-    this.bounds = null;
+    /** @type {Box[]} of the stretches of the run that were asked for */
+    this.boxes = [];
     /** @type {[number, number] | null} */
     this.heights = null;
   }
@@ -205,25 +208,43 @@ export class Motion {
     return poses;
   }
 
-  /** Return the box that holds the balls and the pivot. */
-  box() {
-    this.bounds ??= this.measure();
-    return this.bounds;
+  /**
+   * Return a box that holds the balls, their trails and the pivot at an instant, and has room for the
+   * motion around it. It changes steadily: at the border of two stretches it holds both, and in
+   * between it is a mean of those at the borders, both of which hold the stretch.
+   * @param {number} time
+   * @returns {Box}
+   */
+  box(time) {
+    const count = Math.max(1, Math.floor((this.end * this.naturalFrequency) / (2 * Math.PI * STRETCH)) || 1);
+    const place = Math.min(Math.max((time / this.end) * count, 0), count);
+    const k = Math.min(Math.floor(place), count - 1);
+    const [past, now, next] = [k - 1, k, k + 1].map((each) => {
+      const stretch = Math.min(Math.max(each, 0), count - 1);
+      this.boxes[stretch] ??= this.measure(stretch / count, (stretch + 1) / count);
+      return this.boxes[stretch];
+    });
+    return between(joined([past, now]), joined([now, next]), place - k);
   }
 
   /**
-   * Return the box, of long runs as some thousand instants see it.
+   * Return the box of a part of the run, of long parts as some thousand instants see it.
+   * @param {number} from in shares of the run
+   * @param {number} to
    * @returns {Box}
    */
-  measure() {
-    const stride = Math.max(1, Math.floor(this.time.length / BOX_SAMPLES));
+  measure(from, to) {
+    const trail = 2 * Math.PI / this.naturalFrequency || 0;
+    const first = before(this.time, from * this.end - trail);
+    const last = Math.min(before(this.time, to * this.end) + 1, this.time.length - 1);
+    const stride = Math.max(1, Math.floor((last - first) / BOX_SAMPLES));
     const pivot = /** @type {Float32Array} */ (this.values("pivot_height"));
     let [left, right] = [0, 0];
     let [low, high] = this.pivotRange;
     for (const ball of this.balls) {
       const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
       const r = this.radius(ball);
-      for (let i = 0; i < angles.length; i += stride) {
+      for (let i = first; i <= last; i += stride) {
         if (!Number.isFinite(angles[i])) continue;
         const x = ball.sign * ball.length * Math.sin(angles[i]);
         const y = pivot[i] - ball.length * Math.cos(angles[i]);

@@ -53,6 +53,28 @@ export function boxAbout(x, y, radius) {
 }
 
 /**
+ * Return the box that holds some boxes.
+ * @param {Box[]} boxes
+ * @returns {Box}
+ */
+export function joined(boxes) {
+  return { left: Math.min(...boxes.map(({ left }) => left)), right: Math.max(...boxes.map(({ right }) => right)),
+    low: Math.min(...boxes.map(({ low }) => low)), high: Math.max(...boxes.map(({ high }) => high)) };
+}
+
+/**
+ * Return a box on the way from one to another.
+ * @param {Box} a
+ * @param {Box} b
+ * @param {number} share of the way
+ * @returns {Box}
+ */
+export function between(a, b, share) {
+  const mean = (/** @type {keyof Box} */ end) => a[end] + share * (b[end] - a[end]);
+  return { left: mean("left"), right: mean("right"), low: mean("low"), high: mean("high") };
+}
+
+/**
  * Draw a straight line.
  * @param {CanvasRenderingContext2D} context
  * @param {number} x0

@@ -8,7 +8,7 @@ import { contactPoint, Flashes, strengthOf } from "./flash.js";
 import { before } from "./motion.js";
 import { drawMover, moverBox } from "./mover.js";
 import { drawTrails } from "./trail.js";
-import { boxAbout, fitScale, line, place } from "./scale.js";
+import { boxAbout, fitScale, joined, line, place } from "./scale.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */
@@ -43,7 +43,6 @@ export class Scene {
     this.held = null;
     /** Where the balls were last drawn, in pixels of the canvas. */
     this.drawn = /** @type {{x: number, y: number}[]} */ ([]);
-    this.box = { left: -1, right: 1, low: -1, high: 1 };
     /** @type {Record<string, string>} */
     this.colours = {};
     this.fist = 0;
@@ -66,7 +65,6 @@ export class Scene {
   show(motion) {
     this.motion = motion;
     this.held = null;
-    this.box = motion.box();
     this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
     this.fastest = topSpeed(motion);
     this.legend.replaceChildren(...legendOf(motion));
@@ -113,20 +111,18 @@ export class Scene {
       strengthOf(speed, motion.naturalFrequency));
   }
 
-  /** Return the box of all that is drawn: the motions, the hand and what moves it [m]. */
+  /** Return the box of all that is drawn about now: the motions, the hand and what moves it [m]. */
   frame() {
-    const { motion, arrows, box } = this;
-    if (!motion) return box;
+    const { motion, arrows, time } = this;
+    if (!motion) return { left: -1, right: 1, low: -1, high: 1 };
+    const box = motion.box(time);
     const [low, high] = motion.pivotRange;
     const hand = handBox(this.fist);
-    const boxes = [{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
+    return joined([{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
       { ...hand, low: low + hand.low, high: high + hand.high },
-      moverBox(motion, arrows), this.pinned?.box(),
+      moverBox(motion, arrows), this.pinned?.box(time),
       ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
-    ].filter((each) => each !== null && each !== undefined);
-    const end = (/** @type {"left" | "right" | "low" | "high"} */ name) => boxes.map((each) => each[name]);
-    return { left: Math.min(...end("left")), right: Math.max(...end("right")),
-      low: Math.min(...end("low")), high: Math.max(...end("high")) };
+    ].filter((each) => each !== null && each !== undefined));
   }
 
   /**

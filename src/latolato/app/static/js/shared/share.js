@@ -10,11 +10,12 @@ import { format } from "./state.js";
 export class Share {
   /**
    * @param {AddressStore} store
-   * @param {() => Promise<Blob> | null} picture returns a PNG of the stage on show, null without a stage
+   * @param {() => {picture?: () => Promise<Blob> | null}} view returns the view on show; with a stage,
+   *   it makes a PNG of it, null as long as there is nothing to see
    */
-  constructor(store, picture) {
+  constructor(store, view) {
     this.store = store;
-    this.picture = picture;
+    this.view = view;
     const id = freshId();
     this.link = el("input", { type: "text", readonly: "", "aria-label": t("shareLink"),
       on: { focus: () => this.link.select() } });
@@ -35,6 +36,11 @@ export class Share {
   /** The link to what is on show, for a page of its own. */
   get address() {
     return new URL(format({ ...this.store.state, embed: false }), location.href).href;
+  }
+
+  /** Return a picture of the stage on show. */
+  picture() {
+    return this.view().picture?.() ?? null;
   }
 
   get fileName() {
@@ -63,6 +69,7 @@ export class Share {
     this.menu.hidden = !isOpen;
     this.button.setAttribute("aria-expanded", String(isOpen));
     this.link.value = this.address;
+    this.save.hidden = !this.view().picture;
     if (isOpen) this.link.focus();
   }
 
