@@ -12,6 +12,9 @@ import latolato as ll
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track import track
+from latolato.experiment.tracking.pivot import learn_pivot
+from latolato.experiment.tracking.sample import median_planes, read_sample
+from latolato.experiment.video import open_video
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)
 TOY = ll.LatoLato(length=0.245, mass=0.1064, damping=0.005, radius=0.02, restitution=0.9)
@@ -186,6 +189,20 @@ def test_gravity_is_found_although_the_camera_is_tilted(clips, name, source):
     _, result = clips(name)
     assert result.attrs["gravity_source"] == source
     assert abs(result.attrs["gravity_direction"] - CLIPS[name][2].roll) < 0.002
+
+
+def test_a_rod_does_not_draw_a_large_picture_of_a_pivot_at_rest(tmp_path):
+    run = ll.simulate(SINGLE, initial_angle=np.radians(30.0), duration=10.0)
+    path = tmp_path / "large.mp4"
+    clicks = synthesise_video(run, path, Scene(ball_radius=0.0242), Camera(fps=12.0)).attrs
+    pivot = np.array([clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]])
+    arm = clicks["length"] / clicks["metres_per_pixel"]
+    assert arm > 600.0
+    frames = read_sample(open_video(path)).frames
+    behind = median_planes(frames[::3])[0]
+    # As far aside as a hand or a narrow arc may point.
+    for aside in ((0.0, 0.0), (2.0, 0.0), (0.0, -1.0), (0.0, -2.6), (2.0, 3.0)):
+        assert learn_pivot(frames, behind, pivot + aside, arm)[0].is_still, aside
 
 
 def test_gravity_is_found_although_one_turning_point_is_out_of_the_picture(tmp_path):

@@ -102,5 +102,22 @@ def test_command(words, tmp_path, cache, answer):
             assert (tmp_path / flags[flag]).exists(), f"{flag} {flags[flag]} was not written"
 
 
+def test_make_measure(tmp_path, answer):
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipe = re.search(r"^measure:.*\n((?:\t.*\n)+)", makefile, re.M)[1].replace("\\\n", " ")
+    (tmp_path / "measured").mkdir()
+    for line in re.findall(r"\$\(BIN\)/latolato (.*)", recipe):
+        done = subprocess.run([sys.executable, "-m", "latolato", *shlex.split(line)], cwd=tmp_path,
+                              capture_output=True, text=True, encoding="utf-8", check=False,
+                              env={**os.environ, "PYTHONIOENCODING": "utf-8"})  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    filmed = float(re.search(r"--damping (\S+)", recipe)[1])
+    damping, sigma = map(float, re.search(r"^damping +(\S+) ± (\S+)", done.stdout, re.M).groups())
+    answer(f"C = {damping} ± {sigma} kg m/s, filmed with {filmed}")
+    assert abs(damping - filmed) < 3.0 * sigma
+    written = {path.name for path in (tmp_path / "measured").iterdir()}
+    assert {"swing.mp4", "swing.csv", "swing.html", "fit.png"} <= written
+
+
 def test_the_documentation_shows_commands():
     assert len(COMMANDS) >= 40

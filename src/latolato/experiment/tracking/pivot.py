@@ -31,6 +31,8 @@ _JUDGES = 8
 # Rows by which a template moves that does not rest, and the share of the clearness of one that
 # rests at which it is believed.
 _MOVES, _SUFFICES = 4.0, 0.5
+# Share of the way sideways that is looked at, beyond which a rod has drawn a template.
+_DRAWN = 0.5
 # Fewest pixels a template may be compared at.
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
@@ -122,13 +124,14 @@ class PivotTracker:
         least = kernels.refine_shift(luma, model, self.weight, _LIMIT, corner, shift)
         return shift, least / max(float(np.count_nonzero(self.weight)), 1.0)
 
-    def margin(self, luma: np.ndarray) -> tuple[float, float]:
-        """Return how much worse the template fits elsewhere than at its best place, and its row."""
+    def margin(self, luma: np.ndarray) -> tuple[float, np.ndarray]:
+        """Return how much worse the template fits elsewhere than at its best shift, and that."""
         corners, cost = self._costs(luma, None, self.template)
         best = corners[np.argmin(cost)]
         away = np.abs(corners - best).max(axis=1)
         far = cost[away > max(3, self.half // 3)]
-        return float(far.min() - cost.min()) if len(far) else 0.0, float(best[1])
+        shift: np.ndarray = best - (self.origin - self.half)
+        return float(far.min() - cost.min()) if len(far) else 0.0, shift
 
     def _costs(
         self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
@@ -344,14 +347,15 @@ def _distinct(
     """Return the tracker with the template that is found most clearly at one place per frame.
 
     A textured wall is found very clearly, always at the same place: templates are tried with and
-    without what looks as the median of the frames does, and one that moves needs less to win.
+    without what looks as the median of the frames does, and one that moves needs less to win. What
+    shows best on a pivot at rest is the rod: a template that goes sideways with it comes last.
     """
     enlarged = max(1.0, arm / _USUAL_ARM)
     tall, wide = _FARTHEST * arm, _SIDEWAYS * enlarged
     inner = int(_INNER * enlarged)
     reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
-    best: dict[bool, tuple[float, PivotTracker]] = {}
+    best: dict[str, tuple[float, PivotTracker]] = {}
     for half in sorted({min(int(size * enlarged), room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
         inside = np.hypot(*(np.indices(template.shape) - half)) <= half + 0.5
@@ -366,15 +370,23 @@ def _distinct(
             noise = min(max(_SHARE * height, 1.0), 8.0)
             weight = np.where(used, 1.0 / noise**2, 0.0)
             tracker = PivotTracker(click, template, weight, reach, enlarged=enlarged)
-            margins, rows = np.transpose([tracker.margin(f.luma) for f in some])
-            margin, moves = float(np.quantile(margins, 0.25)), bool(np.ptp(rows) > _MOVES)
-            if moves not in best or margin > best[moves][0]:
-                best[moves] = (margin, tracker)
-    moving, resting = best.get(True), best.get(False)
-    if moving is None or (resting is not None and moving[0] < _SUFFICES * resting[0]):
-        assert resting is not None
-        return resting[1]
-    return moving[1]
+            margins, shifts = zip(*(tracker.margin(frame.luma) for frame in some), strict=True)
+            margin = float(np.quantile(margins, 0.25))
+            kind = _kind(np.array(shifts), enlarged)
+            if kind not in best or margin > best[kind][0]:
+                best[kind] = (margin, tracker)
+    moving, resting = best.get("moving"), best.get("resting")
+    if moving is not None and (resting is None or moving[0] >= _SUFFICES * resting[0]):
+        return moving[1]
+    return resting[1] if resting is not None else best["drawn"][1]
+
+
+def _kind(shifts: np.ndarray, enlarged: float) -> str:
+    """Return whether shifts (frame, 2) are those of a pivot, or drawn sideways by a rod."""
+    across, down = np.abs(shifts).T
+    if np.median(across - _TILT * down) > _DRAWN * _SIDEWAYS * enlarged:
+        return "drawn"
+    return "moving" if np.ptp(shifts[:, 1]) > _MOVES * enlarged else "resting"
 
 
 def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:
