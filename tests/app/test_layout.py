@@ -303,6 +303,19 @@ def test_the_curve_shows_some_swings_and_follows_the_clock(page):
     assert low < 100 < high < 200
 
 
+def test_the_curve_follows_a_clock_that_goes_on(page):
+    open_view(page, "&scenario=fig02")
+    page.locator(".transport").get_by_label("Speed").select_option("20")
+    page.get_by_role("button", name="Play", exact=True).click()
+    for time in (30, 60):
+        page.wait_for_function(f"time => {PLAYER}.clock.time > time", arg=time)
+        begin, now, end = page.evaluate(
+            f"() => [{PLAYER}.curves.span[0], {PLAYER}.clock.time, {PLAYER}.curves.span[1]]"
+        )
+        assert begin < now < end
+        assert end - begin == pytest.approx(12 * 2 * np.pi / np.sqrt(9.8))
+
+
 def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
