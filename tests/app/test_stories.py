@@ -414,6 +414,12 @@ def test_order_and_chaos_tells_the_truth():
         initial_angle=20 * DEGREE, duration=300.0, observables=["response_period"], tolerance=1e-9,
     )  # fmt: skip
     assert list(grid["response_period"]) == list(beyond.values())
+    # A map and the story beside it say the same of a point.
+    point = {
+        "drive_frequency": f"{16 + 19 * 6 / 49} rad/s",
+        "drive_amplitude": f"{70 + 24 * 40 / 49} mm",
+    }
+    assert number("response_period", "toy", **point, **soft) == 8
     hair = {"restitution": "0.5", "duration": "9 s"}
 
     def ends(amplitude):
