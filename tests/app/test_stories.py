@@ -298,6 +298,11 @@ def test_a_challenge_does_not_begin_at_its_goal():
     assert math.isnan(stories.score(FILES["least_amplitude"], {"drive_amplitude": "1 mm"}).value)
 
 
+def test_a_missing_guess_is_named():
+    with pytest.raises(InputError, match="guess is missing; give "):
+        stories.score(FILES["guess_tongue"], {})
+
+
 def test_what_a_challenge_does_not_leave_free_counts_not():
     challenge = FILES["least_amplitude"]
     cheat = {"drive_amplitude": "20 mm", "restitution": "1", "initial_angle": "170 deg"}

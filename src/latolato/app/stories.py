@@ -505,6 +505,9 @@ def _guess_tongue(task: Tables, preset: str, options: Tables, given: Tables) -> 
     from latolato.analysis.mathieu import mathieu_threshold_amplitude
     from latolato.app.run_request import RunRequest
 
+    if "guess" not in given:
+        example = ", ".join(["10 mm"] * len(task["ratios"]))
+        raise InputError("is missing", parameter="guess", way_out=f'give "{example}"')
     guesses = [to_si("guess", part.strip(), "m") for part in str(given["guess"]).split(",")]
     if len(guesses) != len(task["ratios"]):
         raise InputError(f"guess must hold {len(task['ratios'])} amplitudes, got {len(guesses)}")

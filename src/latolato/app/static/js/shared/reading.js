@@ -175,7 +175,7 @@ function strangerTo(registry, name, { system, drive, contact }) {
  */
 export function sentence(registry, error) {
   const [text] = inPagesWords(registry, error);
-  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+  return `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.?!]$/.test(text) ? "" : "."}`;
 }
 
 /**
