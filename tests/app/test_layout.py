@@ -432,3 +432,16 @@ def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
     )
     assert len(marks) >= 3
     assert min(marks) < 0 < max(marks)
+
+
+def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
+    open_view(page, "&scenario=toy&duration=2 s")
+    knobs = page.locator(".knobs")
+    for label, text in (("How often", "66.9"), ("driving over natural frequency", "66")):
+        field = knobs.get_by_label(label, exact=False).first
+        field.fill(text)
+        field.press("Enter")
+        knobs.get_by_text("must lie between 0 and").first.wait_for()
+        assert "frequency" not in page.url
+        page.reload()
+        page.wait_for_selector("[data-runs]", timeout=PATIENCE)

@@ -23,8 +23,8 @@ _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name
 def write_columns(columns: Columns, attributes: Mapping[str, Any], path: Path, suffix: str) -> None:
     """Write columns of equal length and attributes as the suffix says, ``.csv`` or ``.parquet``.
 
-    A CSV begins with ``# key [unit]: value`` lines of the attributes and one ``# column name [unit]``
-    line for each column; a name may end in a unit of its own.
+    A CSV begins with ``# key [unit]: value`` lines of the attributes and one
+    ``# column name [unit]`` line for each column; a name may end in a unit of its own.
     """
     if suffix == ".csv":
         _write_csv(columns, attributes, path)
