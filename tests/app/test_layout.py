@@ -330,7 +330,7 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     page.evaluate(option, ["restitution", "2"])
     page.evaluate(option, ["radius", None])
     page.locator(".knobs").get_by_text("must lie in [0, 1]").wait_for()
-    messages.get_by_text("“coefficient of restitution” must lie").wait_for()
+    messages.get_by_text("“Bounciness” must lie in [0, 1], got 2; give at most 1.").wait_for()
     assert messages.locator(".message").count() == 1
     page.evaluate(option, ["restitution", None])
     messages.locator(".message").wait_for(state="detached")

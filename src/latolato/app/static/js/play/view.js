@@ -256,10 +256,10 @@ export class PlayView {
    */
   refuse(error) {
     const { registry } = this.page;
-    const words = inPagesWords(registry, error);
-    this.form.error(...words);
-    this.knobs.error(...words);
-    this.note(sentence(registry, error), waysOn(this.page, error), true);
+    const labelOf = (/** @type {string} */ name) => this.knobs.labelOf(name);
+    this.form.error(...inPagesWords(registry, error));
+    this.knobs.error(...inPagesWords(registry, error, labelOf));
+    this.note(sentence(registry, error, labelOf), waysOn(this.page, error), true);
   }
 
   /**

@@ -101,6 +101,14 @@ export class Knobs {
   }
 
   /**
+   * Return what is written beside a knob, undefined where there is none.
+   * @param {string} name
+   */
+  labelOf(name) {
+    return name in this.all && name in NAMES ? t(NAMES[name]) : undefined;
+  }
+
+  /**
    * Say how far the sliders go.
    * @param {Record<string, [number, number]>} spans
    */
@@ -128,11 +136,11 @@ export class Knobs {
  */
 export function refusal(knob, value, [low, high]) {
   if (value >= low && value <= high) return null;
-  const { only, unit, option } = knob;
+  const { name, only, unit, option } = knob;
   const shown = only?.shown ?? shownUnit(unit.name);
   const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
   return {
-    about: t("outOfRange", { name: option.label, low: least, high: `${most} ${shown}`.trim() }),
+    about: t("outOfRange", { name: name in NAMES ? t(NAMES[name]) : option.label, low: least, high: `${most} ${shown}`.trim() }),
     nearest: `${value < low ? least : most} ${shown}`.trim(),
   };
 }

@@ -172,9 +172,10 @@ function strangerTo(registry, name, { system, drive, contact }) {
  * Return an error as a sentence of the page.
  * @param {Registry} registry
  * @param {Error} error
+ * @param {(name: string) => string | undefined} [labelOf] what is written beside a knob, if it has one
  */
-export function sentence(registry, error) {
-  const [text] = inPagesWords(registry, error);
+export function sentence(registry, error, labelOf) {
+  const [text] = inPagesWords(registry, error, labelOf);
   return `${text.charAt(0).toUpperCase()}${text.slice(1)}${/[.?!]$/.test(text) ? "" : "."}`;
 }
 
