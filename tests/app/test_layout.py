@@ -434,6 +434,11 @@ def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
     assert min(marks) < 0 < max(marks)
 
 
+def test_the_narrowest_page_does_not_scroll_sideways(page):
+    open_view(page, "&scenario=toy&duration=2 s", size={"width": 320, "height": 568})
+    assert page.evaluate("() => document.documentElement.scrollWidth") == 320
+
+
 def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
     open_view(page, "&scenario=toy&duration=2 s")
     knobs = page.locator(".knobs")
