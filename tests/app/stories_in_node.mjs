@@ -4,7 +4,7 @@ import { pathToFileURL } from "node:url";
 
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
-const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, read }, { quantity }, { runOnShow, shownBy },
+const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, read }, { quantity, withPeriod }, { runOnShow, shownBy },
   { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/block",
   "model/registry", "story/files", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
@@ -18,7 +18,8 @@ const found = [];
 for (const { look, options, name, angle } of numbers) {
   const state = shownBy({ extra: {} }, look, {});
   state.options = { ...state.options, ...options };
-  found.push(plain(quantity(name, await blockFor(runOnShow(registry, state)), angle)));
+  const request = runOnShow(registry, state);
+  found.push(plain(quantity(name, await withPeriod(registry, request, await blockFor(request)), angle)));
 }
 const reached = [];
 for (const { challenge, options } of scores)

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.core.quantities import QUANTITIES
+from latolato.io.shown_units import SIZES
 
 # How long a page may take to show its first run or toy [ms].
 PATIENCE = 120_000
@@ -207,8 +209,10 @@ def test_angles_that_never_turn_over_are_not_wrapped(page):
     assert page.get_by_role("button", name="±180°").is_hidden()
 
 
-@pytest.mark.parametrize("scenario,unit,size", [("toy", "mm", 1e-3), ("fig04a_push", "cm", 1e-2)])
-def test_the_curve_of_the_pivot_is_its_height(page, scenario, unit, size):
+@pytest.mark.parametrize("scenario", ["toy", "fig04a_push"])
+def test_the_curve_of_the_pivot_is_its_height(page, scenario):
+    unit = QUANTITIES["pivot_height"].shown_unit  # as in pictures and in CSV
+    size = float(SIZES[unit])
     open_view(page, f"&scenario={scenario}&duration=3 s")
     page.get_by_role("button", name="Pivot", exact=True).click()
     page.get_by_text(f"pivot [{unit}]").wait_for()
@@ -303,6 +307,19 @@ def test_the_curve_shows_some_swings_and_follows_the_clock(page):
     assert low < 100 < high < 200
 
 
+def test_the_curve_follows_a_clock_that_goes_on(page):
+    open_view(page, "&scenario=fig02")
+    page.locator(".transport").get_by_label("Speed").select_option("20")
+    page.get_by_role("button", name="Play", exact=True).click()
+    for time in (30, 60):
+        page.wait_for_function(f"time => {PLAYER}.clock.time > time", arg=time)
+        begin, now, end = page.evaluate(
+            f"() => [{PLAYER}.curves.span[0], {PLAYER}.clock.time, {PLAYER}.curves.span[1]]"
+        )
+        assert begin < now < end
+        assert end - begin == pytest.approx(12 * 2 * np.pi / np.sqrt(9.8))
+
+
 def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
@@ -313,7 +330,7 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     page.evaluate(option, ["restitution", "2"])
     page.evaluate(option, ["radius", None])
     page.locator(".knobs").get_by_text("must lie in [0, 1]").wait_for()
-    messages.get_by_text("“Bounciness” must lie").wait_for()
+    messages.get_by_text("“Bounciness” must lie in [0, 1], got 2; give at most 1.").wait_for()
     assert messages.locator(".message").count() == 1
     page.evaluate(option, ["restitution", None])
     messages.locator(".message").wait_for(state="detached")
@@ -428,3 +445,19 @@ def test_a_phone_s_header_shows_the_whole_name_of_its_language(page, language):
     assert select.bounding_box()["width"] <= width
     tops = [page.locator(name).bounding_box()["y"] for name in ("#language", "#theme")]
     assert tops[0] == pytest.approx(tops[1], abs=3)
+def test_the_narrowest_page_does_not_scroll_sideways(page):
+    open_view(page, "&scenario=toy&duration=2 s", size={"width": 320, "height": 568})
+    assert page.evaluate("() => document.documentElement.scrollWidth") == 320
+
+
+def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
+    open_view(page, "&scenario=toy&duration=2 s")
+    knobs = page.locator(".knobs")
+    for label, text in (("How often", "66.9"), ("driving over natural frequency", "66")):
+        field = knobs.get_by_label(label, exact=False).first
+        field.fill(text)
+        field.press("Enter")
+        knobs.get_by_text("must lie between 0 and").first.wait_for()
+        assert "frequency" not in page.url
+        page.reload()
+        page.wait_for_selector("[data-runs]", timeout=PATIENCE)

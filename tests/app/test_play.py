@@ -563,6 +563,11 @@ def test_a_decimal_comma_is_told_and_no_list(page):
     field.press("Enter")
     page.wait_for_function("() => location.search.includes('length=24.5+cm')")
     assert page.get_by_text("Decimals follow a point").is_hidden()
+    knob = page.get_by_label("How far the hand moves", exact=False).first
+    knob.fill("60,5")
+    knob.press("Enter")
+    page.locator(".knobs").get_by_text("Decimals follow a point: 60.5").wait_for()
+    assert "drive_amplitude" not in page.url
 
 
 def test_a_stage_that_is_no_number_is_told(page):

@@ -18,6 +18,7 @@ from latolato import analysis
 from latolato.app import STATIC, stories
 from latolato.app.run_request import RunRequest
 from latolato.app.site import write_site
+from latolato.core.errors import InputError
 from site_in_node import answers_in_node
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to" / "stories.md"
@@ -288,6 +289,11 @@ def test_a_challenge_does_not_begin_at_its_goal():
     assert math.isnan(stories.score(FILES["least_amplitude"], {"drive_amplitude": "1 mm"}).value)
 
 
+def test_a_missing_guess_is_named():
+    with pytest.raises(InputError, match="guess is missing; give "):
+        stories.score(FILES["guess_tongue"], {})
+
+
 def test_what_a_challenge_does_not_leave_free_counts_not():
     challenge = FILES["least_amplitude"]
     cheat = {"drive_amplitude": "20 mm", "restitution": "1", "initial_angle": "170 deg"}
@@ -404,6 +410,12 @@ def test_order_and_chaos_tells_the_truth():
         initial_angle=20 * DEGREE, duration=300.0, observables=["response_period"], tolerance=1e-9,
     )  # fmt: skip
     assert list(grid["response_period"]) == list(beyond.values())
+    # A map and the story beside it say the same of a point.
+    point = {
+        "drive_frequency": f"{16 + 19 * 6 / 49} rad/s",
+        "drive_amplitude": f"{70 + 24 * 40 / 49} mm",
+    }
+    assert number("response_period", "toy", **point, **soft) == 8
     hair = {"restitution": "0.5", "duration": "9 s"}
 
     def ends(amplitude):

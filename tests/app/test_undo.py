@@ -73,6 +73,16 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     assert page.get_by_role("button", name="Redo").is_disabled()
 
 
+def test_each_typed_value_is_a_step(page):
+    open_play(page)
+    for step, text in enumerate(("28", "29", "30", "31"), 1):
+        type_into(page, "driving amplitude", text)
+        wait_for_step(page, step)
+    page.keyboard.press("Control+z")
+    wait_for_step(page, 3)
+    wait_for_options(page, drive_amplitude="30 mm")
+
+
 def test_back_is_undo_also_right_after_a_change(page):
     open_play(page)
     type_into(page, "driving amplitude", "28")

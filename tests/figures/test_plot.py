@@ -124,7 +124,7 @@ def test_labels_come_from_the_metadata():
     angles, energies, _, pivot = figure.axes[:4]
     assert angles.get_ylabel() == r"$\theta$ [°]"
     assert energies.get_ylabel() == "energy [J]"
-    assert pivot.get_ylabel() == "$y_0$ [cm]"
+    assert pivot.get_ylabel() == "$y_0$ [mm]"
     assert pivot.get_xlabel() == "time $t$ [s]"
 
 

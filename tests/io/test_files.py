@@ -189,7 +189,8 @@ def test_a_csv_file_reads_as_a_table_with_comments(tmp_path):
     toy = ll.simulate(TOY, initial_angle=0.5, duration=2.0)
     path = save(toy, tmp_path / "toy.csv")
     lines = path.read_text().splitlines()
-    assert "# length: 1.0" in lines
+    assert "# length [m]: 1.0" in lines
+    assert "# restitution: 0.9" in lines
     assert "# column angle [deg]: angle from the downward vertical" in lines
     assert "# column angular_velocity [rad/s]: angular velocity" in lines
     header = next(line for line in lines if not line.startswith("#"))

@@ -11,6 +11,7 @@ import json
 import math
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from latolato.app import STATIC
 from latolato.core.errors import InputError
+from latolato.physics.drives import PeriodicDrive
 from latolato.scenario.scenario import ALTERNATIVES
 from latolato.scenario.units import to_si
 
@@ -35,9 +37,6 @@ Tables = Mapping[str, Any]
 
 # Samples from here on show how a motion has settled.
 _LATE = 0.75
-# A motion repeats if the angle does, to this share of its range, within so many drive periods.
-_REPEATS = 0.01
-_LONGEST_PERIOD = 16
 # Up to this angle a swing grows as the small-angle equation does [rad].
 _SMALL = math.radians(20.0)
 
@@ -87,6 +86,8 @@ class Run(NamedTuple):
         Instants at which the drive begins a period [s].
     options : mapping
         All options [SI].
+    scenario : Scenario
+        What was run.
     """
 
     time: NDArray[np.float64]
@@ -95,6 +96,7 @@ class Run(NamedTuple):
     contact_kind: list[str]
     strobe: NDArray[np.float64]
     options: Mapping[str, Any]
+    scenario: Scenario
 
 
 def run_of(preset: str, options: Mapping[str, Any]) -> Run:
@@ -112,6 +114,7 @@ def run_of(preset: str, options: Mapping[str, Any]) -> Run:
         contact_kind=[str(kind) for kind in np.asarray(record["contact_kind"])],
         strobe=arrays["strobe"],
         options=options_of(scenario),
+        scenario=scenario,
     )
 
 
@@ -178,14 +181,12 @@ def _swing_period(run: Run, _: float) -> Any:
 
 
 def _response_period(run: Run, _: float) -> Any:
-    """Return after how many drive periods the first angle repeats, in the last quarter."""
-    late = run.strobe[run.strobe >= _LATE * run.time[-1]]
-    angle = np.interp(late, run.time, run.angle[0])
-    limit = _REPEATS * (run.angle[0].max() - run.angle[0].min())
-    for period in range(1, min(_LONGEST_PERIOD, len(late) // 2) + 1):
-        if np.abs(angle[period:] - angle[:-period]).max() < limit:
-            return period
-    return math.nan
+    """Return what the observable of this name says of a map's point, of the right ball."""
+    system, drive = run.scenario.system, run.scenario.drive
+    if not isinstance(drive, PeriodicDrive):
+        return math.nan
+    point = {"axes": {"gravity": [system.gravity]}, "observables": ["response_period"]}
+    return replace(run.scenario, varied=point).sweep()["response_period"].values.flat[0]
 
 
 def _growth_rate(run: Run, _: float) -> Any:
@@ -276,6 +277,9 @@ def score(challenge: Tables, options: Mapping[str, Any]) -> Score:
     given = {**_without(look.get("options", {}), free), **free}
     rule, unit = task["rule"], schema()["rules"][task["rule"]]
     if rule == "guess_tongue":
+        if "guess" not in options:
+            example = ", ".join(["10 mm"] * len(task["ratios"]))
+            raise InputError("is missing", parameter="guess", way_out=f'give "{example}"')
         value = _distance_from_tongue(options["guess"], task["ratios"], look["preset"], given)
     elif rule == "least_amplitude":
         value = _least_amplitude(run_of(look["preset"], given))

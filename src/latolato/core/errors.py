@@ -70,8 +70,10 @@ class InputError(ValueError):
         """Return the whole text on one line, with this name for the parameter."""
         text = self.rule
         if self.parameter is not None:
-            is_whole = _NAME in self.rule
-            text = self.rule.replace(_NAME, str(name)) if is_whole else f"{name} {self.rule}"
+            is_whole = _NAME in text
+            if str(name).startswith("\u201c"):  # a label has quotes of its own
+                text = text.replace(f"'{_NAME}'", _NAME)
+            text = text.replace(_NAME, str(name)) if is_whole else f"{name} {text}"
         if self.has_value:
             is_float = isinstance(self.value, float)
             value = f"{self.value:.9g}" if is_float else f"{self.value!r:.{_LONGEST}}"

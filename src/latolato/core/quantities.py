@@ -183,7 +183,7 @@ QUANTITIES: dict[str, Quantity] = {
     "ramps": Quantity("s", r"\tau_k", "time of the change into each stage", usual=(0.1, 0.5)),
     "sweep_time": Quantity("s", "t_s", "time in which the frequency sweeps", usual=30.0),
     "connecting_rod_length": Quantity("m", "L", "length of the connecting rod", usual=0.1),
-    "pivot_height": Quantity("m", "y_0", "height of the pivot"),
+    "pivot_height": Quantity("m", "y_0", "height of the pivot", first_unit="mm"),
     "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
     "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),
     "frequency_ratio": Quantity("1", r"\omega/\omega_0", "driving over natural frequency"),

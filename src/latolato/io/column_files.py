@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError, import_extra
+from latolato.core.quantities import QUANTITIES
 
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, Any]]]
+# An attribute of a text file, and its unit if it has one.
+_ATTRIBUTE = re.compile(r"(?P<key>[^:\[]*?)(?: \[[^\]]*\])?:(?P<value>.*)")
 # One column of a text file as its header describes it.
 _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name>.*)")
 
@@ -20,8 +23,8 @@ _COLUMN = re.compile(r"column (?P<name>\S+) \[(?P<units>[^\]]*)\]: (?P<long_name
 def write_columns(columns: Columns, attributes: Mapping[str, Any], path: Path, suffix: str) -> None:
     """Write columns of equal length and attributes as the suffix says, ``.csv`` or ``.parquet``.
 
-    A CSV begins with ``# key: value`` lines of the attributes and one ``# column name [unit]``
-    line for each column; a name may end in a unit of its own.
+    A CSV begins with ``# key [unit]: value`` lines of the attributes and one
+    ``# column name [unit]`` line for each column; a name may end in a unit of its own.
     """
     if suffix == ".csv":
         _write_csv(columns, attributes, path)
@@ -66,7 +69,8 @@ def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:
         if column:
             about[column["name"]] = {"units": column["units"], "long_name": column["long_name"]}
         else:
-            key, _, value = line[1:].partition(":")
+            attribute = _ATTRIBUTE.fullmatch(line[1:].strip())
+            key, value = attribute.groups() if attribute else (line[1:], "")
             attributes[key.strip()] = _value(value.strip())
     rows = [row for row in csv.reader(body) if row]
     if not rows:
@@ -90,16 +94,22 @@ def import_pyarrow() -> Any:
 
 
 def _write_csv(columns: Columns, attributes: Mapping[str, Any], path: Path) -> None:
-    """Write the columns below a header of ``# key: value`` lines."""
+    """Write the columns below a header of ``# key [unit]: value`` lines."""
     with path.open("w", encoding="utf-8", newline="") as file:
         for key, value in attributes.items():
-            file.write(f"# {key}: {_text(value)}\n")
+            file.write(f"# {_with_unit(key)}: {_text(value)}\n")
         for name, (_, about) in columns.items():
             head = name if name.endswith("]") else f"{name} [{about.get('units', '1')}]"
             file.write(f"# column {head}: {about.get('long_name', name)}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(columns)
         table.writerows(zip(*(_plain(values) for values, _ in columns.values()), strict=True))
+
+
+def _with_unit(key: str) -> str:
+    """Return the name of an attribute with the unit of its value, if it has one."""
+    quantity = QUANTITIES.get(re.sub("^(right|left)_", "", key))
+    return key if quantity is None or quantity.unit == "1" else f"{key} [{quantity.unit}]"
 
 
 def _write_parquet(columns: Columns, attributes: Mapping[str, Any], path: Path) -> None:

@@ -28,21 +28,23 @@ def shown_texts(values: Iterable[float], unit: str) -> list[str]:
 
 
 def _shown(value: float, size: Decimal) -> str:
-    """Return a number in a unit with as many digits as keep it, 15 to 17 or 20."""
+    """Return a number in a unit with as many digits as keep it, 15 to 17."""
     if value != value or value in (float("inf"), float("-inf")):
         return str(value)
-    for digits in (15, 16, 17):
-        text = _rounded(_DECIMALS.divide(Decimal(repr(value)), size), digits)
+    # Of powers of ten the shortest text only moves its point.
+    exact = Decimal(value) if size == _DEGREE else Decimal(repr(value))
+    for digits in (15, 16):
+        text = _rounded(_DECIMALS.divide(exact, size), digits)
         if float(_DECIMALS.multiply(Decimal(text), size)) == value:
             return text
-    return _rounded(_DECIMALS.divide(Decimal(value), size), 20)
+    return _rounded(_DECIMALS.divide(exact, size), 17)
 
 
 def _rounded(number: Decimal, digits: int) -> str:
     """Return a number with so many digits, without trailing zeros."""
     short = f"{number:.{digits}g}"
     text = f"{Decimal(short):f}"
-    if len(text) > _LONGEST:
+    if len(text.lstrip("-")) > _LONGEST:
         return short
     return text.rstrip("0").rstrip(".") if "." in text else text
 

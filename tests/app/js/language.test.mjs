@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { InputError } from "../../../src/latolato/app/static/js/model/rules.js";
 import { inPagesWords } from "../../../src/latolato/app/static/js/model/words.js";
+import { sentence } from "../../../src/latolato/app/static/js/shared/reading.js";
 import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js";
 import { setLanguage, STRINGS, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
@@ -14,6 +15,23 @@ test("of the languages that a reader wants the first that there is is taken, els
   assert.equal(firstOf(LANGUAGES, ["de-AT", "id-ID", "en"]), "id");
   assert.equal(firstOf(LANGUAGES, ["en-GB", "id"]), "en");
   assert.equal(firstOf(LANGUAGES, ["", "xx", "constructor"]), "en");
+});
+
+test("a refusal has the unit and the label of the screen", () => {
+  const option = { label: "angle", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }] };
+  const registry = /** @type {any} */ ({ options: { angle: option } });
+  const beyond = new InputError("must lie in [0, 1.570796327] rad", { parameter: "angle", value: 2,
+    wayOut: "give at most 1.570796327" });
+  assert.deepEqual(inPagesWords(registry, beyond, () => "Where it starts"),
+    ["“Where it starts” must lie in [0, 90] °, got 114.592; give at most 90", "angle"]);
+  const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
+  assert.equal(inPagesWords(registry, words)[0], "“angle” must be given in ° (or a unit), got 'x'");
+});
+
+test("a label stands in one pair of quotes, and a question ends as one", () => {
+  const lacks = new InputError("Chirp needs '{parameter}' [m]", { parameter: "length" });
+  assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina” [m].");
+  assert.equal(sentence(REGISTRY, new InputError("did you mean 'length'?")), "Did you mean 'length'?");
 });
 
 test("English has plural forms", () => {

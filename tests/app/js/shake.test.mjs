@@ -5,8 +5,9 @@ import test from "node:test";
 import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
 import { MOST_ACCELERATION, ShakenDrive } from "../../../src/latolato/app/static/js/live/drive.js";
 import { Pace } from "../../../src/latolato/app/static/js/live/pace.js";
-import { Feed, Pointer, Sensor } from "../../../src/latolato/app/static/js/live/shake.js";
+import { Feed, Pointer, Sensor, Shake } from "../../../src/latolato/app/static/js/live/shake.js";
 import { Toy } from "../../../src/latolato/app/static/js/live/toy.js";
+import { t } from "../../../src/latolato/app/static/js/strings.js";
 
 const one = await startKernels("one");
 const shared = await loadKernels("one");
@@ -80,6 +81,18 @@ for (const sign of [1, -1]) for (const [held, up] of Object.entries({ upright: [
     assert.ok(Math.abs(rms(found) / rms(true_) - 1) < 0.04);
   });
 }
+
+test("silence is said at once, also right after shaking was cut off", () => {
+  const toy = { isShaken: true, shaken: { isLimited: true, limit: 0.1 } };
+  const shake = new Shake(() => toy, () => {});
+  shake.sensor = new Sensor();
+  shake.sensor.time = performance.now();
+  shake.watch();
+  assert.equal(shake.text, t("shakeLimited", { limit: "10" }));
+  shake.sensor.time -= 400;
+  shake.watch();
+  assert.equal(shake.text, t("shakeLost"));
+});
 
 for (const [amplitude, frequency] of [[0.03, 19.8], [0.05, 12.6], [0.02, 25], [0.1, 6.3]])
   test(`the pivot does what the phone does: ${amplitude} m at ${frequency} rad/s`, () => {
@@ -172,6 +185,18 @@ test("a sensor that falls silent lets the pivot come to rest", () => {
   });
   assert.ok(Math.max(...jumps) < 25 / 60, `${Math.max(...jumps)}`);
   assert.ok(Math.abs(toy.pivot.height) < 1e-3 && Math.abs(toy.pivot.acceleration) < 1e-2);
+});
+
+test("silence is said at once, also right after shaking was cut off", () => {
+  const toy = { isShaken: true, shaken: { isLimited: true, limit: 0.1 } };
+  const shake = new Shake(() => toy, () => {});
+  shake.sensor = new Sensor();
+  shake.sensor.time = performance.now();
+  shake.watch();
+  assert.equal(shake.text, t("shakeLimited", { limit: "10" }));
+  shake.sensor.time -= 400;
+  shake.watch();
+  assert.equal(shake.text, t("shakeLost"));
 });
 
 for (const [amplitude, frequency] of [[0.3, 12.6], [0.15, 19], [0.12, 25], [0.13, 9]])

@@ -2,6 +2,7 @@
 
 import { loadRegistry } from "./model/registry.js";
 import { el, tell } from "./shared/dom.js";
+import { keep, recall } from "./shared/habits.js";
 import { AddressStore, followUndoKeys, undoButtons } from "./shared/history.js";
 import { speakInPage } from "./shared/language.js";
 import { Messages } from "./shared/messages.js";
@@ -27,6 +28,7 @@ const VIEWS = {
 // Views that need Python beside the page.
 const NEED_PROGRAM = ["experiment", "analyse"];
 const THEMES = ["auto", "light", "dark"];
+const THEME = "latolato.theme";
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms
 
@@ -47,7 +49,7 @@ function startTheme() {
   applyTheme(theme);
   document.getElementById("theme")?.addEventListener("click", () => {
     theme = THEMES[(THEMES.indexOf(theme) + 1) % THEMES.length];
-    localStorage.setItem("latolato.theme", theme);
+    keep(THEME, theme);
     applyTheme(theme);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => applyTheme(theme));
@@ -165,7 +167,7 @@ function keepOffline() {
   void navigator.serviceWorker.register("offline.js").catch(() => {});
 }
 
-document.documentElement.dataset.theme = localStorage.getItem("latolato.theme") ?? "auto";
+document.documentElement.dataset.theme = recall(THEME) ?? "auto";
 const store = new AddressStore(window);
 followUndoKeys(window, store.steps);
 // The first view's modules come while the server makes the registry.

@@ -21,6 +21,7 @@ export const STRINGS = {
   languageBeta: "{name} (beta)",
   languageUnknown: "The link asks for the language “{name}”, which is not here. The page is in {spoken}.",
   languageUnread: "The texts in {name} could not be loaded, so the page is in English.",
+  unkept: "This browser keeps nothing for this page, so your choices last until you leave it.",
   warning: "Note: {text}",
   program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
     + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",

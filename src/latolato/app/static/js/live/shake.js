@@ -250,9 +250,9 @@ export class Shake {
     const now = performance.now();
     if (toy.shaken.isLimited) this.limitedAt = now;
     toy.shaken.isLimited = false;
-    if (now - this.limitedAt < SHOWN) this.say("shakeLimited");
-    else if (!this.sensor) this.say();
-    else this.say(now - this.sensor.time > LOST ? "shakeLost" : "shakeNow");
+    if (this.sensor && now - this.sensor.time > LOST) this.say("shakeLost");
+    else if (now - this.limitedAt < SHOWN) this.say("shakeLimited");
+    else this.say(this.sensor ? "shakeNow" : undefined);
   }
 
   /** @param {string} [name] of a text */

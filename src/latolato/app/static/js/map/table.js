@@ -1,6 +1,6 @@
 /** A computed map as tables: a scenario of its sweep, and a file of comma-separated values. */
 
-import { tablesOf as tablesOfRun } from "../model/files.js";
+import { tablesOf as tablesOfRun, withUnit } from "../model/files.js";
 import { InputError } from "../model/rules.js";
 import { isShown, shownText } from "../model/shown.js";
 import { NOT_YET } from "./grid.js";
@@ -66,7 +66,7 @@ export function csvOf(question, grid) {
     rounding: "page", ...attributesOf(question),
     ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is -1 there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
-  const lines = [...Object.entries(about).map(([name, value]) => `# ${name}: ${value}`),
+  const lines = [...Object.entries(about).map(([name, value]) => `# ${withUnit(registry, name)}: ${value}`),
     ...shown.map(({ title }) => title), shown.map(({ head }) => head).join(",")];
   own.forEach((_, cell) => lines.push(shown.map(({ text }) => text(cell)).join(",")));
   return `${lines.join("\n")}\n`;

@@ -108,12 +108,22 @@ function table(registry, { about, arrays, shapes }, names) {
     });
   });
   const head = Object.entries(about.attributes).map(([name, value]) =>
-    `# ${name}: ${typeof value === "string" ? value : json(value)}`);
+    `# ${withUnit(registry, name)}: ${typeof value === "string" ? value : json(value)}`);
   const lines = [...head, ...columns.map(({ title }) => title), columns.map(({ name }) => name).join(",")];
   const shape = shapes[names[0]];
   for (let i = 0; i < shape[0]; i += 1)
     lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan")).join(","));
   return `${lines.join("\n")}\n`;
+}
+
+/**
+ * Return the name of what stands above the columns of a table, with the unit of its value if it has one.
+ * @param {Registry} registry
+ * @param {string} name
+ */
+export function withUnit({ quantities }, name) {
+  const { unit = "1" } = quantities[name.replace(/^(right|left)_/, "")] ?? {};
+  return unit === "1" ? name : `${name} [${unit}]`;
 }
 
 /**

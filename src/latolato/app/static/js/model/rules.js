@@ -47,7 +47,10 @@ export class BeyondPageError extends InputError {
 function worded(rule, about, name, translated = (text) => text) {
   let text = translated(rule);
   if (about.parameter !== undefined)
-    text = text.includes("{parameter}") ? text.replaceAll("{parameter}", String(name)) : `${name} ${text}`;
+    text = !text.includes("{parameter}") ? `${name} ${text}`
+      // A label has quotes of its own.
+      : (name?.startsWith("\u201c") ? text.replaceAll("'{parameter}'", "{parameter}") : text)
+        .replaceAll("{parameter}", String(name));
   if ("value" in about) text += `, ${translated("got")} ${literal(about.value)}`;
   if (about.wayOut !== undefined) text += `; ${translated(about.wayOut)}`;
   return text.replace(/\s+/g, " ").trim();

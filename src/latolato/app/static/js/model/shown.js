@@ -3,8 +3,10 @@
 // 180/pi times 10^40.
 const DEGREES = 572957795130823208767981548141051703324054n;
 const PLACES = 40;
-// A number in degrees needs more digits than one in radians to be the same number.
-const DIGITS = 20;
+// So many digits tell all numbers from each other.
+const DIGITS = 17;
+// Longer texts are written with a power of ten.
+const LONGEST = 26;
 /** @type {Record<string, number>} */
 const POWERS = { mm: 3, cm: 2, g: 3 };
 
@@ -17,34 +19,57 @@ export function isShown(unit) {
 }
 
 /**
- * Return a number in SI units as a text in another unit.
+ * Return a number in SI units as a text in another unit, from which Python makes the same number: the
+ * shortest one of 15 to 17 digits, as `latolato.io.shown_units` does.
  * @param {number} value
  * @param {string} unit
  * @returns {string}
  */
 export function shownText(value, unit) {
   if (value === 0 || !Number.isFinite(value)) return String(value);
-  if (unit === "deg") return degreesText(value);
-  const power = POWERS[unit];
-  const [digits, exponent = "0"] = String(value).split("e");
-  const short = String(Number(`${digits}e${Number(exponent) + power}`));
-  const [most, last = "0"] = short.split("e");
-  return Number(`${most}e${Number(last) - power}`) === value ? short : `${digits}e${Number(exponent) + power}`;
+  const sign = value < 0 ? "-" : "";
+  if (unit === "deg") return sign + decimal(...degreesOf(Math.abs(value)));
+  const [digits, exponent] = Math.abs(value).toExponential().split("e");
+  const [above, below = ""] = digits.split(".");
+  return sign + decimal(BigInt(above + below), below.length - Number(exponent) - POWERS[unit]);
 }
 
-/** @param {number} radians */
-function degreesText(radians) {
-  // The number is a whole one times a power of two.
-  let [whole, power] = [Math.abs(radians), 0];
-  while (!Number.isInteger(whole)) [whole, power] = [whole * 2, power + 1];
+/**
+ * Return a number in degrees as a whole number and how many places its point is moved.
+ * @param {number} radians above zero
+ * @returns {[bigint, number]}
+ */
+function degreesOf(radians) {
+  // The number is a whole one times a power of two; numbers beside it are one off, below a power half.
+  let [whole, power] = [radians, 0];
+  while (whole < 2 ** 52) [whole, power] = [whole * 2, power + 1];
   const product = BigInt(whole) * DEGREES;
-  const digits = DIGITS - 1 - Math.floor(Math.log10(Math.abs(radians) * 180 / Math.PI));
-  const shift = digits - PLACES;
-  const [above, below] = shift < 0 ? [product, (1n << BigInt(power)) * 10n ** BigInt(-shift)]
-    : [product * 10n ** BigInt(shift), 1n << BigInt(power)];
-  const text = String((above + below / 2n) / below);
-  const sign = radians < 0 ? "-" : "";
-  if (digits <= 0 || digits > DIGITS + 6) return `${sign}${text}e${-digits}`;
-  const long = text.padStart(digits + 1, "0");
-  return `${sign}${long.slice(0, -digits)}.${long.slice(-digits)}`.replace(/\.?0+$/, "");
+  const above = DEGREES / 2n;
+  const below = whole === 2 ** 52 ? above / 2n : above;
+  const places = DIGITS - 1 - Math.floor(Math.log10((radians * 180) / Math.PI));
+  const shift = places - PLACES;
+  const [up, down] = shift < 0 ? [1n, 10n ** BigInt(-shift)] : [10n ** BigInt(shift), 1n];
+  const unit = down << BigInt(power);
+  const rounded = (/** @type {bigint} */ to) => ((product * up + (unit * to) / 2n) / (unit * to)) * to;
+  for (const to of [100n, 10n]) {
+    const error = rounded(to) * unit - product * up;
+    if (error < above * up && -error < below * up) return [rounded(to), places];
+  }
+  return [rounded(1n), places];
+}
+
+/**
+ * Return a whole number whose point is moved by some places as a text, without trailing zeros; a long
+ * one with a power of ten.
+ * @param {bigint} whole
+ * @param {number} places
+ */
+function decimal(whole, places) {
+  const digits = String(whole).replace(/0+$/, "");
+  const left = places - (String(whole).length - digits.length);
+  const long = left <= 0 ? digits + "0".repeat(-left)
+    : digits.padStart(left + 1, "0").replace(new RegExp(`(.{${left}})$`), ".$1");
+  if (long.length <= LONGEST) return long;
+  const exponent = digits.length - 1 - left;
+  return `${digits[0]}${digits.length > 1 ? `.${digits.slice(1)}` : ""}e${exponent}`;
 }

@@ -204,8 +204,7 @@ export class PlayView {
    */
   take(name, text, value) {
     const knob = this.knobs.all[name];
-    const [low, farthest] = SLIPS.includes(name) && knob.span
-      ? [0, Number(short(FARTHEST * knob.span[1], 2))] : [-Infinity, Infinity];
+    const [low, farthest] = this.reach(name);
     const refused = value === null ? null : refusal(knob, value, [low, farthest]);
     if (!refused) {
       this.form.give(name, text || null);
@@ -214,6 +213,19 @@ export class PlayView {
     knob.error(refused.about);
     this.note(refused.about, [{ label: t("takeNearest", { value: refused.nearest }),
       act: () => knob.give(Number(value) < low ? low : farthest) }], true);
+  }
+
+  /**
+   * Return what a knob takes: how often it shakes has one limit in both ways to say it.
+   * @param {string} name
+   * @returns {[number, number]}
+   */
+  reach(name) {
+    const { motion } = this.player;
+    if (name === "frequency_ratio" && motion)
+      return [0, this.reach("drive_frequency")[1] / naturalFrequency(motion.about.options)];
+    const { span } = this.knobs.all[name];
+    return SLIPS.includes(name) && span ? [0, Number(short(FARTHEST * span[1], 2))] : [-Infinity, Infinity];
   }
 
   /**
@@ -244,9 +256,8 @@ export class PlayView {
    */
   refuse(error) {
     const { registryInWords } = this.knobs;
-    const words = inPagesWords(registryInWords, error);
-    this.form.error(...words);
-    this.knobs.error(...words);
+    this.form.error(...inPagesWords(this.page.registry, error));
+    this.knobs.error(...inPagesWords(registryInWords, error));
     this.note(sentence(registryInWords, error), waysOn(this.page, error), true);
   }
 

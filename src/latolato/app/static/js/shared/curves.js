@@ -66,7 +66,6 @@ export class Curves {
     /** @type {[number, number]} */
     this.span = [0, 1];
     this.signature = "";
-    this.setting = false;
     // Pointers are shown together within these charts only: other charts have times of their own.
     this.sync = freshId();
     const zoomBy = (/** @type {number} */ share) => {
@@ -113,12 +112,10 @@ export class Curves {
     this.onSpan(...this.span);
     const tasks = this.charts.map((chart, i) => () => {
       chart.curves = all[i];
-      this.setting = true;
       chart.plot.batch(() => {
         chart.plot.setData(dataOf(motion, chart.curves), false);
         chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
       });
-      this.setting = false;
       queueMicrotask(() => this.move(this.clock.time));
     });
     tasks[0]?.();
@@ -276,7 +273,9 @@ export class Curves {
         }],
         setSize: [() => this.onLayout()],
         setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
-          if (key === "x" && !this.setting) this.zoom(u.scales.x.min, u.scales.x.max);
+          const { min, max } = u.scales.x;
+          // uPlot tells of every change at the end of the task, also of those that came from here.
+          if (key === "x" && (min !== this.span[0] || max !== this.span[1])) this.zoom(min, max);
         }],
       },
     };
@@ -346,9 +345,7 @@ export class Curves {
    */
   setSpan(from, to) {
     this.span = [from, to];
-    this.setting = true;
     for (const { plot } of this.charts) plot.setScale("x", { min: from, max: to });
-    this.setting = false;
     this.onSpan(from, to);
     // uPlot sets scales at the end of the task.
     queueMicrotask(() => this.move(this.clock.time));

@@ -215,11 +215,8 @@ export class Form {
    */
   numberField(name, option) {
     const knob = new Knob(name, option, { label: this.label(name, option),
-      unitChosen: () => this.read(),
-      take: (text) => {
-        if (this.isOne(name, option, text)) this.give(name, text || null);
-        else knob.error(t("oneNumber", { text: knob.input.value.replace(",", ".").trim() }));
-      } });
+      isList: this.isList(name, option), unitChosen: () => this.read(),
+      take: (text) => this.give(name, text || null) });
     const read = (/** @type {string | null} */ text) =>
       knob.read(text, this.store.state.options[name] !== undefined);
     this.fields.set(name, { read, error: (text) => knob.error(text) });
@@ -228,13 +225,12 @@ export class Form {
   }
 
   /**
-   * Return whether a text has no more numbers than an option takes.
+   * Return whether an option takes several numbers.
    * @param {string} name
    * @param {Option} option
-   * @param {string} text
    */
-  isOne(name, option, text) {
-    return !text.includes(",") || option.several
+  isList(name, option) {
+    return option.several
       || (START.includes(name) && this.registry.systems[this.kinds.system].angles === 2);
   }
 

@@ -1,4 +1,43 @@
-/** Choices of a person, kept in the browser from one visit to the next. */
+/** Choices of a person, kept in the browser from one visit to the next where it keeps anything. */
+
+import { t } from "../strings.js";
+import { tell } from "./dom.js";
+
+/** @typedef {"localStorage" | "sessionStorage"} Area from visit to visit, or as long as a tab */
+
+/** What the browser did not keep, until the page is left. @type {Map<string, string>} */
+const unkept = new Map();
+let isSaid = false;
+
+/**
+ * Return a text that was kept, null without one.
+ * @param {string} key
+ * @param {Area} [area]
+ */
+export function recall(key, area = "localStorage") {
+  try {
+    return unkept.get(key) ?? globalThis[area].getItem(key);
+  } catch {
+    return null; // the browser keeps nothing for this page
+  }
+}
+
+/**
+ * Keep a text; where the browser does not, it holds until the page is left, which is said once.
+ * @param {string} key
+ * @param {string} text
+ * @param {Area} [area]
+ */
+export function keep(key, text, area = "localStorage") {
+  try {
+    globalThis[area].setItem(key, text);
+    unkept.delete(key);
+  } catch {
+    unkept.set(key, text);
+    if (!isSaid) tell(t("unkept"));
+    isSaid = true;
+  }
+}
 
 /** @template T */
 class Habits {
@@ -13,9 +52,9 @@ class Habits {
   get all() {
     if (this.known) return this.known;
     try {
-      this.known = { ...JSON.parse(localStorage.getItem(this.key) ?? "{}") };
+      this.known = { ...JSON.parse(recall(this.key) ?? "{}") };
     } catch {
-      this.known = {}; // spoiled by somebody, or the browser keeps nothing
+      this.known = {}; // spoiled by somebody
     }
     return /** @type {Record<string, T>} */ (this.known);
   }
@@ -27,11 +66,7 @@ class Habits {
    */
   keep(name, value) {
     this.all[name] = value;
-    try {
-      localStorage.setItem(this.key, JSON.stringify(this.all));
-    } catch {
-      // The choice holds for this visit.
-    }
+    keep(this.key, JSON.stringify(this.all));
   }
 }
 

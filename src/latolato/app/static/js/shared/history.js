@@ -54,6 +54,10 @@ export class Steps {
       this.isHeld = isHeld;
       if (isHeld) this.names = null;
     };
+    // Each text that is typed is a step.
+    page.addEventListener("change", ({ target }) => {
+      if (isForText(target)) this.names = null;
+    }, { capture: true });
     page.addEventListener("pointerdown", hold(true), { capture: true });
     page.addEventListener("pointerup", hold(false), { capture: true });
     page.addEventListener("pointercancel", hold(false), { capture: true });

@@ -23,15 +23,18 @@ export class Knob {
    * @param {string} name of the option
    * @param {Option} option
    * @param {{take: Take, label?: string, unit?: Unit & {shown: string}, keys?: string[],
-   *   digits?: number, unitChosen?: () => void}} how `unit` is the only one, with what it is called
+   *   digits?: number, isList?: boolean, unitChosen?: () => void}} how `unit` is the only one, with
+   *   what it is called; `isList` whether several numbers may be given
    */
-  constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6, unitChosen }) {
+  constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6,
+    isList = option.several, unitChosen }) {
     this.name = name;
     this.option = option;
     this.label = label;
     this.take = take;
     this.only = unit;
     this.digits = digits;
+    this.isList = isList;
     /** The unit that a text came with, or that was chosen here. */
     this.chosen = "";
     /** In SI units, null for a text that is no single quantity. @type {number | null} */
@@ -177,6 +180,10 @@ export class Knob {
     const unit = isPlain && this.unit.name !== "1" ? ` ${this.unit.name}` : "";
     const text = parts.map((part) => `${part}${unit}`).join(", ");
     this.isDraft = false;
+    if (parts.length > 1 && !this.isList) {
+      this.error(t("oneNumber", { text: this.input.value.replace(",", ".").trim() }));
+      return;
+    }
     this.taken = text;
     this.error(null);
     this.take(text, parts.length > 1 ? null : this.valueOf(text));

@@ -4,6 +4,7 @@ import { loadJson } from "../kernels/load.js";
 import { translateRegistry } from "../model/registry.js";
 import { ENGLISH, languageCode, setLanguage, t, tr } from "../strings.js";
 import { el, tell } from "./dom.js";
+import { keep, recall } from "./habits.js";
 import { format } from "./state.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -54,7 +55,7 @@ export async function speakInPage({ registry, store }) {
   const { languages } = registry;
   const { lang } = store.state;
   const asked = lang ? [lang] : [];
-  const code = firstOf(languages, [...asked, localStorage.getItem(KEPT) ?? "", ...navigator.languages]);
+  const code = firstOf(languages, [...asked, recall(KEPT) ?? "", ...navigator.languages]);
   const isUnknown = lang && ![lang, lang.split("-")[0]].includes(firstOf(languages, asked));
   await speak(registry, code).catch(() => tell(t("languageUnread", languages[code])));
   document.documentElement.lang = languageCode();
@@ -71,7 +72,7 @@ export async function speakInPage({ registry, store }) {
   select.setAttribute("aria-label", t("language"));
   select.hidden = false;
   select.addEventListener("change", () => {
-    localStorage.setItem(KEPT, select.value);
+    keep(KEPT, select.value);
     location.assign(format({ ...store.state, lang: select.value }));
   });
 }

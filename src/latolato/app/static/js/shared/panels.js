@@ -1,7 +1,7 @@
 /** What the curves of a run show: angles, energies, powers. */
 
 import { t } from "../strings.js";
-import { range, wrap } from "./motion.js";
+import { wrap } from "./motion.js";
 import { scaled } from "./traces.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -9,8 +9,8 @@ import { scaled } from "./traces.js";
 /** @typedef {import("./curves.js").Curve} Curve */
 
 const DEGREES = 180 / Math.PI;
-// A pivot that moves less than this is shown in millimetres [m].
-const LARGE = 0.1;
+// The pivot's height is shown as in pictures and files, in `shown_unit` of `latolato.core.quantities`.
+const HEIGHT = { unit: "mm", size: 1e-3 }; // m
 
 /**
  * Return the panel of angles.
@@ -47,10 +47,9 @@ export function anglePanel({ wrapped = false, pivot = false } = {}) {
  * @returns {Curve}
  */
 function pivotCurve(motion) {
-  const heights = motion.values("pivot_height") ?? [];
-  const [low, high] = range(heights);
-  const [unit, size] = Math.max(-low, high) < LARGE ? ["mm", 1e-3] : ["cm", 1e-2];
-  return { label: t("pivotIn", { unit }), paint: "force", values: scaled(heights, 1 / size), axis: "right" };
+  const { unit, size } = HEIGHT;
+  return { label: t("pivotIn", { unit }), paint: "force", axis: "right",
+    values: scaled(motion.values("pivot_height") ?? [], 1 / size) };
 }
 
 /** @type {Panel[]} */

@@ -5,6 +5,7 @@ import { contentOf } from "../kernels/content.js";
 import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
 import { stopped } from "../shared/reading.js";
+import { keep, recall } from "../shared/habits.js";
 import { t } from "../strings.js";
 import { check } from "./check.js";
 
@@ -100,7 +101,7 @@ async function named(name, work) {
 /** Return the name and the text of the file that the reader opened, null without one. */
 function ownFile() {
   try {
-    const kept = JSON.parse(sessionStorage.getItem(KEY) ?? "null");
+    const kept = JSON.parse(recall(KEY, "sessionStorage") ?? "null");
     return kept && typeof kept.text === "string" ? kept : null;
   } catch {
     return null;
@@ -113,5 +114,5 @@ function ownFile() {
  * @param {string} text
  */
 export function keepOwnFile(name, text) {
-  sessionStorage.setItem(KEY, JSON.stringify({ name, text }));
+  keep(KEY, JSON.stringify({ name, text }), "sessionStorage");
 }

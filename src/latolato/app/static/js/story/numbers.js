@@ -1,5 +1,9 @@
 /** Numbers of stories, made of a run as `latolato.app.stories` makes them. */
 
+import { loadKernels } from "../kernels/load.js";
+import { computeMap, moduleOf } from "../kernels/map.js";
+import { specify } from "../model/case.js";
+import { fieldsOf } from "../model/laws.js";
 import { row } from "../shared/block.js";
 import { Motion, range } from "../shared/motion.js";
 
@@ -7,9 +11,6 @@ import { Motion, range } from "../shared/motion.js";
 
 // Samples from here on show how a motion has settled.
 const LATE = 0.75;
-// A motion repeats if the angle does, to this share of its range, within so many drive periods.
-const REPEATS = 0.01;
-const LONGEST_PERIOD = 16;
 // Up to this angle a swing grows as the small-angle equation does [rad].
 const SMALL = (20 * Math.PI) / 180;
 
@@ -86,22 +87,6 @@ function swingPeriod(block) {
 }
 
 /**
- * Return after how many drive periods the angle of the first ball repeats, in the last quarter.
- * @param {Block} block
- */
-function responsePeriod(block) {
-  const { time, strobe } = block.arrays;
-  const motion = new Motion(block);
-  const at = [...strobe].filter((each) => each >= LATE * time[time.length - 1])
-    .map((each) => motion.at("angle", each));
-  const [low, high] = range(first(block));
-  const limit = REPEATS * (high - low);
-  for (let period = 1; period <= Math.min(LONGEST_PERIOD, at.length >> 1); period += 1)
-    if (at.slice(period).every((value, i) => Math.abs(value - at[i]) < limit)) return period;
-  return NaN;
-}
-
-/**
  * Return the slope of the logarithm of the peaks up to the first that is not small, in the later
  * half of them [1/s]: what dies away has gone by then.
  * @param {Block} block
@@ -149,7 +134,7 @@ const QUANTITIES = {
   top_contacts: (block) => contacts(block, ["top"]).length,
   swing_period: swingPeriod,
   shakes_per_swing: (block) => (swingPeriod(block) * fastestDrive(block)) / (2 * Math.PI),
-  response_period: responsePeriod,
+  response_period: ({ about }) => about.response_period ?? NaN,
   growth_rate: growthRate,
   drive_speed: driveSpeed,
   drive_acceleration_ratio: (block) => (driveSpeed(block) * fastestDrive(block)) / block.about.options.gravity,
@@ -163,4 +148,30 @@ const QUANTITIES = {
  */
 export function quantity(name, block, angle = NaN) {
   return QUANTITIES[name](block, angle);
+}
+
+/**
+ * Return a run with after how many drive periods it repeats, as a map shows it of its point.
+ * @param {import("../model/registry.js").Registry} registry
+ * @param {import("../model/options.js").Request} request
+ * @param {Block} block
+ * @returns {Promise<Block>}
+ */
+export async function withPeriod(registry, request, block) {
+  const { system, drive, noise, contact, clampStep, restSpeed, contactLimit, duration, angles,
+    velocities } = await specify(registry, request);
+  if (!registry.drives[drive.kind].periodic) return block;
+  const { angles: _, ...fields } = fieldsOf(system);
+  const start = angles.flatMap((angle, i) =>
+    [[`initial_angle.${i}`, angle], [`initial_angular_velocity.${i}`, velocities[i]]]);
+  /** @type {any} */
+  const { drive_frequency: frequency = 0 } = drive.parameters;
+  const balls = /** @type {1 | 2} */ (system.angles);
+  const { values } = computeMap(await loadKernels(moduleOf({ angles: balls })), {
+    count: 1, angles: balls, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
+    parameters: { ...fields, ...Object.fromEntries(start), tolerance: registry.sweep_tolerance,
+      rest_speed: restSpeed, step: clampStep, meets: Number(system.contacts && contact !== "none") },
+    observables: [{ name: "response_period" }], contact: clampStep ? "clamp" : "exact",
+    contact_limit: contactLimit, duration, period: (2 * Math.PI) / frequency });
+  return { ...block, about: { ...block.about, response_period: values.response_period[0] } };
 }

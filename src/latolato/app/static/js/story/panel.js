@@ -10,6 +10,7 @@ import { t, tr } from "../strings.js";
 import { Challenge, SCORE } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
 import { runOnShow, shownBy } from "./look.js";
+import { withPeriod } from "./numbers.js";
 import { NOT_YET, Step } from "./step.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -207,8 +208,10 @@ export class StoryPanel {
         if (error instanceof InputError || error instanceof LongRunError) return null;
         throw error;
       });
+      const whole = block && part instanceof Step && part.needsPeriod
+        ? await withPeriod(registry, /** @type {any} */ (request), block) : block;
       if (text !== this.counted || part !== this.part) return;
-      this.block = block;
+      this.block = whole;
     }
     if (this.block === undefined) return;
     part?.heed(this.block, store.state.extra);

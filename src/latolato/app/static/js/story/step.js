@@ -27,6 +27,7 @@ export class Step {
     /** Whether the reader goes on, and whether "try" was done. */
     this.goesOn = this.isDone = false;
     const { look, predict, explanation, number } = step;
+    this.needsPeriod = [number, ...step.try.done ?? []].some((each) => each.quantity === "response_period");
     this.head = el("h3", { tabindex: "-1" }, tr(step.title));
     this.form = this.makeForm(predict);
     this.reply = el("p", { class: "story-reply", role: "status" });

@@ -1,0 +1,48 @@
+"""Pages in a browser that keeps nothing: with blocked storage, and with a full one."""
+
+from __future__ import annotations
+
+import pytest
+
+from latolato.app import stories
+
+PATIENCE = 60_000  # ms
+DENIED = """for (const name of ["localStorage", "sessionStorage"])
+  Object.defineProperty(window, name, { get() {
+    throw new DOMException("The request was denied.", "SecurityError"); } });"""
+FULL = """Storage.prototype.setItem = () => {
+  throw new DOMException("The quota has been exceeded.", "QuotaExceededError"); };"""
+
+
+@pytest.mark.parametrize("script", [DENIED, FULL], ids=["denied", "full"])
+def test_a_page_works_where_the_browser_keeps_nothing(page, script, tmp_path):
+    page.add_init_script(script)
+    page.goto("/")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    theme = page.locator("#theme")
+    theme.click()
+    assert theme.inner_text() == "Light"
+    page.get_by_text("This browser keeps nothing for this page").wait_for()
+    theme.click()
+    assert page.locator("html").get_attribute("data-theme") == "dark"
+
+    file = tmp_path / "mine.toml"
+    text = (stories.FOLDER / "order_and_chaos.toml").read_text()
+    file.write_text(text)
+    page.get_by_role("link", name="Stories").click()
+    page.get_by_label("Open a story file").set_input_files(file)
+    page.get_by_role("heading", name=stories.parse(text)["steps"][0]["title"]).wait_for()
+
+    page.locator("#language").select_option("id")
+    page.wait_for_function("() => document.documentElement.lang === 'id'")
+
+
+def test_what_is_not_kept_is_said_once(page):
+    page.add_init_script(FULL)
+    page.goto("/")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.locator("#theme").click()
+    page.evaluate("() => { document.getElementById('status').textContent = ''; }")
+    page.locator("#theme").click()
+    assert page.locator("#theme").inner_text() == "Dark"
+    assert page.locator("#status").text_content() == ""
