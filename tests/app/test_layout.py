@@ -445,6 +445,8 @@ def test_a_phone_s_header_shows_the_whole_name_of_its_language(page, language):
     assert select.bounding_box()["width"] <= width
     tops = [page.locator(name).bounding_box()["y"] for name in ("#language", "#theme")]
     assert tops[0] == pytest.approx(tops[1], abs=3)
+
+
 def test_the_narrowest_page_does_not_scroll_sideways(page):
     open_view(page, "&scenario=toy&duration=2 s", size={"width": 320, "height": 568})
     assert page.evaluate("() => document.documentElement.scrollWidth") == 320
