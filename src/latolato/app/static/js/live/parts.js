@@ -86,3 +86,18 @@ function strip(label, curves) {
     el("span", { class: "axis" }, t("lastSeconds"))), canvas);
   return { canvas, figure, title, values };
 }
+
+/**
+ * Let arrow keys steer the toy, unless the focus is elsewhere on the page by now, as in a story. A
+ * frame shows the focus as soon as somebody uses keys.
+ * @param {HTMLCanvasElement} canvas
+ */
+export function takeKeys(canvas) {
+  const { activeElement, body } = document;
+  if (activeElement !== body && !activeElement?.closest("#views")) return;
+  canvas.classList.add("unasked");
+  const reveal = () => canvas.classList.remove("unasked");
+  canvas.focus({ preventScroll: true });
+  canvas.addEventListener("blur", reveal, { once: true });
+  window.addEventListener("keydown", reveal, { once: true });
+}

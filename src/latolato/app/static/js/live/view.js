@@ -12,7 +12,7 @@ import { cosineOf, isByCosine } from "../live/drive.js";
 import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
-import { layOut, makeParts } from "../live/parts.js";
+import { layOut, makeParts, takeKeys } from "../live/parts.js";
 import { Shake } from "../live/shake.js";
 import { Toy } from "../live/toy.js";
 import { Watch } from "../live/watch.js";
@@ -114,7 +114,7 @@ export class LiveView {
       }));
     if (this.wish() !== this.signature || !this.toy) void this.begin();
     this.pace.rest();
-    this.takeKeys();
+    takeKeys(this.parts.canvas);
     requestAnimationFrame(this.draw);
   }
 
@@ -123,16 +123,6 @@ export class LiveView {
     for (const release of this.releases.splice(0)) release();
     this.keeper.finish();
     this.shake.end();
-  }
-
-  /** Let arrow keys steer the toy; a frame says so as soon as somebody uses keys. */
-  takeKeys() {
-    const { canvas } = this.parts;
-    canvas.classList.add("unasked");
-    const reveal = () => canvas.classList.remove("unasked");
-    canvas.focus({ preventScroll: true });
-    canvas.addEventListener("blur", reveal, { once: true });
-    window.addEventListener("keydown", reveal, { once: true });
   }
 
   /** Return what the address asks for, as a text to compare. */

@@ -54,7 +54,6 @@ export class Challenge {
       const { registry } = this.panel.page;
       this.score = scoreOfGuess(registry, this.challenge, guess.join(", "));
       this.keepScore({ [GUESS]: guess.join(", ") });
-      this.claim.scrollIntoView({ block: "nearest" });
     } } }, ...rows, el("button", { type: "submit" }, t("storyGuessCheck")));
   }
 
@@ -68,6 +67,7 @@ export class Challenge {
     const text = `${Number((this.score / size).toPrecision(DIGITS))} ${this.unit === "m" ? "mm" : this.unit}`;
     this.claimed = text;
     store.set({ extra: { ...store.state.extra, ...more, [SCORE]: text } }, "extra");
+    this.claim.scrollIntoView({ block: "nearest" });
   }
 
   /** Return the run that counts. */
