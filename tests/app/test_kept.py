@@ -27,11 +27,11 @@ def test_a_page_works_where_the_browser_keeps_nothing(page, script, tmp_path):
     assert page.locator("html").get_attribute("data-theme") == "dark"
 
     file = tmp_path / "mine.toml"
-    text = (stories.FOLDER / "order_and_chaos.toml").read_text()
-    file.write_text(text)
+    shipped = stories.FOLDER / "order_and_chaos.toml"
+    file.write_text(shipped.read_text())
     page.get_by_role("link", name="Stories").click()
     page.get_by_label("Open a story file").set_input_files(file)
-    page.get_by_role("heading", name=stories.parse(text)["steps"][0]["title"]).wait_for()
+    page.get_by_role("heading", name=stories.read(shipped)["steps"][0]["title"]).wait_for()
 
     page.locator("#language").select_option("id")
     page.wait_for_function("() => document.documentElement.lang === 'id'")

@@ -329,7 +329,7 @@ def test_the_examples_of_the_documentation_run_in_the_site(visit, web):
     assert not visit.get_by_text("do not run here").is_visible()
     visit.get_by_label("duration").last.fill("3")
     visit.get_by_label("restitution").fill("2")
-    visit.get_by_role("button", name="Run").click()
+    visit.get_by_role("button", name="Run", exact=True).click()
     visit.get_by_text("restitution must lie in [0, 1], got 2").wait_for()
     assert "  restitution: 2," in visit.locator("#latolato-program").inner_text()
     visit.get_by_label("drive-amplitude").fill('1 cm"><b>')
