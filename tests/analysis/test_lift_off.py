@@ -110,4 +110,4 @@ def test_systems_without_a_wall_or_a_radius_are_refused():
 def test_the_picture_shows_the_amplitude():
     result = ll.analysis.self_start(TOY, 3.0, crank(0.4))
     texts = [text.get_text() for text in picture.draw(result).axes[0].texts]
-    assert f"{float(result.drive_amplitude):.5g} m" in texts
+    assert f"{1e3 * float(result.drive_amplitude):.4g} mm" in texts

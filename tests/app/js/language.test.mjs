@@ -18,14 +18,14 @@ test("of the languages that a reader wants the first that there is is taken, els
 });
 
 test("a refusal has the unit and the label of the screen", () => {
-  const option = { label: "angle", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }] };
+  const option = { label: "Where it starts", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }] };
   const registry = /** @type {any} */ ({ options: { angle: option } });
   const beyond = new InputError("must lie in [0, 1.570796327] rad", { parameter: "angle", value: 2,
     wayOut: "give at most 1.570796327" });
-  assert.deepEqual(inPagesWords(registry, beyond, () => "Where it starts"),
+  assert.deepEqual(inPagesWords(registry, beyond),
     ["“Where it starts” must lie in [0, 90] °, got 114.592; give at most 90", "angle"]);
   const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
-  assert.equal(inPagesWords(registry, words)[0], "“angle” must be given in ° (or a unit), got 'x'");
+  assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be given in ° (or a unit), got 'x'");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {
