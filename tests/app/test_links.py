@@ -64,6 +64,14 @@ def test_a_link_to_a_preset_that_is_gone_leads_to_the_first_one(page):
     assert page.get_by_label("Begin with").input_value() == "toy"
 
 
+def test_live_leaves_out_what_its_own_preset_has_not(page):
+    page.goto("/?view=live&drive_frequency=18&restitution=0.8")
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    text = "“angular driving frequency” does not belong to “FrequencySchedule”."
+    page.locator(".message").get_by_text(text).wait_for()
+    assert page.locator(".live").get_by_label("Bounciness e").input_value() == "0.8"
+
+
 def test_a_link_that_calls_its_preset_preset_is_told_the_key(page):
     page.goto("/?preset=fig02")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)

@@ -756,3 +756,13 @@ def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
         answers.last.click()
         check.click()
         page.locator(".story-reply:not(:empty)").first.wait_for()
+
+
+def test_a_low_window_shows_the_story_beside_the_stage(page):
+    page.set_viewport_size({"width": 683, "height": 384})  # a laptop at 200 % zoom
+    page.goto("/?story.name=first_clack&story.step=2")
+    page.wait_for_selector("[data-runs]", timeout=60_000)
+    panel, stage = (page.locator(each).bounding_box() for each in (".story", ".desk .stage .scene"))
+    assert stage["x"] + stage["width"] <= panel["x"]
+    assert stage["y"] + stage["height"] <= 384
+    assert stage["height"] >= 140

@@ -22,6 +22,7 @@ import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
 import { Senses } from "../shared/senses.js";
+import { FIRST_OF_LIVE } from "../shared/state.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
@@ -30,7 +31,6 @@ import { t, tr } from "../strings.js";
 // What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
 // the change); from 32 mm on they always do (60 of 60, within 15 s).
-const FIRST = "fig12";
 const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
 const READ_EVERY = 100; // ms
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
@@ -177,7 +177,7 @@ export class LiveView {
     const { captionOf, stagePicture } = await import("../shared/picture.js");
     const { scenario } = this.page.store.state;
     return stagePicture(this.scene, { caption: captionOf(this.toy?.controls ?? {}),
-      title: this.page.registry.scenarios[scenario ?? FIRST]?.title ?? t("view_live") });
+      title: this.page.registry.scenarios[scenario ?? FIRST_OF_LIVE]?.title ?? t("view_live") });
   }
 
   /** Return what to run. */
@@ -185,7 +185,7 @@ export class LiveView {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
     if (!scenario && !options.system) {
-      scenario = FIRST;
+      scenario = FIRST_OF_LIVE;
       options = { ...FIRST_OPTIONS, ...options };
     }
     if (scenario && options.system)
@@ -282,7 +282,7 @@ export class LiveView {
     if (name === "drive_amplitude") this.rescale();
     const options = withControls(registry, store.state.options, this.toy.system.kind,
       this.toy.controls, name);
-    const scenario = store.state.scenario ?? (options.system ? null : FIRST);
+    const scenario = store.state.scenario ?? (options.system ? null : FIRST_OF_LIVE);
     this.signature = JSON.stringify([scenario, options]);
     store.set({ scenario, options });
   }

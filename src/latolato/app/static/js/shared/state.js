@@ -17,6 +17,8 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
+/** And the one that Live begins with. */
+export const FIRST_OF_LIVE = "fig12";
 const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
 /**
