@@ -181,7 +181,7 @@ def _swing_period(run: Run, _: float) -> Any:
 
 
 def _response_period(run: Run, _: float) -> Any:
-    """Return what the observable of this name says of a map's point, of the right ball."""
+    """Return the value of an observable at one point of a map, for two balls the right one's."""
     system, drive = run.scenario.system, run.scenario.drive
     if not isinstance(drive, PeriodicDrive):
         return math.nan

@@ -187,18 +187,6 @@ test("a sensor that falls silent lets the pivot come to rest", () => {
   assert.ok(Math.abs(toy.pivot.height) < 1e-3 && Math.abs(toy.pivot.acceleration) < 1e-2);
 });
 
-test("silence is said at once, also right after shaking was cut off", () => {
-  const toy = { isShaken: true, shaken: { isLimited: true, limit: 0.1 } };
-  const shake = new Shake(() => toy, () => {});
-  shake.sensor = new Sensor();
-  shake.sensor.time = performance.now();
-  shake.watch();
-  assert.equal(shake.text, t("shakeLimited", { limit: "10" }));
-  shake.sensor.time -= 400;
-  shake.watch();
-  assert.equal(shake.text, t("shakeLost"));
-});
-
 for (const [amplitude, frequency] of [[0.3, 12.6], [0.15, 19], [0.12, 25], [0.13, 9]])
   test(`stronger shaking is cut off: ${amplitude} m at ${frequency} rad/s`, () => {
     const toy = latoLato();
