@@ -21,12 +21,14 @@ from latolato.numerics.engine.record import STATE, run_dtype
 from latolato.numerics.records import (
     AT_REST,
     BODY,
+    CONTACT_ROWS,
     CONVERGED,
     EVENT_LIMIT,
     FAILED,
     GRAZING,
-    SAMPLE_ROWS,
+    PLANE_ROWS,
     SETTINGS,
+    TANGLED,
 )
 from latolato.numerics.watch import ON_CONTACT, Eyes, Watch
 from latolato.observables import Outcome
@@ -105,9 +107,9 @@ def make_scratch(stretch: np.dtype[Any] | None = None) -> Scratch:
         np.zeros(1, dtype=run_dtype(stretch)),
         np.zeros(size),
         np.zeros(size, dtype=np.int64),
-        np.zeros((4, size)),
+        np.zeros((CONTACT_ROWS, size)),
         np.zeros(0),
-        np.zeros((SAMPLE_ROWS, 0)),
+        np.zeros((PLANE_ROWS, 0)),
     )
 
 
@@ -292,6 +294,9 @@ def make_steering(
             return True
         if state.contacts >= points.contact_limit:
             progress.status[k] = EVENT_LIMIT
+            return True
+        if state.is_tangled != 0:
+            progress.status[k] = TANGLED
             return True
         return False
 

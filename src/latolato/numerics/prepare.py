@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.scalar import formula
+from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import (
     STATE,
@@ -210,6 +210,17 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
 
 
 @formula
+def _hang(state: Any, i: int, distance: float, length: float) -> None:
+    """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
+    if distance < length:
+        s, c, place = sine(state.angle[i]), cosine(state.angle[i]), state.place[i]
+        speed = distance * state.velocity[i]
+        place[0], place[1] = distance * s, -distance * c
+        place[2], place[3] = speed * c, speed * s
+        state.is_slack[i] = 1
+
+
+@formula
 def _is_mirrored(case: Any, right_angle: float, left_angle: float) -> bool:
     """Return whether two equal balls begin as mirror images of each other."""
     right, left, velocity = case.balls[0], case.balls[1], case.initial_angular_velocity
@@ -266,12 +277,18 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     settings.follows_tension, settings.follows_ledger = case.follows_tension, case.follows_ledger
     settings.mirrored, settings.is_linear = case.mirrored, case.is_linear
     settings.law[0], settings.law[1] = case.law[0], case.law[1]
+    settings.is_string, settings.in_lab = case.is_string, case.in_lab
+    settings.string_restitution = case.string_restitution
     right, left, problem = _start(case, touch, settings.low, settings.high)
     state.mode, state.angle[0] = UNSETTLED, right
     state.compression_start[0] = state.compression_start[1] = math.nan
+    state.slack_start[0] = state.slack_start[1] = math.nan
     state.velocity[0] = case.initial_angular_velocity[0]
     if case.angles == 2:
         state.angle[1], state.velocity[1] = left, case.initial_angular_velocity[1]
+    for i in range(case.angles):
+        settings.radius[i] = case.balls[i].radius
+        _hang(state, i, case.initial_distance[i], case.balls[i].length)
         if problem == FINE and case.mirrored != 0 and not _is_mirrored(case, right, left):
             return UNLIKE
     for i in range(case.angles):
@@ -314,7 +331,10 @@ def cases_of(
     for i in range(system.angles):
         cases["initial_angle"][:, i] = angles[i]
         cases["initial_angular_velocity"][:, i] = velocities[i]
-    cases["initial_offset"] = math.nan
+    cases["initial_offset"], cases["initial_distance"] = math.nan, math.nan
+    cases["is_string"] = getattr(system, "suspension", "rod") == "string"
+    cases["in_lab"] = getattr(system, "drag_frame", "pivot") == "lab"
+    cases["string_restitution"] = getattr(system, "string_restitution", 0.0)
     cases["pivot_bound"], cases["drive_rate"] = bounds
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0
