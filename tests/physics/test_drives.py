@@ -44,23 +44,37 @@ def difference(function, t, h):
     ) / (60.0 * h)
 
 
-def test_velocity_and_acceleration_are_the_derivatives_of_height(drive):
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("height", "velocity", "acceleration"),
+        ("across", "across_velocity", "across_acceleration"),
+    ],
+)
+def test_velocity_and_acceleration_are_derivatives(drive, names):
     # h = 2e-3 s at up to 15 rad/s: (w h)^7/140 < 1e-12, rounding eps/h = 1e-13 of the scale.
     h = 2e-3
     scale = max(drive.fastest_frequency, 1.0)
+    place, velocity, acceleration = (getattr(drive, name) for name in names)
     for begin, end, p in pieces(drive):
-        size = max(abs(drive.height(t, p)) for t in np.linspace(begin, end, 50)) + 1e-3
+        size = max(abs(place(t, p)) for t in np.linspace(begin, end, 50)) + 1e-3
         for t in np.linspace(begin, end, 23):
-            slope = difference(lambda s, p=p: drive.height(s, p), t, h)
-            bend = difference(lambda s, p=p: drive.velocity(s, p), t, h)
-            assert drive.velocity(t, p) == pytest.approx(slope, abs=1e-9 * size * scale)
-            assert drive.acceleration(t, p) == pytest.approx(bend, abs=1e-9 * size * scale**2)
+            slope = difference(lambda s, p=p: place(s, p), t, h)
+            bend = difference(lambda s, p=p: velocity(s, p), t, h)
+            assert velocity(t, p) == pytest.approx(slope, abs=1e-9 * size * scale)
+            assert acceleration(t, p) == pytest.approx(bend, abs=1e-9 * size * scale**2)
 
 
-def test_height_is_continuous_where_stretches_meet(drive):
+def test_only_a_drive_that_moves_across_leaves_the_vertical(drive):
+    sides = [drive.across(t, p) for a, b, p in pieces(drive) for t in np.linspace(a, b, 50)]
+    assert any(sides) == drive.moves_across
+
+
+def test_the_pivots_place_is_continuous_where_stretches_meet(drive):
     result = pieces(drive)
     for (_, end, p), (_, _, q) in itertools.pairwise(result):
         assert drive.height(end, p) == pytest.approx(drive.height(end, q), abs=1e-14)
+        assert drive.across(end, p) == pytest.approx(drive.across(end, q), abs=1e-14)
 
 
 def test_starts_increase_and_the_first_covers_time_zero(drive):
@@ -73,7 +87,7 @@ def test_starts_increase_and_the_first_covers_time_zero(drive):
 def test_acceleration_never_exceeds_its_declared_bound(drive):
     # Rest is taken to last for ever where the bound is below gravity: it must be a bound.
     largest = max(
-        abs(drive.acceleration(t, p))
+        math.hypot(drive.acceleration(t, p), drive.across_acceleration(t, p))
         for begin, end, p in pieces(drive)
         for t in np.linspace(begin, end, 400)
     )
@@ -115,6 +129,8 @@ def test_zero_amplitude_is_a_pivot_at_rest(name):
     kind = drives[name]
     numbers = {
         "drive_amplitude": 0.0,
+        "vertical_amplitude": 0.0,
+        "horizontal_amplitude": 0.0,
         "drive_frequency": 5.0,
         "drive_frequency_final": 7.0,
         "sweep_time": 3.0,
@@ -140,6 +156,43 @@ class TestHarmonic:
             assert y == pytest.approx(0.2 * math.cos(6.26 * t + 0.7), abs=1e-15)
             assert v == pytest.approx(-0.2 * 6.26 * math.sin(6.26 * t + 0.7), abs=1e-14)
             assert a == pytest.approx(-0.2 * 6.26**2 * math.cos(6.26 * t + 0.7), abs=1e-13)
+
+
+class TestPlanarHarmonic:
+    def ellipse(self, **given):
+        phases = {"vertical_phase": 0.7, "horizontal_phase": 2.5}
+        sizes = {"vertical_amplitude": 0.02, "horizontal_amplitude": 0.03}
+        return ll.PlanarHarmonic(drive_frequency=6.26, **{**phases, **sizes, **given})
+
+    def test_both_directions_are_cosines_with_phases_of_their_own(self):
+        drive = self.ellipse()
+        (_, _, p), *others = pieces(drive)
+        assert not others
+        for t in (0.0, 0.3, 8.1):
+            x, y = 6.26 * t + 2.5, 6.26 * t + 0.7
+            result = [drive.across(t, p), drive.across_velocity(t, p)]
+            # Phases of some 50 rad are rounded to 1e-14.
+            assert result == pytest.approx([0.03 * math.cos(x), -0.1878 * math.sin(x)], abs=1e-14)
+            assert motion(drive, t)[:2] == pytest.approx(
+                [0.02 * math.cos(y), -0.1252 * math.sin(y)], abs=1e-14
+            )
+
+    @pytest.mark.parametrize("lead", [0.0, 0.4, 0.5 * math.pi, 2.0, math.pi])
+    def test_the_bound_is_the_largest_acceleration_on_the_ellipse(self, lead):
+        drive = self.ellipse(horizontal_phase=0.7 + lead)
+        (_, _, p), *_ = pieces(drive)
+        # At 2001 phases a maximum is missed by half a square of 2 pi/2000 in the phase.
+        largest = max(
+            math.hypot(drive.acceleration(t, p), drive.across_acceleration(t, p))
+            for t in np.linspace(0.0, math.tau / 6.26, 2001)
+        )
+        assert drive.largest_acceleration == pytest.approx(largest, rel=1e-5)
+
+    def test_without_a_way_sideways_it_is_the_harmonic_drive(self):
+        drive = self.ellipse(horizontal_amplitude=0.0)
+        same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=6.26, drive_phase=0.7)
+        assert drive.stretches(END) == same.stretches(END)
+        assert drive.largest_acceleration == same.largest_acceleration == 0.02 * 6.26 * 6.26
 
 
 class TestSwept:
