@@ -8,6 +8,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+import scipy.interpolate
 
 import latolato as ll
 from latolato.numerics.engine.record import as_objects
@@ -475,6 +476,48 @@ class TestMeasuredPivot:
         assert error(smooth) < 0.05 * error(rough)
         residual = [motion(smooth, t, 4.9)[0] - y for t, y in zip(times[:-3], noisy, strict=False)]
         assert np.std(residual) == pytest.approx(1e-4, rel=0.1)
+
+    @pytest.mark.parametrize("sigmas", [(0.0, 0.0), (1e-4, 2e-4), (0.0, 2e-4)])
+    def test_both_directions_follow_splines_of_their_own(self, sigmas):
+        rng = np.random.default_rng(2)
+        times = np.arange(0.0, 5.01, 0.05)
+        up = 0.02 * np.cos(9.0 * times) + 1e-4 * rng.standard_normal(times.size)
+        across = 0.005 * np.sin(4.0 * times) + 2e-4 * rng.standard_normal(times.size)
+        drive = ll.MeasuredPivot(
+            times=times, pivot_heights=up, pivot_across=across,
+            height_sigma=sigmas[0], across_sigma=sigmas[1],
+        )  # fmt: skip
+        assert drive.moves_across
+        for values, sigma, names in (
+            (up, sigmas[0], ("height", "velocity", "acceleration")),
+            (across, sigmas[1], ("across", "across_velocity", "across_acceleration")),
+        ):
+            spline = scipy.interpolate.make_interp_spline(times, values, k=5)
+            if sigma:
+                weights = np.full(times.size, 1.0 / sigma)
+                spline = scipy.interpolate.UnivariateSpline(times, values, w=weights, k=5)
+            for a, b, p in pieces(drive, 5.0):
+                for t in (a, 0.3 * a + 0.7 * b):
+                    for order, name in enumerate(names):
+                        exact = spline.derivative(order)(t) if order else spline(t)
+                        # A coefficient of power k is rounded by eps of 1e-2 m/(0.05 s)^k.
+                        assert getattr(drive, name)(t, p) == pytest.approx(
+                            float(exact), abs=1e-14 * 20.0**order
+                        )
+
+    def test_heights_alone_leave_the_pivot_on_the_vertical(self):
+        drive = self.sampled_cosine(60.0, pivot_across=None)
+        assert not drive.moves_across
+        assert not self.sampled_cosine(60.0, pivot_across=np.zeros(301)).moves_across
+
+    def test_ways_sideways_of_another_length_are_refused(self):
+        with pytest.raises(ValueError, match="times and pivot_across must be of one length, got"):
+            self.sampled_cosine(60.0, pivot_across=np.zeros(300))
+
+    def test_the_fastest_frequency_is_that_of_the_faster_direction(self):
+        times = np.arange(601) / 120.0
+        drive = self.sampled_cosine(120.0, pivot_across=0.001 * np.cos(25.0 * times))
+        assert drive.fastest_frequency == pytest.approx(25.0, rel=0.02)
 
     def test_a_gap_across_which_the_curve_swings_far_out_is_named(self):
         # It leaves 1 s with 2 pi cm/s and comes back to the same motion at 6 s: 5.2 cm beyond the

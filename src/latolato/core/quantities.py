@@ -354,11 +354,15 @@ def quantity_field(
     return field(metadata=metadata, **options)
 
 
-def array_field(name: str, allowed: Range = ANY, *, description: str) -> Any:
-    """Return a required dataclass field that carries a list of one quantity of `QUANTITIES`."""
-    quantity = QUANTITIES[name]
-    return field(
-        metadata={
-            "quantity": quantity, "range": allowed, "array": True, "description": description
-        }
-    )  # fmt: skip
+def array_field(name: str, allowed: Range = ANY, *, description: str, **options: Any) -> Any:
+    """Return a dataclass field that carries a list of one quantity of `QUANTITIES`.
+
+    `options` go to `dataclasses.field`.
+    """
+    metadata = {
+        "quantity": QUANTITIES[name],
+        "range": allowed,
+        "array": True,
+        "description": description,
+    }
+    return field(metadata=metadata, **options)
