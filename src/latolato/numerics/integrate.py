@@ -45,10 +45,14 @@ _EXACT = ExactContact()
 
 @dataclass(frozen=True)
 class Start:
-    """Initial angles [rad] and angular velocities [rad/s], right ball first."""
+    """Initial angles [rad] and angular velocities [rad/s], right ball first.
+
+    Balls on slack strings also have their distances from the pivot [m]; with none, all are taut.
+    """
 
     angles: tuple[float, ...]
     velocities: tuple[float, ...]
+    distances: tuple[float, ...] = ()
 
 
 @dataclass
