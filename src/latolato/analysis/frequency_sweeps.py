@@ -18,7 +18,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
-from latolato.physics.pendulum import Pendulum, System
+from latolato.physics.pendulum import OneBall, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
 from latolato.sweeps import sweep
 
@@ -155,7 +155,7 @@ def hysteresis(
         "rest_speed": rest_speed,
     }
     swept = _Sweep(system, drive, amplitudes, ratios, options)
-    if isinstance(system, Pendulum) and not system.has_contacts:
+    if isinstance(system, OneBall) and not system.has_contacts:
         angles, *ends = _stirred(swept, start, least_motion)
     else:
         grid = sweep(

@@ -148,6 +148,10 @@ QUANTITIES: dict[str, Quantity] = {
     "duration": Quantity("s", "t_{end}", "duration", usual=20.0),
     "tolerance": Quantity("rad", r"\varepsilon", "tolerance", first_unit="rad"),
     "largest_angle": Quantity("rad", r"\theta_{max}", "largest angle"),
+    "distance": Quantity("m", "R", "distance of a ball from the pivot"),
+    "initial_distance": Quantity("m", "R_0", "distance from the pivot at the start"),
+    "radial_velocity": Quantity("m/s", r"\dot R", "velocity along the string, outwards"),
+    "slack": Quantity("1", "", "whether the string is slack"),
     # body
     "length": Quantity("m", "l", "pivot to ball centre", usual=0.245),
     "mass": Quantity("kg", "m", "mass of one ball", usual=0.1),
@@ -157,6 +161,7 @@ QUANTITIES: dict[str, Quantity] = {
     "quadratic_damping": Quantity("kg*m", "C_2", "quadratic damping coefficient"),
     "coulomb_damping": Quantity("N", "C_0", "Coulomb friction force"),
     "restitution": Quantity("1", "e", "coefficient of restitution"),
+    "string_restitution": Quantity("1", "e_s", "coefficient of restitution of a string"),
     "rod_mass": Quantity("kg", "m_{rod}", "mass of a uniform rod"),
     "natural_frequency": Quantity("rad/s", r"\omega_0", "natural angular frequency"),
     "decay_rate": Quantity("1/s", "k", "amplitude decay rate C/(2ml)"),
@@ -216,6 +221,13 @@ QUANTITIES: dict[str, Quantity] = {
     "angular_velocity_after": Quantity(
         "rad/s", r"\dot\theta^+", "angular velocity just after contact"
     ),
+    "contact_ball": Quantity("1", "", "ball whose string goes slack or taut, 1 is the right one"),
+    "radial_velocity_before": Quantity(
+        "m/s", r"\dot R^-", "velocity along the string just before contact"
+    ),
+    "radial_velocity_after": Quantity(
+        "m/s", r"\dot R^+", "velocity along the string just after contact"
+    ),
     # energy
     "kinetic_energy": Quantity("J", "T", "kinetic energy in the pivot frame"),
     "potential_energy": Quantity("J", "U", "potential energy above the hanging position"),
@@ -226,6 +238,7 @@ QUANTITIES: dict[str, Quantity] = {
     "damping_loss": Quantity("J", "D", "energy lost to damping"),
     "impact_loss": Quantity("J", "D_e", "energy lost in impacts"),
     "capture_loss": Quantity("J", "D_c", "energy removed when a bounce is taken as rest"),
+    "retension_loss": Quantity("J", "D_s", "energy lost when strings become taut"),
     "noise_work": Quantity("J", "W_n", "work of the noise"),
     "energy_residual": Quantity("J", r"\Delta E", "largest error of the closed energy ledger"),
     "mean_energy": Quantity("J", r"\langle E\rangle", "time mean of the total energy"),
@@ -234,6 +247,9 @@ QUANTITIES: dict[str, Quantity] = {
     "tension": Quantity("N", "F_T", "tension of the rod"),
     "compression_time": Quantity("s", "t_{comp}", "first time at which the rod is pushed"),
     "compression_fraction": Quantity("1", "", "fraction of time in which the rod is pushed"),
+    "first_slack": Quantity("s", "t_{slack}", "first time at which a string goes slack"),
+    "slack_fraction": Quantity("1", "", "fraction of time in which a string is slack"),
+    "largest_string_impulse": Quantity("N*s", "J_{max}", "largest impulse of a string"),
     # maps
     "crossings": Quantity("1", "N", "passages through the crossing angle"),
     "crossing_angle": Quantity("rad", r"\theta_x", "crossing angle"),
@@ -337,12 +353,14 @@ def quantity_field(
     *,
     description: str = "",
     suggested: tuple[float, float] | None = None,
+    is_later: bool = False,
     **options: Any,
 ) -> Any:
     """Return a dataclass field that carries a quantity of `QUANTITIES` and its range.
 
     `suggested` is the interval in which sliders and examples move; `options` go to
-    `dataclasses.field`.
+    `dataclasses.field`. A field that `is_later` joined a law of which there are stored runs:
+    `latolato.core.registry.describe` leaves out its default, which must never change.
     """
     quantity = QUANTITIES[name]
     metadata = {
@@ -350,8 +368,17 @@ def quantity_field(
         "range": allowed,
         "description": description or quantity.long_name,
         "suggested": suggested,
+        "is_later": is_later,
     }
     return field(metadata=metadata, **options)
+
+
+def choice_field(
+    choices: tuple[str, ...], *, default: str, description: str, is_later: bool = False
+) -> Any:
+    """Return a dataclass field that holds one of some words; `is_later` as in `quantity_field`."""
+    metadata = {"choices": choices, "description": description, "is_later": is_later}
+    return field(default=default, metadata=metadata)
 
 
 def array_field(name: str, allowed: Range = ANY, *, description: str, **options: Any) -> Any:

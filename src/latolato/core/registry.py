@@ -188,7 +188,13 @@ def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
     """
     if value not in choices:
         *others, last = map(repr, choices)
-        raise InputError(f"must be {', '.join(others)} or {last}", parameter=name, value=value)
+        guess = suggest(str(value), list(choices))
+        raise InputError(
+            f"must be {', '.join(others)} or {last}",
+            parameter=name,
+            value=value,
+            way_out=guess if guess.startswith("did") else None,
+        )
     return str(value)
 
 
@@ -206,11 +212,14 @@ def number_fields(law: Any) -> list[Field[Any]]:
 
 
 def check_fields(law: Any) -> None:
-    """Check every number of a frozen law against its range; store it as a float, or as an int.
+    """Check a frozen law: its words, and its numbers, which are stored as a float or an int.
 
-    None stays where it is the default.
+    None stays where it is the default of a number.
     """
     kinds = types_of(type(law))
+    for field in fields(law):
+        if kinds[field.name] is str and field.metadata.get("choices"):
+            checked_choice(field.name, getattr(law, field.name), field.metadata["choices"])
     for field in number_fields(law):
         value, allowed = getattr(law, field.name), field.metadata["range"]
         if value is None and field.default is None:
@@ -226,13 +235,17 @@ def check_fields(law: Any) -> None:
 def describe(law: Any) -> dict[str, Any]:
     """Return a law's parameters as plain values, nested laws as nested dictionaries.
 
-    Values that equal their default are kept too: a file must not depend on later defaults.
+    Values that equal their default are kept too: a file must not depend on later defaults. Only
+    those of fields that are later than the files stay out, so that a description, and the hash of
+    a plan, is what it was before the field.
     """
     result: dict[str, Any] = {}
     for f in fields(law):
         if not f.init:
             continue
         value = getattr(law, f.name)
+        if f.metadata.get("is_later") and value == f.default:
+            continue
         if hasattr(value, "__dataclass_fields__"):
             value = describe(value)
         elif isinstance(value, tuple):

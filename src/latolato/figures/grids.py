@@ -14,7 +14,7 @@ from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, variable
 from latolato.figures.sides import Side
 from latolato.numerics.records import EVENT_LIMIT
-from latolato.physics.pendulum import LatoLato, Pendulum
+from latolato.physics.pendulum import LatoLato, OneBall, Pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -168,7 +168,7 @@ def label(values: xr.DataArray) -> str:
     return _LABELS[str(values.name).removeprefix("clamp_")]
 
 
-def draw_overlay(axes: Axes, system: Pendulum, name: str) -> Any:
+def draw_overlay(axes: Axes, system: OneBall, name: str) -> Any:
     """Draw the tongue of eq14 or the lift-off curve over a map and return its legend entry."""
     context = overlays.Context(
         x="frequency_ratio",

@@ -9,7 +9,7 @@ import math
 from typing import TypedDict
 
 from latolato.physics.drives import Harmonic
-from latolato.physics.pendulum import LatoLato, Mathieu, Pendulum
+from latolato.physics.pendulum import LatoLato, Mathieu, OneBall, Pendulum
 
 # Captions of Figs. 2, 3ab and 13.
 PENDULUM = Pendulum(length=1.0, mass=0.8, damping=0.05)
@@ -72,6 +72,6 @@ class Body(TypedDict):
     damping: float
 
 
-def body(system: Pendulum) -> Body:
+def body(system: OneBall) -> Body:
     """Return length [m], mass [kg] and damping [kg m/s] of a system."""
     return {"length": system.length, "mass": system.mass, "damping": system.damping}

@@ -57,7 +57,7 @@ _TANGLED = (
 class Start:
     """Initial angles [rad] and angular velocities [rad/s], right ball first.
 
-    Distances from the pivot [m] are given where a ball begins on a slack string, else none.
+    Balls on slack strings also have their distances from the pivot [m]; with none, all are taut.
     """
 
     angles: tuple[float, ...]

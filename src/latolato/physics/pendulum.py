@@ -9,15 +9,47 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, quantity_field
+from latolato.core.quantities import (
+    NON_NEGATIVE,
+    POSITIVE,
+    UNIT_INTERVAL,
+    choice_field,
+    quantity_field,
+)
 from latolato.core.registry import Registry, check_fields, checked_number, named
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics import contacts
 
 GRAVITY = 9.8  # m/s^2, the paper's value (not 9.81)
+
+# Fields that several systems have. The paper's balls hang on rods, in air that moves with the
+# pivot; air at rest in the room is "lab".
+_suspension_field = partial(
+    choice_field,
+    ("rod", "string"),
+    default="rod",
+    description="what each ball hangs on",
+    is_later=True,
+)
+_string_restitution_field = partial(
+    quantity_field,
+    "string_restitution",
+    UNIT_INTERVAL,
+    default=0.0,
+    suggested=(0.0, 1.0),
+    is_later=True,
+)
+_drag_frame_field = partial(
+    choice_field,
+    ("pivot", "lab"),
+    default="pivot",
+    description="where the air is at rest",
+    is_later=True,
+)
 
 systems: Registry[type] = Registry("system")
 
@@ -100,7 +132,8 @@ class System:
     """What every system has: gravity, the restoring law and the balls it is made of.
 
     A subclass declares its fields, `balls` (right ball first) and, where balls meet,
-    `separation_low` and `separation_high`.
+    `separation_low` and `separation_high`. `suspension`, `string_restitution` and `drag_frame` are
+    fields of those that can hang on strings.
     """
 
     restoring: ClassVar[Any] = staticmethod(restoring_sine)
@@ -109,10 +142,29 @@ class System:
     angles: ClassVar[int] = 1
     has_contacts: ClassVar[bool] = False
 
+    suspension = "rod"
+    string_restitution = 0.0
+    drag_frame = "pivot"
+
     gravity: float = quantity_field("gravity", POSITIVE, default=GRAVITY, suggested=(1.6, 25.0))
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.suspension == "rod" and self.string_restitution > 0.0:
+            raise InputError(
+                "must be 0 with suspension 'rod', as a rod never goes slack",
+                parameter="string_restitution",
+                value=self.string_restitution,
+                way_out="give suspension='string' too",
+            )
+        if self.drag_frame == "lab" and any(ball.quadratic_damping > 0.0 for ball in self.balls):
+            raise InputError(
+                "must be 'pivot' with quadratic_damping, as drag relative to the room is described "
+                "for linear damping only",
+                parameter="drag_frame",
+                value=self.drag_frame,
+                way_out="give quadratic_damping=0 for 'lab'",
+            )
 
     @property
     def balls(self) -> tuple[Ball, ...]:
@@ -131,10 +183,9 @@ class System:
         return math.sqrt(self.gravity / self.balls[0].length)
 
 
-@systems.register("pendulum")
 @dataclass(frozen=True, kw_only=True)
-class Pendulum(System):
-    """One pendulum on a driven pivot, without walls (Paper eq10)."""
+class OneBall(System):
+    """A system with one angle and the parameters of one ball."""
 
     length: float = quantity_field("length", POSITIVE, suggested=(0.05, 2.0))
     mass: float = quantity_field("mass", POSITIVE, suggested=(0.01, 2.0))
@@ -147,9 +198,19 @@ class Pendulum(System):
     )
 
 
+@systems.register("pendulum")
+@dataclass(frozen=True, kw_only=True)
+class Pendulum(OneBall):
+    """One pendulum on a driven pivot, without walls (Paper eq10)."""
+
+    suspension: str = _suspension_field()
+    string_restitution: float = _string_restitution_field()
+    drag_frame: str = _drag_frame_field()
+
+
 @systems.register("mathieu")
 @dataclass(frozen=True, kw_only=True)
-class Mathieu(Pendulum):
+class Mathieu(OneBall):
     """The linearised pendulum, a damped Mathieu equation (Paper eq14)."""
 
     restoring: ClassVar[Any] = staticmethod(restoring_linear)
@@ -158,7 +219,7 @@ class Mathieu(Pendulum):
 
 @systems.register("latolato")
 @dataclass(frozen=True, kw_only=True)
-class LatoLato(Pendulum):
+class LatoLato(OneBall):
     """The mirror-symmetric colliding pair: one angle between two walls (Paper eq10 and eq11).
 
     The angle is the right ball's; the left one is its negative. Energies, works and losses are
@@ -171,6 +232,9 @@ class LatoLato(Pendulum):
     restitution: float = quantity_field(
         "restitution", UNIT_INTERVAL, default=1.0, suggested=(0.0, 1.0)
     )
+    suspension: str = _suspension_field()
+    string_restitution: float = _string_restitution_field()
+    drag_frame: str = _drag_frame_field()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -204,12 +268,15 @@ class BallPair(System):
     restitution: float = quantity_field(
         "restitution", UNIT_INTERVAL, default=1.0, suggested=(0.0, 1.0)
     )
+    suspension: str = _suspension_field()
+    string_restitution: float = _string_restitution_field()
+    drag_frame: str = _drag_frame_field()
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         for name in ("right", "left"):
             if not isinstance(getattr(self, name), Ball):
                 raise InputError("must be a Ball", parameter=name, value=getattr(self, name))
+        super().__post_init__()
         contacts.contact_separation(self.right, self.left)  # refuses what cannot be described
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -204,7 +205,7 @@ def _swing_fit(
     frequency = 2.0 * math.pi / period * period_factor(float(swing[0]))
 
     def pendulum(frequency: float, rate: float) -> Pendulum:
-        drags = {drag: rate}
+        drags: dict[str, Any] = {drag: rate}
         return Pendulum(length=1.0, mass=1.0, gravity=frequency**2, **drags)
 
     step = step_of(pendulum(frequency, 0.0), FixedPivot(), 2.0 * frequency)

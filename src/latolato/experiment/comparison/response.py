@@ -22,7 +22,7 @@ from latolato.experiment.comparison.uncertainties import (
     variable,
 )
 from latolato.experiment.trial_table import checked_trials
-from latolato.physics.pendulum import Pendulum, System
+from latolato.physics.pendulum import OneBall, System
 from latolato.sweeps.plan import make_plan
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def compare_response(
     import xarray as xr
 
     checked_trials(trials)
-    if not isinstance(system, Pendulum):
+    if not isinstance(system, OneBall):
         raise InputError("a response needs a Pendulum or a LatoLato", value=system)
     settled = trials[LATE].values
     if not np.isfinite(settled).all():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +21,10 @@ def system_of(dataset: xr.Dataset) -> System:
     about = dataset.attrs
     kind = systems[about["system"]]
     if kind is BallPair:
-        balls = {side: Ball(**_known(Ball, about, f"{side}_")) for side in ("right", "left")}
-        return BallPair(**balls, gravity=about["gravity"], restitution=about["restitution"])
+        balls: dict[str, Any] = {
+            side: Ball(**_known(Ball, about, f"{side}_")) for side in ("right", "left")
+        }
+        return BallPair(**balls, **_known(BallPair, about, without=tuple(balls)))
     system: System = kind(**_known(kind, about))
     return system
 
@@ -34,8 +36,10 @@ def drive_of(dataset: xr.Dataset) -> Drive:
     return drive
 
 
-def _known(kind: type, about: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
+def _known(
+    kind: type, about: Mapping[Any, Any], prefix: str = "", without: Sequence[str] = ()
+) -> dict[str, Any]:
     """Return the attributes that are parameters of a class."""
-    names = [f.name for f in fields(kind) if f.init]
+    names = [f.name for f in fields(kind) if f.init and f.name not in without]
     needed = {f.name for f in fields(kind) if f.init and f.default is MISSING}
     return {n: about[prefix + n] for n in names if n in needed or prefix + n in about}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, quantity_field
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, choice_field, quantity_field
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import PeriodicDrive, drives
 from latolato.physics.drives.stretch import CRANK, write_stretch
@@ -35,15 +35,10 @@ class CrankSlider(PeriodicDrive):
     connecting_rod_length: float = quantity_field(
         "connecting_rod_length", POSITIVE, suggested=(0.05, 1.0)
     )
-    guide: str = field(
-        default="below",
-        metadata={"description": "side of the guide", "choices": ("below", "above")},
-    )
+    guide: str = choice_field(("below", "above"), default="below", description="side of the guide")
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.guide not in ("below", "above"):
-            raise InputError("must be 'below' or 'above'", parameter="guide", value=self.guide)
         if not self.drive_amplitude < self.connecting_rod_length:
             raise InputError(
                 f"must be less than connecting_rod_length {self.connecting_rod_length:g}, or the "
