@@ -213,10 +213,9 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
 def _hang(state: Any, i: int, distance: float, length: float) -> None:
     """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
     if distance < length:
-        s, c, place = sine(state.angle[i]), cosine(state.angle[i]), state.place[i]
-        speed = distance * state.velocity[i]
-        place[0], place[1] = distance * s, -distance * c
-        place[2], place[3] = speed * c, speed * s
+        s, c, speed = sine(state.angle[i]), cosine(state.angle[i]), distance * state.velocity[i]
+        state.place[i, 0], state.place[i, 1] = distance * s, -distance * c
+        state.place[i, 2], state.place[i, 3] = speed * c, speed * s
         state.is_slack[i] = 1
 
 

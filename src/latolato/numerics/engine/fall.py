@@ -53,6 +53,21 @@ def radial_rate(point: Any) -> float:
     return outward / distance if distance > 0.0 else math.hypot(point.vx, point.vy)
 
 
+@formula
+def _nothing(run: Any, i: int, *rest: Any) -> None:
+    """Do nothing."""
+
+
+@formula
+def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float, float]:
+    """Return zeros."""
+    return 0.0, 0.0, 0.0
+
+
+# Of balls on rods, which never fall.
+NO_FALL = Fall(_nothing, _nothing, _no_works, _no_works)
+
+
 def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
     """Return the functions of a ball whose string is slack; each begins with ``(run, ball, ...)``.
 
@@ -102,8 +117,8 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         swing.shake(run, run.t, point)
 
     @part
-    def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float]:
-        """Let the pivot's velocity jump [m/s] and throw the ball [rad/s]; return both works [J]."""
+    def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float, float]:
+        """Let the pivot's velocity jump [m/s] and throw the ball [rad/s]; return both works, and 0."""
         point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].coupling ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
         point.vy -= jump
@@ -112,7 +127,7 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         point.vx += x
         point.vy += y
         turn_to_place(point)
-        return worked, thrown_work
+        return worked, thrown_work, 0.0
 
     @part
     def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:

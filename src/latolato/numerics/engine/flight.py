@@ -13,7 +13,7 @@ from latolato.numerics.engine.held import Held, add_compression
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
-from latolato.numerics.engine.strings import Strings
+from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
 from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.matrices import clear_matrix, write_matrix
@@ -27,11 +27,11 @@ _ROUNDING = 1e-15
 
 
 def make_flight(
-    swing: Swing, balls: Balls, held: Held, look: Look, strings: Strings | None, count: int,
+    swing: Swing, balls: Balls, held: Held, look: Look, strings: Strings, count: int,
     part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls in flight; strings, if they hang on such, are taut."""
-    two = count == 2
+    two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
     gap_acceleration = balls.gap_acceleration
     tension = make_tension(swing, part)
@@ -55,9 +55,9 @@ def make_flight(
         side = contact_ahead(run, soon)
         if side != 0.0:
             meet(run, side, soon)
-        if strings is not None and run.settings.is_string != 0:
+        if has_strings and run.settings.is_string != 0:
             for i in range(count):
-                strings.await_slack(run, i)
+                await_slack(run, i)
         sum_up(run, run.end, run.t_end)
 
     @inlined(part)

@@ -12,7 +12,7 @@ from latolato.numerics.engine.balls import Balls, make_balls
 from latolato.numerics.engine.book import follow_ledger, write_place, write_sample
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
-from latolato.numerics.engine.fall import Fall, make_fall
+from latolato.numerics.engine.fall import NO_FALL, Fall, make_fall
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.held import make_held
 from latolato.numerics.engine.joint import make_joint
@@ -31,7 +31,7 @@ from latolato.numerics.engine.record import (
 )
 from latolato.numerics.engine.rest import make_rest
 from latolato.numerics.engine.slack import make_slack
-from latolato.numerics.engine.strings import Strings, make_strings
+from latolato.numerics.engine.strings import NO_STRINGS, Strings, make_strings
 from latolato.numerics.engine.swing import Swing, make_swing
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes, Watch
@@ -94,7 +94,7 @@ def usual_modes(kit: Kit) -> tuple[Mode, ...]:
     """Return the modes of exact contact."""
     swing, balls, look, laws, count, part, plane = kit
     held = make_held(swing, laws, part)
-    strings = plane.strings if plane is not None else None
+    strings = plane.strings if plane is not None else NO_STRINGS
     flight = make_flight(swing, balls, held, look, strings, count, part)
     lasting = make_joint(swing, balls, look, part) if count == 2 else make_rest(held, look, part)
     if plane is None:
@@ -163,13 +163,15 @@ def make_engine(
     lasting = JOINT if two else REST
     swing = make_swing(laws, part)
     in_plane = laws.plane is not None
-    fall = make_fall(swing, part) if in_plane else None
+    fall = make_fall(swing, part) if in_plane else NO_FALL
     balls = make_balls(swing, fall, laws, count, part)
     look = make_look(laws, watch, part)
-    plane = None
-    if fall is not None:
+    plane, strings, kick = None, NO_STRINGS, fall.kick
+    if in_plane:
         apart, usual = make_apart(count, part), make_events(swing, balls, look, count, part)
-        plane = Plane(fall, apart, make_strings(swing, balls, apart, usual, count, part))
+        strings = make_strings(swing, balls, apart, usual, count, part)
+        plane = Plane(fall, apart, strings)
+    loosen, jolt = strings.loosen, strings.jolt
     kit = Kit(swing, balls, look, laws, count, part, plane)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
@@ -192,8 +194,8 @@ def make_engine(
                 run.is_rough = 1
             run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
             if in_plane:
-                point, place = run.now[i], state.place[i]
-                point.x, point.y, point.vx, point.vy = place[0], place[1], place[2], place[3]
+                run.now[i].x, run.now[i].y = state.place[i, 0], state.place[i, 1]
+                run.now[i].vx, run.now[i].vy = state.place[i, 2], state.place[i, 3]
         balls.settle(run)
 
     @part
@@ -268,11 +270,11 @@ def make_engine(
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
             thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
-            if plane is not None and run.settings.is_string != 0:
+            if in_plane and run.settings.is_string != 0:
                 if jump != 0.0 and state.is_slack[i] == 0:
-                    plane.strings.loosen(run, i)  # it tightens again where the jump pulls at it
+                    loosen(run, i)  # it tightens again where the jump pulls at it
                 if state.is_slack[i] != 0:
-                    worked, noise = plane.fall.kick(run, i, jump, thrown)
+                    worked, noise, _ = kick(run, i, jump, thrown)
                     state.drive_work += worked
                     state.noise_work += noise
                     moved = moved or jump != 0.0 or thrown != 0.0
@@ -307,9 +309,9 @@ def make_engine(
             state.kick += 1
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
-        if plane is not None and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0):
+        if in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0):
             state.mode = SLACK
-            plane.strings.jolt(run, output, eyes)
+            jolt(run, output, eyes)
         elif moved:
             closing = balls.gap_rate(run.now) * state.side
             rests = state.mode == lasting
@@ -332,8 +334,8 @@ def make_engine(
             point = run.now[i]
             state.angle[i], state.velocity[i] = point.angle, point.velocity
             if in_plane:
-                place = state.place[i]
-                place[0], place[1], place[2], place[3] = point.x, point.y, point.vx, point.vy
+                state.place[i, 0], state.place[i, 1] = point.x, point.y
+                state.place[i, 2], state.place[i, 3] = point.vx, point.vy
         held = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
         state.rests = 1 if held or state.mode == lasting else 0
         state.contacts += run.rows

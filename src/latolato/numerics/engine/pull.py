@@ -176,17 +176,18 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
     part across the string swings the ball, its part along it is the tension's.
     """
     assert laws.plane is not None
-    pivot_acceleration, plane = laws.pivot_acceleration, laws.plane
+    pivot_acceleration = laws.pivot_acceleration
+    across_acceleration, up_velocity, across_velocity = laws.plane
     push, push_slope = laws.push, laws.push_slope
 
     @part
     def shaken(run: Any, t: float) -> tuple[float, float, float, float]:
         """Return the pivot's acceleration and its velocity against the air, x and y each."""
-        ax = plane.across_acceleration(t, run.stretch)
+        ax = across_acceleration(t, run.stretch)
         ay = pivot_acceleration(t, run.stretch)
         if run.settings.in_lab == 0:
             return ax, ay, 0.0, 0.0
-        return ax, ay, plane.across_velocity(t, run.stretch), plane.up_velocity(t, run.stretch)
+        return ax, ay, across_velocity(t, run.stretch), up_velocity(t, run.stretch)
 
     @part
     def shake(run: Any, t: float, point: Any) -> None:

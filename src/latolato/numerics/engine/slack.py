@@ -22,6 +22,8 @@ from latolato.numerics.watch import Eyes
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
 _STRING, _GAP = 0, 1
+# The longest bounce that is too small to be seen, as a share of the step.
+_BRIEF = 1.0 / 64.0
 
 
 @formula
@@ -37,14 +39,16 @@ def make_slack(
     count: int, part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls of which at least one has a slack string."""
+    await_slack, stop_at_once, note_tangle = strings[:3]
+    slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
 
     @part
     def measured(run: Any, points: Any, what: int, i: int) -> tuple[float, float]:
         """Return a spare length or the gap [m], and its rate [m/s]."""
         if what == _STRING:
-            value, rate = apart.spare(run, i, points[i])
+            value, rate = spare_of(run, i, points[i])
             return value, rate
-        value, rate = apart.gap(run, points)
+        value, rate = gap_of(run, points)
         return value, rate
 
     @part
@@ -96,7 +100,7 @@ def make_slack(
         if leaves:
             low = leave_time(run, high, what, i)
             if low == 0.0:
-                strings.stop_at_once(run, event, i)
+                stop_at_once(run, event, i)
                 return
         s = find_value(run, low, high, what, i) if begin > 0.0 or leaves else 0.0
         balls.shorten(run, max(s, SHORTEST * run.t))
@@ -112,7 +116,8 @@ def make_slack(
         inward, pull = -radial_rate(point), length * swing.tension(run, i, point)
         if inward <= 0.0 or pull <= 0.0 or inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
             return 0.0
-        return 2.0 * inward / pull
+        # A ball whose string just went slack has roundings of both.
+        return 2.0 * inward / pull if 2.0 * inward < _BRIEF * run.settings.step * pull else 0.0
 
     @part
     def plan(run: Any) -> None:
@@ -133,11 +138,11 @@ def make_slack(
             run.event, run.ball = TAUTEN, bounced
         for i in range(count):
             if run.state.is_slack[i] == 0:
-                strings.await_slack(run, i)
+                await_slack(run, i)
             elif not (is_brief and i == bounced):
                 await_end(run, _STRING, i, run.state.leaves[i] != 0, TAUTEN)
         await_end(run, _GAP, 0, run.state.touch != 0.0, CONTACT)
-        if run.state.touch != 0.0 and abs(apart.gap(run, run.end)[0]) <= (
+        if run.state.touch != 0.0 and abs(gap_of(run, run.end)[0]) <= (
             THERE / run.bodies[0].coupling
         ):
             run.keeps_touch = 1
@@ -174,13 +179,13 @@ def make_slack(
             if math.isnan(state.slack_start[i]):
                 state.slack_start[i] = run.t
             state.slack_time[i] += run.t_end - run.t
-            if apart.spare(run, i, end)[0] > THERE / run.bodies[i].coupling:
+            if spare_of(run, i, end)[0] > THERE / run.bodies[i].coupling:
                 state.leaves[i] = 0
-            a0, e0, p0 = fall.slopes(run, i, begin)
-            a1, e1, p1 = fall.slopes(run, i, end)
+            a0, e0, p0 = slopes(run, i, begin)
+            a1, e1, p1 = slopes(run, i, end)
             look.show(run, eyes, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
         if count == 2:
-            strings.note_tangle(run)
+            note_tangle(run)
 
     functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
     return Mode(SLACK, *functions)

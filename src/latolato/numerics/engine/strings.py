@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from latolato.core.scalar import formula
 from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
@@ -47,6 +48,15 @@ class Strings(NamedTuple):
     loosen: Callable[..., None]
     jolt: Callable[..., None]
     events: tuple[Event, ...]
+
+
+@formula
+def _nothing(run: Any, *rest: Any) -> None:
+    """Do nothing."""
+
+
+# Of balls on rods.
+NO_STRINGS = Strings(_nothing, _nothing, _nothing, _nothing, _nothing, ())
 
 
 def make_strings(
