@@ -9,6 +9,7 @@ import pytest
 
 import latolato as ll
 from latolato.core.errors import InputError
+from latolato.core.registry import describe
 from latolato.figures import paper_systems as paper
 from latolato.scenario.scenario import Scenario, load_scenario, overridden, scenarios
 from latolato.scenario.tables import run_options
@@ -83,9 +84,8 @@ def test_scenarios_and_figures_of_the_paper_use_the_same_parameters(name, system
     shipped = load_scenario(name)
     for part, expected in ((shipped.system, system), (shipped.drive, drive)):
         if expected is not None:
-            result = dataclasses.asdict(part)
             # 0.08 * 0.245 m and 0.0196 m differ by a rounding
-            assert result == pytest.approx(dataclasses.asdict(expected), rel=1e-15)
+            assert describe(part) == pytest.approx(describe(expected), rel=1e-15)
 
 
 def test_the_printed_start_of_figure_4_never_moves_and_the_push_reaches_the_top():

@@ -26,6 +26,8 @@ MOST_LISTED = 10_000
 MOST_STEPS = 5_000_000
 MOST_SECONDS = 1e5
 MOST_SAMPLES = 200_000
+# What the modules for pages know at its default only: they leave other values to the program.
+BEYOND_PAGES = ("suspension", "string_restitution", "drag_frame", "initial_distance")
 _SWITCH = {"true": True, "false": False}
 _WHOLE = re.compile(r"\s*[-+]?\d{1,18}\s*")
 
@@ -147,6 +149,7 @@ def check_size(scenario: Scenario) -> None:
         run.get("initial_angle"),
         run.get("initial_angular_velocity", 0.0),
         run.get("initial_offset"),
+        run.get("initial_distance"),
     )
     tolerance = float(run.get("tolerance", 1e-10))
     step = choose_step(system, drive, start, tolerance)

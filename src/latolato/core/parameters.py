@@ -46,6 +46,8 @@ class Parameter:
         None where the value is needed, or may be left out.
     suggested : tuple of float, optional
         Interval in which sliders move [SI].
+    is_later : bool
+        Whether descriptions leave it out at its default; see `quantities.quantity_field`.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Parameter:
     is_required: bool = False
     default: Any = None
     suggested: tuple[float, float] | None = None
+    is_later: bool = False
 
     @property
     def unit(self) -> str:
@@ -144,6 +147,7 @@ def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
             is_required=field.default is MISSING,
             default=None if field.default is MISSING else field.default,
             suggested=about.get("suggested"),
+            is_later=bool(about.get("is_later")),
         )
 
 

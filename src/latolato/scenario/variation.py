@@ -340,6 +340,11 @@ def tables_of_plan(plan: Plan) -> dict[str, Any]:
     else:
         for name in ("initial_angle", "initial_angular_velocity"):
             run[name] = [start.get(name + side, 0.0) for side in _SIDES]
+        sides = dict(zip(_SIDES, plan.system.balls, strict=True))
+        if any(f"initial_distance{side}" in start for side in sides):
+            run["initial_distance"] = [
+                start.get(f"initial_distance{side}", ball.length) for side, ball in sides.items()
+            ]
     sweep: dict[str, Any] = {
         "axes": {
             axis.name: axis.values[0]

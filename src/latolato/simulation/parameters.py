@@ -46,6 +46,12 @@ _PARAMETERS = (
         "run", "initial_offset", "start this far above the low contact angle instead",
         allowed=NON_NEGATIVE, suggested=(0.0, 1.5),
     ),
+    _of(
+        "run", "initial_distance",
+        "distance from the pivot at the start, less than the length of a slack string; of a "
+        "ballpair right, left",
+        allowed=POSITIVE, for_each_ball=True, suggested=(0.05, 2.0),
+    ),
     _of("run", "duration", "end of the run", allowed=POSITIVE, suggested=(1.0, 300.0)),
     _of(
         "run", "times", "instants of the samples, or a file that holds them",

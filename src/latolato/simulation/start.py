@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, QUANTITIES
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import checked_number
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
@@ -21,6 +21,8 @@ from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 DEFAULT_REST_SPEED = 1e-7  # rad/s
 # More velocity kicks than this would fill the memory.
 MOST_KICKS = 20_000_000
+# How a refusal names what two balls share.
+_SEPARATION = "the separation {parameter}[0] - {parameter}[1]"
 
 
 def checked_system(system: Any) -> System:
@@ -30,14 +32,32 @@ def checked_system(system: Any) -> System:
     return system
 
 
-def checked_drive(drive: Drive | None) -> Drive:
-    """Return a drive, a pivot at rest for None."""
+def checked_drive(drive: Drive | None, system: System | None = None) -> Drive:
+    """Return a drive that suits a system, a pivot at rest for None."""
     if drive is None:
         return FixedPivot()
     if not isinstance(drive, Drive):
         raise InputError(
             f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
         )
+    if getattr(drive, "moves_across", False) and system is not None:
+        name = drives.name_of(drive)
+        if isinstance(system, LatoLato):
+            raise InputError(
+                "moves the pivot sideways, which breaks the mirror symmetry of a LatoLato: "
+                "{parameter} must be vertical",
+                parameter="drive",
+                value=name,
+                way_out="use a BallPair",
+            )
+        if system.is_linear:
+            raise InputError(
+                f"moves the pivot sideways, which a {type(system).__name__} does not describe: "
+                "{parameter} must be vertical",
+                parameter="drive",
+                value=name,
+                way_out="use a Pendulum",
+            )
     return drive
 
 
@@ -74,6 +94,14 @@ def checked_contact(contact: Any, system: System) -> ContactLaw:
             )
         return PassThrough()
     law.check_system(system)
+    if law.motion != "exact" and (system.suspension != "rod" or system.drag_frame != "pivot"):
+        what = "strings" if system.suspension != "rod" else "drag_frame 'lab'"
+        raise InputError(
+            f"{{parameter}} '{contact_laws.name_of(law)}' is described for rods and for drag "
+            f"relative to the pivot only, not for {what}",
+            parameter="contact",
+            way_out="use 'exact' or 'none'",
+        )
     return law
 
 
@@ -97,7 +125,7 @@ def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) 
     return np.array([angles[0] + shift, angles[1] - shift])
 
 
-def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
+def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> tuple[float, ...]:
     """Return one or two checked numbers of a start."""
     unit = QUANTITIES[name].unit
     if count == 1:
@@ -105,14 +133,14 @@ def checked_numbers(name: str, value: Any, count: int) -> tuple[float, ...]:
             raise InputError(
                 f"must be one number in {unit} for one angle", parameter=name, value=value
             )
-        return (checked_number(name, value, ANY, unit),)
+        return (checked_number(name, value, allowed, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
         raise InputError(
             "of a BallPair must be two numbers (right, left)", parameter=name, value=value
         )
-    return tuple(checked_number(f"{name}[{i}]", v, ANY, unit) for i, v in enumerate(value))
+    return tuple(checked_number(f"{name}[{i}]", v, allowed, unit) for i, v in enumerate(value))
 
 
 def checked_offset(system: System, angle: Any, offset: Any) -> float:
@@ -130,10 +158,74 @@ def checked_offset(system: System, angle: Any, offset: Any) -> float:
     return checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
 
 
+def check_strings(system: System, parameter: str) -> None:
+    """Raise InputError for a parameter of strings unless the system hangs on them."""
+    if system.suspension != "string":
+        raise InputError(
+            "is for balls on strings: a rod keeps its ball at its length and never goes slack",
+            parameter=parameter,
+            way_out="leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair",
+        )
+
+
+def checked_distances(system: System, value: Any) -> tuple[float, ...]:
+    """Return the distances from the pivot at which balls start [m], none for taut strings."""
+    if value is None:
+        return ()
+    check_strings(system, "initial_distance")
+    distances = checked_numbers("initial_distance", value, system.angles, POSITIVE)
+    lengths = tuple(ball.length for ball in system.balls)
+    for i, (distance, length) in enumerate(zip(distances, lengths, strict=True)):
+        if distance > length:
+            raise InputError(
+                "must not exceed the length of the string",
+                parameter="initial_distance" if system.angles == 1 else f"initial_distance[{i}]",
+                value=distance,
+                way_out=f"give at most {length:.9g} m, at which the string is taut",
+            )
+    return distances if distances != lengths else ()
+
+
+def check_apart(system: System, angles: Sequence[float], distances: Sequence[float]) -> None:
+    """Raise InputError if two balls overlap that are this far from the pivot, or have swapped.
+
+    The left ball of a `LatoLato` is the right one's mirror image.
+    """
+    mirrored = system.angles == 1
+    gap = 2.0 * angles[0] if mirrored else angles[0] - angles[1]
+    if not 0.0 <= gap <= 2.0 * math.pi:
+        what, most = ("{parameter}", "pi") if mirrored else (_SEPARATION, "2 pi")
+        raise InputError(
+            f"{what} must lie in [0, {most}] rad",
+            parameter="initial_angle",
+            value=float(angles[0] if mirrored else gap),
+            way_out="give one at which the balls do not overlap",
+        )
+    right, left = distances[0], distances[-1]
+    apart = math.sqrt((right - left) ** 2 + 4.0 * right * left * math.sin(0.5 * gap) ** 2)
+    reach = system.balls[0].radius + system.balls[-1].radius
+    if apart < reach * (1.0 - ON_WALL):
+        raise InputError(
+            f"the balls overlap at this {{parameter}}: their centres must be at least {reach:.9g} "
+            f"m apart, but are {apart:.9g} m apart",
+            parameter="initial_distance",
+            value=distances[0] if mirrored else tuple(distances),
+            way_out="give other distances or angles",
+        )
+
+
 def checked_start(
-    system: System, walls: tuple[float, float], angle: Any, velocity: Any, offset: Any
+    system: System,
+    walls: tuple[float, float],
+    angle: Any,
+    velocity: Any,
+    offset: Any,
+    distance: Any = None,
 ) -> Start:
-    """Return the start, moved onto a wall that it is within 1e-12 rad of."""
+    """Return the start, moved onto a wall that it is within 1e-12 rad of.
+
+    With a `distance` below the length a ball starts on a slack string, without radial velocity.
+    """
     low, high = walls
     if angle is None and offset is None:
         raise InputError(
@@ -145,6 +237,7 @@ def checked_start(
         assert isinstance(system, LatoLato)
         angle = system.contact_angle_low + above
     velocities = checked_numbers("initial_angular_velocity", velocity, system.angles)
+    distances = checked_distances(system, distance)
     if system.angles == 1:
         (value,) = checked_numbers("initial_angle", angle, 1)
         what, gap = "{parameter}", value
@@ -156,7 +249,12 @@ def checked_start(
                 value=angle,
             )
         right, left = checked_numbers("initial_angle", angle, 2)
-        what, gap = "the separation {parameter}[0] - {parameter}[1]", right - left
+        what, gap = _SEPARATION, right - left
+    if distances:
+        angles = (gap,) if system.angles == 1 else (right, left)
+        if math.isfinite(low):
+            check_apart(system, angles, distances)
+        return Start(angles, velocities, distances)
     if not low - ON_WALL <= gap <= high + ON_WALL:
         raise InputError(
             f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad",

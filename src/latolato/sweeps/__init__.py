@@ -34,6 +34,7 @@ def sweep(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
+    initial_distance: float | Sequence[float] | None = None,
     transient: float = 0.0,
     transient_periods: float = 0.0,
     tolerance: float = 1e-6,
@@ -61,13 +62,13 @@ def sweep(
         ``{"drive_amplitude": values, "frequency_ratio": values}`` is a grid over both. A mapping
         as value varies several parameters together: ``{"case": {"length": ..., "radius": ...}}``.
         Any number of the system or the drive, `initial_angle`, `initial_angular_velocity`,
-        `initial_offset` (of a `BallPair` with ``_right`` or ``_left`` behind), and
-        `frequency_ratio`, `amplitude_ratio`, `drive_acceleration_ratio` may vary.
+        `initial_offset`, `initial_distance` (of a `BallPair` with ``_right`` or ``_left`` behind),
+        and `frequency_ratio`, `amplitude_ratio`, `drive_acceleration_ratio` may vary.
     duration : float
         End of every run [s].
     observables : sequence
         Names or instances of `latolato.observables`; a variable's name stands for its observable.
-    initial_angle, initial_angular_velocity, initial_offset, tolerance
+    initial_angle, initial_angular_velocity, initial_offset, initial_distance, tolerance
         As for `latolato.simulate`.
     transient, transient_periods : float
         Time [s], or number of drive periods (natural ones without a drive), after which

@@ -68,7 +68,10 @@ def parameters_of(system: Any, drive: Any, noise: Any = None) -> dict[str, Param
     if "drive_frequency" not in result:  # stages have several accelerations
         result.pop("drive_acceleration_ratio", None)
     sides = ("",) if system.angles == 1 else ("_right", "_left")
-    for name in ("initial_angle", "initial_angular_velocity"):
+    starts = ["initial_angle", "initial_angular_velocity"]
+    if "suspension" in system.__dataclass_fields__:
+        starts.append("initial_distance")
+    for name in starts:
         result |= {name + side: replace(RUN_PARAMETERS[name], name=name + side) for side in sides}
     if system.has_contacts and system.angles == 1:
         result["initial_offset"] = RUN_PARAMETERS["initial_offset"]

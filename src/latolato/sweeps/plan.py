@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter
 from latolato.core.registry import (
     describe,
     number_fields,
@@ -28,13 +29,14 @@ from latolato.physics.pendulum import System, systems
 from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
+    check_strings,
     checked_contact,
     checked_drive,
     checked_numbers,
     checked_offset,
     checked_system,
 )
-from latolato.sweeps.axes import Axis, checked_axes, parameters_of
+from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
@@ -230,6 +232,7 @@ def make_plan(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
+    initial_distance: float | Sequence[float] | None = None,
     transient: float = 0.0,
     transient_periods: float = 0.0,
     tolerance: float = 1e-6,
@@ -250,6 +253,7 @@ def make_plan(
     drive = _drive_for(system, drive, varied_names, noise)
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
+    _check_suspension(system, dimensions, known)
     varied = {name for axis in dimensions for name in axis.parameters}
     length = RUN_PARAMETERS["duration"].checked(duration)
     transient = SWEEP_PARAMETERS["transient"].checked(transient)
@@ -277,7 +281,16 @@ def make_plan(
         drive=drive,
         axes=dimensions,
         observables=watched,
-        start=_start(system, varied, initial_angle, initial_angular_velocity, initial_offset),
+        start=_start(
+            system,
+            varied,
+            {
+                "initial_angle": initial_angle,
+                "initial_angular_velocity": initial_angular_velocity,
+                "initial_distance": initial_distance,
+            },
+            initial_offset,
+        ),
         duration=length,
         transient=transient,
         transient_periods=periods,
@@ -335,7 +348,7 @@ def _drive_for(
 ) -> Drive:
     """Return the drive, a harmonic one if there is none but the axes vary one."""
     if drive is not None:
-        return checked_drive(drive)
+        return checked_drive(drive, system)
     amplitudes = {"drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"}
     frequencies = {"drive_frequency", "frequency_ratio"}
     harmonic = Harmonic(drive_amplitude=0.0, drive_frequency=0.0)
@@ -349,6 +362,16 @@ def _drive_for(
         name = sorted(varied & (amplitudes | frequencies | {"drive_phase"}))[0]
         raise InputError(f"axis {name} needs a drive: give one, for example Harmonic")
     return checked_drive(None)
+
+
+def _check_suspension(system: System, axes: Sequence[Axis], known: Mapping[str, Parameter]) -> None:
+    """Raise InputError if axes vary what belongs to strings, or drag that the air does not have."""
+    for axis in axes:
+        for name, values in zip(axis.parameters, axis.values, strict=True):
+            if name == "string_restitution" or name.startswith("initial_distance"):
+                check_strings(system, name)
+            if name.endswith("quadratic_damping"):
+                replaced(system, {known[name].path: max(values)})
 
 
 def _listed(value: Any) -> list[Any]:
@@ -412,18 +435,20 @@ def _check_observables(
 def _start(
     system: System,
     varied: set[str],
-    angle: Any,
-    velocity: Any,
+    given: Mapping[str, Any],
     offset: Any,
 ) -> tuple[tuple[str, float], ...]:
     """Return the start's parameters that do not vary, by name."""
     sides = ("",) if system.angles == 1 else ("_right", "_left")
     fixed: dict[str, float] = {}
     if offset is not None:
-        fixed["initial_offset"] = checked_offset(system, angle, offset)
-    for name, value in {"initial_angle": angle, "initial_angular_velocity": velocity}.items():
+        fixed["initial_offset"] = checked_offset(system, given["initial_angle"], offset)
+    if given["initial_distance"] is not None:
+        check_strings(system, "initial_distance")
+    for name, value in given.items():
         if value is not None:
-            numbers = checked_numbers(name, value, system.angles)
+            allowed = RUN_PARAMETERS[name].allowed
+            numbers = checked_numbers(name, value, system.angles, allowed)
             fixed |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
     starts = ("initial_angle", "initial_offset")
     for name, other in zip(starts, reversed(starts), strict=True):

@@ -378,7 +378,8 @@ def _objects(
             angle = tuple(float(columns[f"initial_angle{s}"][k]) for s in sides)
     one = system.angles == 1
     values: Any = None if offset is not None else (angle[0] if one else angle)
-    start = checked_start(system, walls, values, velocity[0] if one else velocity, offset)
+    distance = _distances(system, columns, k) if previous is None else None
+    start = checked_start(system, walls, values, velocity[0] if one else velocity, offset, distance)
     transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
     if not transient < plan.duration:
         raise InputError(
@@ -402,6 +403,19 @@ def _objects(
     return system, drive, start
 
 
+def _distances(system: System, columns: Columns, k: int) -> Any:
+    """Return the distances at which the balls of a point start [m], None for taut strings."""
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    names = [f"initial_distance{side}" for side in sides]
+    if not columns.keys() & set(names):
+        return None
+    distances = tuple(
+        float(columns[name][k]) if name in columns else ball.length
+        for name, ball in zip(names, system.balls, strict=True)
+    )
+    return distances if len(distances) > 1 else distances[0]
+
+
 def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
     """Return the arguments of `latolato.simulate` that run one point of a plan alone.
 
@@ -423,6 +437,7 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
         "drive": drive,
         "initial_angle": start.angles[0] if one else start.angles,
         "initial_angular_velocity": start.velocities[0] if one else start.velocities,
+        "initial_distance": _distances(system, columns, 0),
         "duration": plan.duration,
         "tolerance": plan.tolerance,
         "contact": plan.contact if system.has_contacts else None,

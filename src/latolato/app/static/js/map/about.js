@@ -22,7 +22,7 @@ export function beginOf(question) {
   const { registry, layout, options, plan, shown, title } = question;
   const [x, y] = [question.x, question.y].map((span) => axisOf(question, span));
   const { contacts, options: own } = registry.systems[options.system];
-  const parameters = Object.fromEntries(own.filter((name) => name !== x.name && name !== y.name)
+  const parameters = Object.fromEntries(own.filter((name) => name in options && name !== x.name && name !== y.name)
     .map((name) => [name, options[name]]));
   const along = /** @type {Record<"x" | "y", Float64Array>} */ ({ x: plan.x.values, y: plan.y.values });
   return {

@@ -97,7 +97,11 @@ export function resolvedOf({ registry, options, system, drive, noise }) {
   const ofNoise = Object.keys(registry.options).filter((name) => registry.options[name].owner === "noise");
   const known = [...registry.systems[system.kind].options, ...registry.drives[drive.kind].options,
     ...(noise ? ofNoise : [])];
-  for (const name of known) resolved[name] ??= registry.options[name].default;
+  for (const name of known) {
+    resolved[name] ??= registry.options[name].default;
+    if (registry.options[name].is_later && resolved[name] === registry.options[name].default)
+      delete resolved[name];
+  }
   return resolved;
 }
 

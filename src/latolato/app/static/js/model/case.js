@@ -3,7 +3,7 @@
 import { loadKernels } from "../kernels/load.js";
 import { checkIncreasing, driveOf, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { BeyondPageError, checkedNumber, general, InputError, suggest } from "./rules.js";
+import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -45,11 +45,25 @@ export async function specify(registry, request) {
   const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
+  const beyond = beyondPages(registry, options);
+  if (beyond) throw new BeyondPageError(`a run with {parameter} ${options[beyond]} is`, beyond);
   withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
   const moved = driveOf(registry, drive, parts.drive);
   const law = contactOf(registry, system, parts.run);
   const noise = noiseOf(registry, parts.noise);
   return { ...checkedRun(registry, kernels, options, system, moved, law, parts.run), noise };
+}
+
+/**
+ * Return the first option whose value the compiled modules do not have, undefined for none.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options
+ */
+export function beyondPages(registry, options) {
+  return Object.keys(options).find((name) => {
+    const option = registry.options[name];
+    return !option.compiled && options[name] !== option.default;
+  });
 }
 
 /**
@@ -120,9 +134,7 @@ function checkedRun(registry, kernels, options, system, drive, law, run) {
   const tolerance = number("tolerance");
   const restSpeed = number("rest_speed");
   const contactLimit = number("contact_limit");
-  const frame = usual("frame");
-  if (!["pivot", "both"].includes(frame))
-    throw new InputError("must be 'pivot' or 'both'", { parameter: "frame", value: frame });
+  const frame = checkedChoice(registry.options.frame, "frame", usual("frame"));
   const { times, duration } = instantsOf(registry, run);
   const meets = system.contacts && law.contact !== "none";
   const start = startOf(registry, system, meets, run);

@@ -1,7 +1,7 @@
 /** Systems, drives and contact laws from their parameters, checked as Python checks them. */
 
 import { begin, shake } from "../kernels/begin.js";
-import { checkedNumber, general, InputError } from "./rules.js";
+import { checkedChoice, checkedNumber, general, InputError } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -47,6 +47,8 @@ function numbersOf(registry, part, kind, input) {
     if (value === null && !(name in input)) throw missing(registry, law.title, name, own, input);
     values[name] = value;
   }
+  for (const name of own)
+    if (registry.options[name].choices.length) checkedChoice(registry.options[name], name, values[name]);
   for (const name of own) {
     const option = registry.options[name];
     if (!option.unit || option.several) continue;
@@ -193,8 +195,6 @@ export function driveOf(registry, kind, input) {
   for (const name of lists) values[name] = checkedList(registry, name, values[name]);
   if (kind === "crank_slider") {
     const { guide, drive_amplitude, connecting_rod_length } = values;
-    if (!["below", "above"].includes(guide))
-      throw new InputError("must be 'below' or 'above'", { parameter: "guide", value: guide });
     if (!(drive_amplitude < connecting_rod_length))
       throw new InputError(
         `must be less than connecting_rod_length ${general(connecting_rod_length)}, or the crank would jam`,

@@ -133,6 +133,22 @@ function within(limits, parameter, value, shown = value) {
   return value;
 }
 
+/**
+ * Return one of the words that an option may be.
+ * @param {Option} option
+ * @param {string} parameter what errors call it
+ * @param {any} value
+ * @returns {string}
+ */
+export function checkedChoice({ choices }, parameter, value) {
+  if (choices.includes(value)) return value;
+  const words = choices.map(literal);
+  const last = words.pop();
+  const guess = suggest(String(value), choices);
+  throw new InputError(`must be ${words.join(", ")} or ${last}`,
+    { parameter, value, ...(guess.startsWith("did") ? { wayOut: guess } : {}) });
+}
+
 // The part of a name that a typo leaves, and the shortest part of one that is recognised.
 const LIKENESS = 0.55;
 const SHORTEST_PART = 3;
