@@ -380,36 +380,26 @@ def largest_acceleration(stretches: Any, end: float) -> float:
 
 
 @formula
-def _curve_frequency(stretches: Any, end: float, is_across: bool) -> float:
-    """Return the frequency of a cosine with the range and acceleration of all quintics [rad/s]."""
-    steepest, low, high = 0.0, math.inf, -math.inf
-    for i in range(len(stretches)):
-        p, span = stretches[i], _span(stretches, i, end)
-        if p.form == POLYNOMIAL:
-            if is_across:
-                first, bend = p.x0, _quintic_bound(span, p.x2, p.x3, p.x4, p.x5)
-                last = _quintic(span, p.x0, p.x1, p.x2, p.x3, p.x4, p.x5)
-            else:
-                first, bend = p.c0, _quintic_bound(span, p.c2, p.c3, p.c4, p.c5)
-                last = _quintic(span, p.c0, p.c1, p.c2, p.c3, p.c4, p.c5)
-            low, high, steepest = min(low, first, last), max(high, first, last), max(steepest, bend)
-    return math.sqrt(2.0 * steepest / (high - low)) if high > low else 0.0
-
-
-@formula
 def fastest_frequency(stretches: Any, end: float) -> float:
     """Return the largest angular frequency that matters in all stretches [rad/s].
 
     That of a crank is its strongest overtone's, that of polynomials belongs to a cosine of the same
-    height, or way sideways, and acceleration.
+    larger extent and acceleration.
     """
-    fastest = 0.0
+    fastest = steepest = 0.0
+    low, high, left, right = math.inf, -math.inf, math.inf, -math.inf
     for i in range(len(stretches)):
         p, span = stretches[i], _span(stretches, i, end)
-        if p.form == CRANK:
+        if p.form == POLYNOMIAL:
+            first, last = p.c0, _quintic(span, p.c0, p.c1, p.c2, p.c3, p.c4, p.c5)
+            low, high = min(low, first, last), max(high, first, last)
+            first, last = p.x0, _quintic(span, p.x0, p.x1, p.x2, p.x3, p.x4, p.x5)
+            left, right = min(left, first, last), max(right, first, last)
+            steepest = max(steepest, acceleration_bound(p, span))
+        elif p.form == CRANK:
             lam = p.c0 / p.rod
             fastest = max(fastest, p.frequency / math.sqrt(1.0 - lam * lam) * (1.0 + lam))
-        elif p.form != POLYNOMIAL:
+        else:
             fastest = max(fastest, abs(p.frequency), abs(p.frequency + p.rate * span))
-    up, across = _curve_frequency(stretches, end, False), _curve_frequency(stretches, end, True)
-    return max(fastest, up, across)
+    extent = max(high - low, right - left)
+    return max(fastest, math.sqrt(2.0 * steepest / extent)) if extent > 0.0 else fastest
