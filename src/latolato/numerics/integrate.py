@@ -133,11 +133,7 @@ def laws_key(system: System) -> tuple[Formula, Formula]:
 
 def moves_in_plane(system: System, drive: Drive) -> bool:
     """Return whether a motion needs the engine for the plane, which serves every other one too."""
-    return (
-        drive.moves_across
-        or getattr(system, "suspension", "rod") == "string"
-        or getattr(system, "drag_frame", "pivot") == "lab"
-    )
+    return drive.moves_across or system.suspension == "string" or system.drag_frame == "lab"
 
 
 def motion_laws(system: System, drive: Drive, *, in_plane: bool) -> tuple[Formula, ...]:

@@ -65,8 +65,8 @@ def make_plane_observer(
     def observe_ball(o: Any, j: int, i: int, is_still: bool) -> None:
         """Fill all rows of one ball but what a second one adds to its tension."""
         b, samples, out = o.balls[j], o.samples, o.out
-        angle, w = samples[2 * j, i], samples[2 * j + 1, i]
-        distance, outward, slack = (samples[S_DISTANCE + 3 * j + k, i] for k in (0, 1, 2))
+        angle, w, row = samples[2 * j, i], samples[2 * j + 1, i], S_DISTANCE + 3 * j
+        distance, outward, slack = samples[row, i], samples[row + 1, i], samples[row + 2, i]
         s, c, speed = sine(angle), cosine(angle), distance * w
         vx, vy = outward * s + speed * c, -outward * c + speed * s
         x, y, wind_x, wind_y = pull(o, b, i)

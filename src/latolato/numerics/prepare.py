@@ -331,9 +331,8 @@ def cases_of(
         cases["initial_angle"][:, i] = angles[i]
         cases["initial_angular_velocity"][:, i] = velocities[i]
     cases["initial_offset"], cases["initial_distance"] = math.nan, math.nan
-    cases["is_string"] = getattr(system, "suspension", "rod") == "string"
-    cases["in_lab"] = getattr(system, "drag_frame", "pivot") == "lab"
-    cases["string_restitution"] = getattr(system, "string_restitution", 0.0)
+    cases["is_string"], cases["in_lab"] = system.suspension == "string", system.drag_frame == "lab"
+    cases["string_restitution"] = system.string_restitution
     cases["pivot_bound"], cases["drive_rate"] = bounds
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0
