@@ -309,6 +309,9 @@ def make_steering(
         state, t, run = progress.states[k], points.stops[k, index], scratch.runs[0]
         eyes = Eyes(acc, column, columns)
         if index == 0:
+            for ball in range(balls):
+                progress.states[k].slack_start[ball] = math.nan
+            progress.states[k].string_impulse = 0.0
             progress.begun[k] = progress.states[k]
             for ball in range(balls):
                 on_restart(run, eyes, ball, state.angle[ball], state.velocity[ball])
@@ -328,7 +331,10 @@ def make_steering(
                     state.damping_loss - begun.damping_loss,
                     state.impact_loss - begun.impact_loss,
                     state.capture_loss - begun.capture_loss,
-                    state.compression_time[ball] - begun.compression_time[ball], balls,
+                    state.retension_loss - begun.retension_loss,
+                    state.compression_time[ball] - begun.compression_time[ball],
+                    state.slack_time[ball] - begun.slack_time[ball], state.slack_start[ball],
+                    state.string_impulse, balls,
                 )  # fmt: skip
                 on_finish(run, eyes, ball, outcome)
 

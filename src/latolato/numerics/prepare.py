@@ -210,6 +210,23 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
 
 
 @formula
+def _is_apart(case: Any, state: Any) -> bool:
+    """Return whether balls, of which one at least begins on a slack string, do not overlap."""
+    d0, d1 = case.balls[0].length, case.balls[1].length
+    if state.is_slack[0] != 0:
+        d0 = case.initial_distance[0]
+    if state.is_slack[1] != 0:
+        d1 = case.initial_distance[1]
+    r0, r1, angle = case.balls[0].radius, case.balls[1].radius, state.angle[0]
+    if case.angles == 1:
+        return bool(0.0 <= angle <= math.pi and d0 * sine(angle) >= r0 * (1.0 - ON_WALL))
+    gap = angle - state.angle[1]
+    half = sine(0.5 * gap)
+    apart = math.sqrt((d0 - d1) ** 2 + 4.0 * d0 * d1 * half * half)
+    return bool(0.0 <= gap <= math.tau and apart >= (r0 + r1) * (1.0 - ON_WALL))
+
+
+@formula
 def _hang(state: Any, i: int, distance: float, length: float) -> None:
     """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
     if distance < length:
@@ -288,6 +305,12 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     for i in range(case.angles):
         settings.radius[i] = case.balls[i].radius
         _hang(state, i, case.initial_distance[i], case.balls[i].length)
+        if not (math.isnan(case.initial_distance[i]) or 0.0 < case.initial_distance[i]):
+            return OVERLAP
+        if case.initial_distance[i] > case.balls[i].length:
+            return OVERLAP
+    if case.is_exact == 0 and (state.is_slack[0] != 0 or state.is_slack[1] != 0):
+        problem = FINE if case.meets == 0 or _is_apart(case, state) else OVERLAP
         if problem == FINE and case.mirrored != 0 and not _is_mirrored(case, right, left):
             return UNLIKE
     for i in range(case.angles):
