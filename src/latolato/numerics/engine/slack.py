@@ -18,12 +18,13 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
+from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.watch import Eyes
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
 _STRING, _GAP = 0, 1
-# The longest bounce that is too small to be seen, as a share of the step.
-_BRIEF = 1.0 / 64.0
+# A string pulls where its tension would be more than this share of the largest one.
+_PULLS = 1e-9
 
 
 @formula
@@ -40,6 +41,7 @@ def make_slack(
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, note_tangle = strings[:3]
+    tension = make_tension(swing, part)
     slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
 
     @part
@@ -114,10 +116,11 @@ def make_slack(
         if state.is_slack[i] == 0 or state.leaves[i] == 0:
             return 0.0
         inward, pull = -radial_rate(point), length * swing.tension(run, i, point)
-        if inward <= 0.0 or pull <= 0.0 or inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
+        # A string that just went slack pulls by roundings, and its ball moves inwards by some.
+        least = _PULLS * length * tension.margin(run, i) / run.settings.sag
+        if inward <= 0.0 or pull <= least or inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
             return 0.0
-        # A ball whose string just went slack has roundings of both.
-        return 2.0 * inward / pull if 2.0 * inward < _BRIEF * run.settings.step * pull else 0.0
+        return 2.0 * inward / pull
 
     @part
     def plan(run: Any) -> None:
