@@ -63,3 +63,18 @@ def test_an_option_is_described_by_its_own_parameter_and_no_namesake():
     assert options["drive_times"]["description"] == "stage starts"
     assert options["noise_seed"]["default"] == 0
     assert options["noise_seed"]["high"] == 2**63
+
+
+def test_forms_choose_between_rods_and_strings():
+    entries = registry()
+    assert entries["options"]["suspension"]["choices"] == ["rod", "string"]
+    assert entries["options"]["drag_frame"]["choices"] == ["pivot", "lab"]
+    for name, system in entries["systems"].items():
+        assert ("suspension" in system["options"]) == (name != "mathieu")
+
+
+def test_maps_of_pages_vary_nothing_that_belongs_to_strings():
+    entries = registry()
+    offered = {*entries["axes"], *(a for law in entries["systems"].values() for a in law["axes"])}
+    assert {"restitution", "initial_angle_right"} <= offered
+    assert not [name for name in offered if "string" in name or "distance" in name]

@@ -95,6 +95,9 @@ WRONG = [
         {**SCHEDULE, "frequency_ratio": 2}, {**RATIO, "frequency_ratios": [1, 2]},
         {"frequency_ratio": 2, "drive": "fixed_pivot"},
         {**CRANK, "connecting_rod_length": 0.05}, {**CRANK, "guide": "left"},
+        {**CRANK, "guide": "belw"}, {"suspension": "sting"}, {"drag_frame": 1},
+        {"suspension": "string", "string_restitution": 2},
+        {"system": "mathieu", "suspension": "rod"},
         without(CRANK, "connecting_rod_length"), {**SCHEDULE, "drive_times": [1, 2]},
         {**SCHEDULE, "drive_times": [0, 0]}, {**SCHEDULE, "drive_times": [0]},
         {**SCHEDULE, "ramp": 2}, {**SCHEDULE, "step_impulse": "maybe"},
@@ -118,6 +121,13 @@ WRONG = [
     )),
     without(PAIR, "right_mass"), without(PAIR, "right_mass", "right_length", "right_radius"),
 ]  # fmt: skip
+# What pages leave to the program, and the option that each is about.
+BEYOND = {
+    "suspension": {**TOY, "suspension": "string"},
+    "string_restitution": {**TOY, "string_restitution": 0.9},
+    "drag_frame": {**TOY, "drag_frame": "lab"},
+    "initial_distance": {**PENDULUM, "initial_distance": 0.5},
+}
 PRESETS = list(registry()["scenarios"])
 
 
@@ -162,6 +172,17 @@ def test_runs_and_refusals_are_those_of_python(answers):
         assert answer["status"] == run.attrs["status"]
         check_same(run, answer, name, options)
     assert not wrong
+
+
+def test_strings_are_left_to_the_program_and_never_run_as_rods(site, tmp_path):
+    requests = [{"scenario": None, "options": options} for options in BEYOND.values()]
+    program = Path(__file__).with_name("latolato_in_node.mjs")
+    read = answers_in_node(program, site, requests, tmp_path)
+    for name, options, answer in zip(BEYOND, BEYOND.values(), read, strict=True):
+        assert answer["parameter"] == name
+        assert answer["error"] == (
+            f"a run with {name} {options[name]} is computed by the installed program, not in a page"
+        )
 
 
 def test_all_presets_and_cases_are_asked(answers):

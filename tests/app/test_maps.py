@@ -243,6 +243,9 @@ def test_the_run_of_a_point_is_what_its_cell_says():
          "a chirp drive has no single period that a stroboscope could follow"),
         ({"options": {"contact": "clamp"}, "observable": "lyapunov_exponent"},
          "lyapunov_exponent needs exact contact"),
+        ({"options": {"suspension": "string"}},
+         "a map with suspension string is computed by the installed program: run `latolato sweep`"),
+        ({"x": {"name": "string_restitution"}}, "unknown parameter 'string_restitution'"),
         ({"options": {"drive": "measured_pivot"}},
          "a map with the drive measured_pivot is computed by the installed program: run "
          "`latolato sweep` and open its file with `latolato app --open`"),

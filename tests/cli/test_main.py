@@ -1,6 +1,7 @@
 """The command line: what it writes and prints, and how it refuses bad input in one line."""
 
 import dataclasses
+import inspect
 import json
 import math
 import os
@@ -17,6 +18,8 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.cli import main as cli
 from latolato.cli.main import app, main
+from latolato.cli.simulate import scenario_of
+from latolato.cli.simulate import simulate as simulate_command
 from latolato.io import progress
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
@@ -146,6 +149,23 @@ BAD_INPUT = [
     ),
     (but(PAIR, "--initial-angle", "0.5"), "initial_angle of a BallPair must be two numbers"),
     (but(PAIR, "--initial-angle", "0.1,0"), "must lie between the contact angles"),
+    (
+        but(TOY, "--suspension", "cord"),
+        "suspension must be 'rod' or 'string', got 'cord'",
+    ),
+    (but(TOY, "--drag-frame", "labs"), "got 'labs'; did you mean 'lab'?"),
+    (
+        but(TOY, "--string-restitution", "0.9"),
+        "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, got 0.9",
+    ),
+    (
+        but(TOY, "--suspension", "string", "--contact", "clamp"),
+        "contact 'clamp' is described for rods and for drag relative to the pivot only",
+    ),
+    (
+        but(TOY, "--system", "mathieu", "--suspension", "string"),
+        "belongs to system pendulum or latolato or ballpair, not to mathieu",
+    ),
     (but(TOY, "--system", "latolat"), "unknown system 'latolat': did you mean 'latolato'?"),
     (but(TOY, "--drive", "harmonics"), "unknown drive 'harmonics': did you mean 'harmonic'?"),
     (but(TOY, "--contact", "clam"), "unknown contact law 'clam': did you mean 'clamp'?"),
@@ -214,6 +234,20 @@ def test_bad_input_gives_one_line_with_value_and_rule_and_writes_nothing(
 ):
     output = [] if {"--output", "--plot", "--animate"} & set(arguments) else ["--output", "run.nc"]
     assert message in refused(capsys, "simulate", *arguments, *output)
+
+
+def test_options_hang_balls_on_strings():
+    strings = ["--suspension", "--string-restitution", "--drag-frame", "--initial-distance"]
+    given = dict(zip(TOY[::2], TOY[1::2], strict=True)) | dict(
+        zip(strings, ["string", "0.9", "lab", "80 cm"], strict=True)
+    )
+    # As typer hands them on; the command has each of them.
+    known = inspect.signature(simulate_command).parameters
+    values = {flag[2:].replace("-", "_"): text for flag, text in given.items()}
+    assert values.keys() <= known.keys()
+    ready = scenario_of(None, None, values)
+    assert (ready.system.suspension, ready.system.drag_frame) == ("string", "lab")
+    assert (ready.system.string_restitution, ready.run["initial_distance"]) == (0.9, 0.8)
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from latolato.io.progress import SweepProgress
 from latolato.scenario.scenario import Scenario
 from latolato.scenario.variation import parse_axes, tables_of_plan
 from latolato.sweeps.plan import make_plan
+from latolato.sweeps.points import arguments_of
 
 COMMAND = [sys.executable, "-m", "latolato"]
 PENDULUM = ["--system", "pendulum", "--length", "1", "--mass", "0.8", "--initial-angle", "0.1"]
@@ -199,14 +200,52 @@ def test_a_store_is_shown_and_run_again_with_changes():
                 "noise": ll.VelocityKicks(noise_strength=1e-3, noise_seed=2),
             },
         ),
+        (
+            ll.LatoLato(
+                **{"length": 1.0, "mass": 0.8, "radius": 0.1, "drag_frame": "lab"},
+                suspension="string",
+                string_restitution=0.9,
+            ),
+            {"initial_angle": 0.3, "initial_distance": 0.9},
+        ),
+        (
+            ll.BallPair(
+                right=ll.Ball(length=1.0, mass=0.8, radius=0.1),
+                left=ll.Ball(length=1.0, mass=0.7, radius=0.1),
+                suspension="string",
+            ),
+            {"initial_angle": (0.3, -0.2), "initial_distance": (0.9, 1.0)},
+        ),
     ],
-    ids=["pendulum", "clamp", "pair"],
+    ids=["pendulum", "clamp", "pair", "strings", "two strings"],
 )
 def test_the_tables_of_a_plan_make_the_same_plan(system, options):
     axes = {"drive_amplitude": [0.1, 0.2], "case": {"frequency_ratio": [1, 2], "gravity": [9, 10]}}
     observables = ["mean_energy", ll.Crossings(crossing_angle=1.0, unwrapped=True)]
     plan = make_plan(system, axes=axes, observables=observables, duration=3.0, **options)
     assert Scenario.from_dict(json.loads(json.dumps(tables_of_plan(plan)))).plan() == plan
+
+
+def test_strings_and_distances_vary_along_axes():
+    toy = {**SYSTEM, "kind": "latolato", "radius": "10 cm", "suspension": "string"}
+    axes = {"string_restitution": "0 : 1 : 3", "initial_distance": "80 cm, 1 m"}
+    tables = {"system": toy, "run": {"initial_angle": 0.5, "duration": 1}, "sweep": {"axes": axes}}
+    plan = Scenario.from_dict(tables).plan()
+    assert {axis.name: axis.values[0] for axis in plan.axes} == {
+        "string_restitution": (0.0, 0.5, 1.0), "initial_distance": (0.8, 1.0)
+    }  # fmt: skip
+    points = [arguments_of(plan, number) for number in range(plan.size)]
+    assert [point["initial_distance"] for point in points] == [0.8, 1.0] * 3
+    assert [p["system"].string_restitution for p in points] == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0]
+
+
+def test_one_of_two_strings_begins_slack():
+    ball = {"length": "1 m", "mass": 0.8, "radius": "10 cm"}
+    pair = {"kind": "ballpair", "right": ball, "left": ball, "suspension": "string"}
+    run = {"initial_angle": [0.5, -0.5], "duration": 1}
+    sweep = {"axes": {"initial_distance_left": [0.5, 0.9]}}
+    plan = Scenario.from_dict({"system": pair, "run": run, "sweep": sweep}).plan()
+    assert [arguments_of(plan, k)["initial_distance"] for k in (0, 1)] == [(1.0, 0.5), (1.0, 0.9)]
 
 
 def refused(capsys, *arguments):
@@ -247,6 +286,10 @@ BAD = [
     ([*PENDULUM, *A0, *A0], "axis drive_amplitude must be given once"),
     ([*PENDULUM, "--axis", "drive_amplitud=1,2"], "did you mean 'drive_amplitude'?"),
     ([*PENDULUM, "--axis", "radius=1,2"], "unknown parameter 'radius' in axes"),
+    (
+        [*PENDULUM, "--axis", "string_restitution = 0 : 1 : 3"],
+        "string_restitution is for balls on strings: a rod",
+    ),
     ([*PENDULUM, *A0], "axis drive_amplitude needs a drive"),
     ([*BOTH, "--axis", "drive_frequency=1,2"], "both set drive_frequency: drop one"),
     ([*BOTH, "--drive-amplitude", "1"], "given as a value and varied along axis drive_amplitude"),

@@ -143,6 +143,48 @@ def test_two_balls_are_two_tables():
     assert result.run["initial_angle"] == pytest.approx((math.pi / 9, -math.radians(25)))
 
 
+STRINGS = """
+[system]
+kind = "latolato"
+length = "18.6 cm"
+mass = "30 g"
+radius = "12 mm"
+suspension = "string"
+string_restitution = 0.9
+drag_frame = "lab"
+[run]
+initial_angle = "20 deg"
+initial_distance = "150 mm"
+duration = 1
+"""
+
+
+def test_a_scenario_file_hangs_balls_on_strings(tmp_path):
+    path = tmp_path / "strings.toml"
+    path.write_text(STRINGS)
+    result = load_scenario(path)
+    own = {"length": 0.186, "mass": 0.03, "radius": 0.012}
+    assert result.system == ll.LatoLato(
+        **own, suspension="string", string_restitution=0.9, drag_frame="lab"
+    )
+    assert result.run["initial_distance"] == 0.15
+    again = json.loads(json.dumps(result.to_dict()))
+    assert Scenario.from_dict(again) == result
+    assert again["system"]["suspension"] == "string"
+
+
+def test_a_scenario_of_rods_says_nothing_of_strings():
+    system = scenario(TOY).to_dict()["system"]
+    assert not {"suspension", "string_restitution", "drag_frame"} & system.keys()
+
+
+def test_two_strings_have_two_distances():
+    ball = {"length": "1 m", "mass": "500 g", "radius": "10 cm"}
+    pair = {"kind": "ballpair", "right": ball, "left": ball, "suspension": "string"}
+    result = scenario(pair, run={**RUN, "initial_distance": "80 cm, 1 m"})
+    assert result.run["initial_distance"] == (0.8, 1.0)
+
+
 def test_noise_and_clamp_are_built_from_their_tables():
     result = scenario(
         TOY,
@@ -316,6 +358,14 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
         (
             {"system": {"kind": "ballpair", "right": {"length": 1, "mass": -1}}},
             "right_mass must lie in (0, inf) kg, got -1",
+        ),
+        (
+            {"system": {**PENDULUM, "suspension": "sting"}},
+            "suspension must be 'rod' or 'string', got 'sting'; did you mean 'string'?",
+        ),
+        (
+            {"system": {**PENDULUM, "kind": "mathieu", "suspension": "string"}},
+            "suspension belongs to system pendulum or latolato or ballpair, not to mathieu",
         ),
         ({"system": {**PENDULUM, 1: 2}}, "the names in system must be texts, got 1"),
     ],

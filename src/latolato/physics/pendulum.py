@@ -155,7 +155,7 @@ class System:
                 "must be 0 with suspension 'rod', as a rod never goes slack",
                 parameter="string_restitution",
                 value=self.string_restitution,
-                way_out="give suspension='string' too",
+                way_out="give 0, or suspension='string'",
             )
         if self.drag_frame == "lab" and any(ball.quadratic_damping > 0.0 for ball in self.balls):
             raise InputError(

@@ -41,7 +41,7 @@ def checked_drive(drive: Drive | None, system: System | None = None) -> Drive:
             f"must be None or one of {', '.join(drives)}", parameter="drive", value=drive
         )
     if getattr(drive, "moves_across", False) and system is not None:
-        name = drives.name_of(drive)
+        name = type(drive).__name__
         if isinstance(system, LatoLato):
             raise InputError(
                 "moves the pivot sideways, which breaks the mirror symmetry of a LatoLato: "
