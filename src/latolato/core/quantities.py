@@ -313,6 +313,7 @@ QUANTITIES: dict[str, Quantity] = {
         "m", r"\sigma_{A_n}", "standard deviation of the amplitude of a multiple"
     ),
     "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
+    "pivot_across_fit": Quantity("m", r"x_{0,fit}", "fitted way of the pivot to the right"),
     "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
     "ball_number": Quantity("1", "", "ball, 1 is the right one"),
     "window_start": Quantity("s", "t_w", "start of a window"),
