@@ -305,7 +305,7 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     for i in range(case.angles):
         settings.radius[i] = case.balls[i].radius
         _hang(state, i, case.initial_distance[i], case.balls[i].length)
-        if not (math.isnan(case.initial_distance[i]) or 0.0 < case.initial_distance[i]):
+        if not (math.isnan(case.initial_distance[i]) or case.initial_distance[i] > 0.0):
             return OVERLAP
         if case.initial_distance[i] > case.balls[i].length:
             return OVERLAP

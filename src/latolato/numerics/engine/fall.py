@@ -118,7 +118,7 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
 
     @part
     def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float, float]:
-        """Let the pivot's velocity jump [m/s] and throw the ball [rad/s]; return both works, and 0."""
+        """Let the pivot jump [m/s] and throw the ball [rad/s]; return both works [J], and 0."""
         point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].coupling ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
         point.vy -= jump

@@ -63,7 +63,7 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
     @part
     def find_tensions(run: Any, t: float, points: Any) -> None:
         """Write both tensions, each over mass and length: the contact pushes along the rods."""
-        settings, gap = run.settings, gap_of(run)
+        _settings, gap = run.settings, gap_of(run)
         one, two = run.bodies[0], run.bodies[1]
         torque = contact_torque(
             freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),

@@ -6,7 +6,6 @@ string, or holds it; one that is taut when a ball is hit allows no motion outwar
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -314,7 +313,7 @@ def make_strings(
 
     @part
     def let_go(run: Any, output: Output, eyes: Eyes) -> None:
-        """End lasting contact; where balls still press, a string lets go, which is not described."""
+        """End lasting contact. Where balls still press, a string let go: that is not described."""
         presses = run.settings.is_string != 0 and two
         if presses and balls.parting(run, run.state.side, run.t, run.now) < -_PRESS:
             run.state.is_tangled = 1

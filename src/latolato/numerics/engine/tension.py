@@ -1,4 +1,4 @@
-"""Looks for the instant within a step at which a rod begins to be pushed, or a string goes slack."""
+"""Looks for the instant within a step at which a rod is pushed first, or a string goes slack."""
 
 from __future__ import annotations
 
