@@ -191,11 +191,6 @@ QUANTITIES: dict[str, Quantity] = {
     "pivot_height": Quantity("m", "y_0", "height of the pivot", first_unit="mm"),
     "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
     "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),
-    "pivot_across": Quantity("m", "x_0", "pivot to the right of its mean", first_unit="mm"),
-    "pivot_across_velocity": Quantity("m/s", r"\dot x_0", "velocity of the pivot to the right"),
-    "pivot_across_acceleration": Quantity(
-        "m/s^2", r"\ddot x_0", "acceleration of the pivot to the right"
-    ),
     "frequency_ratio": Quantity("1", r"\omega/\omega_0", "driving over natural frequency"),
     "amplitude_ratio": Quantity("1", "A_0/l", "driving amplitude over length"),
     "drive_acceleration_ratio": Quantity(
