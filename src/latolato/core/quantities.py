@@ -334,6 +334,14 @@ def quantity_of(name: str, unit: str) -> Quantity:
     return known if known is not None and known.unit == unit else Quantity(unit, "", name)
 
 
+def choice_field(
+    choices: tuple[str, ...], *, default: str, description: str, is_later: bool = False
+) -> Any:
+    """Return a dataclass field that holds one of some words; `is_later` as in `quantity_field`."""
+    metadata = {"choices": choices, "description": description, "is_later": is_later}
+    return field(default=default, metadata=metadata)
+
+
 def quantity_field(
     name: str,
     allowed: Range = ANY,
@@ -358,14 +366,6 @@ def quantity_field(
         "is_later": is_later,
     }
     return field(metadata=metadata, **options)
-
-
-def choice_field(
-    choices: tuple[str, ...], *, default: str, description: str, is_later: bool = False
-) -> Any:
-    """Return a dataclass field that holds one of some words; `is_later` as in `quantity_field`."""
-    metadata = {"choices": choices, "description": description, "is_later": is_later}
-    return field(default=default, metadata=metadata)
 
 
 def array_field(name: str, allowed: Range = ANY, *, description: str) -> Any:
