@@ -57,6 +57,8 @@ _CALLED = (
 )  # fmt: skip
 _TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 _NARROW = {"i64": "i32"}
+# Laws of an engine without those for the plane, and what makes its motion.
+_UPRIGHT = 4
 # What shows an observable the steps, or the matrices, of all lanes.
 _FOR_LANES = {watch.ON_STEP: "show", watch.ON_TANGENT: "follow"}
 
@@ -103,9 +105,14 @@ def types_of(kind: str) -> tuple[str, list[str]]:
     return returned, taken
 
 
+# Of one ball and of two, the same in the plane, and maps of one ball.
+_MODULES = ("one", "two", "plane_one", "plane_two", "lanes")
+_RUNS = _MODULES[:4]
+
+
 def modules_of(recipes: Sequence[Recipe]) -> dict[str, dict[str, Recipe]]:
     """Return the pieces of each module by the names that pages know them by."""
-    found: dict[str, dict[str, Recipe]] = {"one": {}, "two": {}, "lanes": {}}
+    found: dict[str, dict[str, Recipe]] = {name: {} for name in _MODULES}
     for recipe in recipes:
         name, modules = place_of(recipe)
         for module in modules:
@@ -122,15 +129,19 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     if maker == "make_entry":
         if laws[0] == "make_clamped":
             return "clamp", ("one", "lanes")
+        if len(laws) > _UPRIGHT:
+            return "engine", ("plane_one",) if settings["count"] == 1 else ("plane_two",)
         return "engine", ("one", "lanes") if settings["count"] == 1 else ("two",)
     if maker == "make_many_entry":
         return "many", ("lanes",) if settings["balls"] == 1 else ("two",)
     if maker == "make_observer_entry":
         return "observer", ("one", "two")
+    if maker == "make_plane_observer_entry":
+        return "observer", ("plane_one", "plane_two")
     if maker == "make_shake_entry":
-        return "shake", ("one", "two", "lanes")
+        return "shake", (*_RUNS, "lanes")
     if maker in ("make_begin_entry", "make_allowed_entry"):
-        return maker.removeprefix("make_").removesuffix("_entry"), ("one", "two")
+        return maker.removeprefix("make_").removesuffix("_entry"), _RUNS
     if maker == "make_prepare_entry":
         return "prepare", ("two", "lanes")
     if maker == "make_lanes":

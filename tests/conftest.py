@@ -56,6 +56,7 @@ ARRAYS = {
     ("pivot_heights", "times"): lambda: tuple(
         0.03 * np.cos(5.0 * SAMPLED) + 0.01 * np.sin(2.0 * SAMPLED)
     ),
+    ("pivot_across", "times"): lambda: tuple(0.02 * np.sin(4.0 * SAMPLED)),
 }
 
 
@@ -111,7 +112,7 @@ def examples(kind):
         f.metadata.get("choices", (True,))
         if isinstance(f.default, (str, bool))
         else (field_value(kind, f, 0.4),)
-        if f.metadata.get("suggested")
+        if f.metadata.get("suggested") or f.metadata.get("array")
         else (f.default,)
         for f in optional
     ]

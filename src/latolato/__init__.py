@@ -45,6 +45,7 @@ from latolato.physics.drives import (
     FrequencySchedule,
     Harmonic,
     MeasuredPivot,
+    PlanarHarmonic,
     StagedHarmonic,
 )
 from latolato.physics.noise import VelocityKicks
@@ -126,6 +127,7 @@ __all__ = [
     "MotionClass",
     "PassThrough",
     "Pendulum",
+    "PlanarHarmonic",
     "PoincareSection",
     "ResponsePeriod",
     "ResponseSamples",

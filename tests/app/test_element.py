@@ -21,6 +21,8 @@ POLICY = (
 MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <script type="module" src="latolato-player.js"></script>
 """
+# Options of the drive that pages do not have.
+MEASURED = ["pivot_heights", "height_sigma", "pivot_across", "across_sigma"]
 # Set the attributes of an element, a new one if it has none, and say what comes of them.
 SET = """([which, attributes]) => new Promise((done) => {
   let player = document.querySelectorAll("latolato-player")[which];
@@ -119,7 +121,7 @@ def in_python(scenario, options):
 
 
 def test_every_parameter_is_an_attribute(visit):
-    names = [name for name in law_options() if name not in ("pivot_heights", "height_sigma")]
+    names = [name for name in law_options() if name not in MEASURED]
     for name in names:
         options = base_of(name)
         options[name] = options.get(name) or text_of(name)
@@ -156,7 +158,7 @@ def test_a_bad_attribute_is_refused_in_the_sentence_of_python(visit, name, value
     assert "options" in visit.evaluate(SET, [0, {"scenario": "toy", "duration": "1 s"}])
 
 
-@pytest.mark.parametrize("name", ["pivot_heights", "height_sigma"])
+@pytest.mark.parametrize("name", MEASURED)
 def test_a_drive_that_pages_do_not_have_is_left_to_the_program(visit, name):
     options = {**base_of(name), name: text_of(name)}
     assert options["drive"] == "measured_pivot"

@@ -1,11 +1,14 @@
 """A pivot's track gives back the drive that moved it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import latolato as ll
 from latolato.experiment.fits.drive import fit_drive
-from track_tables import drive_table
+from latolato.experiment.fits.pivots import pivot_for
+from track_tables import drive_table, noise, planar_table
 
 STEADY = ll.Harmonic(drive_amplitude=0.03, drive_frequency=10.09, drive_phase=1.0)
 STEP = ll.FrequencySchedule(
@@ -29,6 +32,144 @@ def test_a_steady_drive_is_found_within_its_sigma(correlation):
         assert "leaves out that of the scale" in fit.verdict
     assert np.mean(np.abs(misses) < 2.0) > 0.85
     assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
+
+
+ELLIPSE = ll.PlanarHarmonic(
+    vertical_amplitude=0.03, horizontal_amplitude=0.005, drive_frequency=10.09,
+    vertical_phase=1.0, horizontal_phase=2.2,
+)  # fmt: skip
+SIDEWAYS = ("horizontal_amplitude", "horizontal_phase")
+
+
+def with_across(amplitude):
+    """The ellipse with another amplitude sideways."""
+    return dataclasses.replace(ELLIPSE, horizontal_amplitude=amplitude)
+
+
+@pytest.mark.parametrize("amplitude,correlation", [(0.005, 0.0), (0.03, 0.7)])
+def test_both_directions_of_an_ellipse_are_found_within_their_sigma(amplitude, correlation):
+    drive, misses = with_across(amplitude), {name: [] for name in SIDEWAYS}
+    for seed in range(50):
+        fit = fit_drive(planar_table(drive, seed=seed, correlation=correlation), profile=False)
+        assert isinstance(fit.drive, ll.PlanarHarmonic)
+        for name in misses:
+            misses[name].append((fit[name].value - getattr(drive, name)) / fit[name].sigma)
+            assert getattr(fit.drive, name) == fit[name].value
+        assert fit.drive.vertical_amplitude == fit["drive_amplitude"].value
+        assert fit.drive.vertical_phase == fit["drive_phase"].value
+    assert " rad ahead of the height." in fit.verdict
+    for errors in misses.values():
+        # Of 50 normal numbers the mean has the deviation 0.14, the root mean square 0.1.
+        assert abs(np.mean(errors)) < 0.5
+        assert 0.7 < np.sqrt(np.mean(np.square(errors))) < 1.35
+
+
+def test_the_phase_sideways_far_from_time_zero_has_the_frequencys_uncertainty():
+    misses = []
+    for seed in range(30):
+        table = planar_table(with_across(0.03), duration=80.0, seed=seed)
+        fit = fit_drive(table, start=70.0, profile=False)
+        phase = fit["horizontal_phase"]
+        misses.append((phase.value - 2.2) / phase.sigma)
+        # At 75 s; noise alone gives 2e-4 m/0.03 m sqrt(2/600) = 4e-4 rad.
+        assert phase.sigma == pytest.approx(75.0 * fit["drive_frequency"].sigma, rel=0.05)
+    # Of 30 normal numbers the root mean square has the deviation 0.13.
+    assert 0.6 < np.sqrt(np.mean(np.square(misses))) < 1.45
+
+
+def test_without_a_motion_sideways_the_drive_is_harmonic_and_the_fit_says_so():
+    seen = 0
+    for seed in range(30):
+        fit = fit_drive(planar_table(with_across(0.0), seed=seed), profile=False)
+        seen += not isinstance(fit.drive, ll.Harmonic)
+        assert fit["horizontal_amplitude"].low >= 0.0
+        assert "No motion sideways is seen (0.0" in fit.verdict
+        # A phase of nothing may be any.
+        assert fit["horizontal_phase"].sigma > 0.25
+    assert seen == 0
+
+
+def test_a_tilt_that_the_table_allows_is_no_motion_sideways():
+    # 0.3 mm in step with 30 mm: the direction of gravity is wrong by 10 mrad.
+    drive = dataclasses.replace(with_across(3e-4), horizontal_phase=1.0)
+    assert isinstance(fit_drive(planar_table(drive), profile=False).drive, ll.PlanarHarmonic)
+    table = planar_table(drive, angle_offset_sigma=5e-3)
+    fit = fit_drive(table, profile=False)
+    assert isinstance(fit.drive, ll.Harmonic)
+    assert fit["horizontal_amplitude"].sigma == pytest.approx(5e-3 * 0.03, rel=0.02)
+    # A quarter of a period ahead it is none.
+    table = planar_table(with_across(3e-4), angle_offset_sigma=0.0)
+    assert isinstance(fit_drive(table, profile=False).drive, ll.PlanarHarmonic)
+
+
+def test_a_track_that_may_bend_by_a_tenth_of_a_pixel_shows_no_less():
+    table = planar_table(with_across(3e-4), metres_per_pixel=1e-2)
+    fit = fit_drive(table, profile=False)
+    assert isinstance(fit.drive, ll.Harmonic)
+    assert fit["horizontal_amplitude"].sigma == pytest.approx(0.25e-3, rel=0.02)
+
+
+def test_a_stepped_drive_says_what_it_leaves_out():
+    table = drive_table(STEP)
+    time = table["time"].values
+    phase = 19.83 * time - (19.83 - 15.11) * np.maximum(time - 14.166, 0.0)
+    table["pivot_x"].values[:] = 0.004 * np.cos(phase - 0.8) + noise(len(time), 5, 0.0, 2e-4)
+    fit = fit_drive(table, profile=False)
+    assert fit["horizontal_amplitude"].value == pytest.approx(
+        0.004, abs=4.0 * fit["horizontal_amplitude"].sigma
+    )
+    assert fit["horizontal_phase"].value == pytest.approx(-0.8, abs=0.02)
+    assert isinstance(fit.drive, ll.FrequencySchedule)
+    assert "behind the height, which the drive frequency_schedule leaves out." in fit.verdict
+
+
+@pytest.mark.parametrize("values", [0.0, np.nan])
+def test_a_table_without_a_way_sideways_has_no_numbers_of_it(values):
+    table = planar_table(ELLIPSE)
+    table["pivot_x"].values[:] = values
+    fit = fit_drive(table, profile=False)
+    assert isinstance(fit.drive, ll.Harmonic)
+    assert not [name for name in fit.dataset if "horizontal" in name or "across" in name]
+    assert "ideways" not in fit.verdict
+
+
+def test_samples_that_are_not_known_sideways_are_left_out():
+    table = planar_table(ELLIPSE)
+    table["pivot_x"].values[200:500] = np.nan
+    fit = fit_drive(table, profile=False)
+    size = fit["horizontal_amplitude"]
+    assert size.value == pytest.approx(0.005, abs=4.0 * size.sigma)
+    known = np.isfinite(fit.dataset.pivot_across.values)
+    assert known.sum() == len(known) - 300
+    gaps = (fit.dataset.pivot_across - fit.dataset.pivot_across_fit).values[known]
+    assert np.std(gaps) == pytest.approx(2e-4, rel=0.1)
+
+
+def test_a_fitted_pivot_moves_sideways_only_where_it_may():
+    table = planar_table(ELLIPSE)
+    both = pivot_for(None, table, 0.3, 0.0, 19.0, across=True)
+    assert isinstance(both.drive, ll.PlanarHarmonic)
+    varied = [
+        {f.name for f in dataclasses.fields(o) if getattr(o, f.name) != getattr(both.drive, f.name)}
+        for o, _ in both.others
+    ]
+    assert {"horizontal_amplitude"} in varied
+    assert {"drive_frequency", "vertical_phase", "horizontal_phase"} in varied
+    one = pivot_for(None, table, 0.3, 0.0, 19.0)
+    assert isinstance(one.drive, ll.Harmonic)
+    assert one.words == "the pivot's fitted drive without its way sideways"
+
+
+def test_a_spline_of_the_track_follows_both_directions_where_it_may():
+    table = planar_table(with_across(0.02))
+    both = pivot_for("measured", table, 0.3, 0.0, 19.0, across=True).drive
+    assert both.moves_across
+    assert both.across_sigma == pytest.approx(2e-4, rel=0.1)
+    assert not pivot_for("measured", table, 0.3, 0.0, 19.0).drive.moves_across
+    still = planar_table(with_across(0.0))
+    assert not pivot_for("measured", still, 0.3, 0.0, 19.0, across=True).drive.moves_across
+    aside = planar_table(dataclasses.replace(with_across(0.02), vertical_amplitude=0.0))
+    assert pivot_for(None, aside, 0.3, 0.0, 19.0, across=True).drive.moves_across
 
 
 @pytest.mark.parametrize("guide", ["below", "above"])

@@ -8,6 +8,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+import scipy.interpolate
 
 import latolato as ll
 from latolato.numerics.engine.record import as_objects
@@ -44,23 +45,37 @@ def difference(function, t, h):
     ) / (60.0 * h)
 
 
-def test_velocity_and_acceleration_are_the_derivatives_of_height(drive):
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("height", "velocity", "acceleration"),
+        ("across", "across_velocity", "across_acceleration"),
+    ],
+)
+def test_velocity_and_acceleration_are_derivatives(drive, names):
     # h = 2e-3 s at up to 15 rad/s: (w h)^7/140 < 1e-12, rounding eps/h = 1e-13 of the scale.
     h = 2e-3
     scale = max(drive.fastest_frequency, 1.0)
+    place, velocity, acceleration = (getattr(drive, name) for name in names)
     for begin, end, p in pieces(drive):
-        size = max(abs(drive.height(t, p)) for t in np.linspace(begin, end, 50)) + 1e-3
+        size = max(abs(place(t, p)) for t in np.linspace(begin, end, 50)) + 1e-3
         for t in np.linspace(begin, end, 23):
-            slope = difference(lambda s, p=p: drive.height(s, p), t, h)
-            bend = difference(lambda s, p=p: drive.velocity(s, p), t, h)
-            assert drive.velocity(t, p) == pytest.approx(slope, abs=1e-9 * size * scale)
-            assert drive.acceleration(t, p) == pytest.approx(bend, abs=1e-9 * size * scale**2)
+            slope = difference(lambda s, p=p: place(s, p), t, h)
+            bend = difference(lambda s, p=p: velocity(s, p), t, h)
+            assert velocity(t, p) == pytest.approx(slope, abs=1e-9 * size * scale)
+            assert acceleration(t, p) == pytest.approx(bend, abs=1e-9 * size * scale**2)
 
 
-def test_height_is_continuous_where_stretches_meet(drive):
+def test_only_a_drive_that_moves_across_leaves_the_vertical(drive):
+    sides = [drive.across(t, p) for a, b, p in pieces(drive) for t in np.linspace(a, b, 50)]
+    assert any(sides) == drive.moves_across
+
+
+def test_the_pivots_place_is_continuous_where_stretches_meet(drive):
     result = pieces(drive)
     for (_, end, p), (_, _, q) in itertools.pairwise(result):
         assert drive.height(end, p) == pytest.approx(drive.height(end, q), abs=1e-14)
+        assert drive.across(end, p) == pytest.approx(drive.across(end, q), abs=1e-14)
 
 
 def test_starts_increase_and_the_first_covers_time_zero(drive):
@@ -73,7 +88,7 @@ def test_starts_increase_and_the_first_covers_time_zero(drive):
 def test_acceleration_never_exceeds_its_declared_bound(drive):
     # Rest is taken to last for ever where the bound is below gravity: it must be a bound.
     largest = max(
-        abs(drive.acceleration(t, p))
+        math.hypot(drive.acceleration(t, p), drive.across_acceleration(t, p))
         for begin, end, p in pieces(drive)
         for t in np.linspace(begin, end, 400)
     )
@@ -115,6 +130,8 @@ def test_zero_amplitude_is_a_pivot_at_rest(name):
     kind = drives[name]
     numbers = {
         "drive_amplitude": 0.0,
+        "vertical_amplitude": 0.0,
+        "horizontal_amplitude": 0.0,
         "drive_frequency": 5.0,
         "drive_frequency_final": 7.0,
         "sweep_time": 3.0,
@@ -140,6 +157,43 @@ class TestHarmonic:
             assert y == pytest.approx(0.2 * math.cos(6.26 * t + 0.7), abs=1e-15)
             assert v == pytest.approx(-0.2 * 6.26 * math.sin(6.26 * t + 0.7), abs=1e-14)
             assert a == pytest.approx(-0.2 * 6.26**2 * math.cos(6.26 * t + 0.7), abs=1e-13)
+
+
+class TestPlanarHarmonic:
+    def ellipse(self, **given):
+        phases = {"vertical_phase": 0.7, "horizontal_phase": 2.5}
+        sizes = {"vertical_amplitude": 0.02, "horizontal_amplitude": 0.03}
+        return ll.PlanarHarmonic(drive_frequency=6.26, **{**phases, **sizes, **given})
+
+    def test_both_directions_are_cosines_with_phases_of_their_own(self):
+        drive = self.ellipse()
+        (_, _, p), *others = pieces(drive)
+        assert not others
+        for t in (0.0, 0.3, 8.1):
+            x, y = 6.26 * t + 2.5, 6.26 * t + 0.7
+            result = [drive.across(t, p), drive.across_velocity(t, p)]
+            # Phases of some 50 rad are rounded to 1e-14.
+            assert result == pytest.approx([0.03 * math.cos(x), -0.1878 * math.sin(x)], abs=1e-14)
+            assert motion(drive, t)[:2] == pytest.approx(
+                [0.02 * math.cos(y), -0.1252 * math.sin(y)], abs=1e-14
+            )
+
+    @pytest.mark.parametrize("lead", [0.0, 0.4, 0.5 * math.pi, 2.0, math.pi])
+    def test_the_bound_is_the_largest_acceleration_on_the_ellipse(self, lead):
+        drive = self.ellipse(horizontal_phase=0.7 + lead)
+        (_, _, p), *_ = pieces(drive)
+        # At 2001 phases a maximum is missed by half a square of 2 pi/2000 in the phase.
+        largest = max(
+            math.hypot(drive.acceleration(t, p), drive.across_acceleration(t, p))
+            for t in np.linspace(0.0, math.tau / 6.26, 2001)
+        )
+        assert drive.largest_acceleration == pytest.approx(largest, rel=1e-5)
+
+    def test_without_a_way_sideways_it_is_the_harmonic_drive(self):
+        drive = self.ellipse(horizontal_amplitude=0.0)
+        same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=6.26, drive_phase=0.7)
+        assert drive.stretches(END) == same.stretches(END)
+        assert drive.largest_acceleration == same.largest_acceleration == 0.02 * 6.26 * 6.26
 
 
 class TestSwept:
@@ -422,6 +476,53 @@ class TestMeasuredPivot:
         assert error(smooth) < 0.05 * error(rough)
         residual = [motion(smooth, t, 4.9)[0] - y for t, y in zip(times[:-3], noisy, strict=False)]
         assert np.std(residual) == pytest.approx(1e-4, rel=0.1)
+
+    @pytest.mark.parametrize("sigmas", [(0.0, 0.0), (1e-4, 2e-4), (0.0, 2e-4)])
+    def test_both_directions_follow_splines_of_their_own(self, sigmas):
+        rng = np.random.default_rng(2)
+        times = np.arange(0.0, 5.01, 0.05)
+        up = 0.02 * np.cos(9.0 * times) + 1e-4 * rng.standard_normal(times.size)
+        across = 0.005 * np.sin(4.0 * times) + 2e-4 * rng.standard_normal(times.size)
+        drive = ll.MeasuredPivot(
+            times=times, pivot_heights=up, pivot_across=across,
+            height_sigma=sigmas[0], across_sigma=sigmas[1],
+        )  # fmt: skip
+        assert drive.moves_across
+        for values, sigma, names in (
+            (up, sigmas[0], ("height", "velocity", "acceleration")),
+            (across, sigmas[1], ("across", "across_velocity", "across_acceleration")),
+        ):
+            spline = scipy.interpolate.make_interp_spline(times, values, k=5)
+            if sigma:
+                weights = np.full(times.size, 1.0 / sigma)
+                spline = scipy.interpolate.UnivariateSpline(times, values, w=weights, k=5)
+            for a, b, p in pieces(drive, 5.0):
+                for t in (a, 0.3 * a + 0.7 * b):
+                    for order, name in enumerate(names):
+                        exact = spline.derivative(order)(t) if order else spline(t)
+                        # A coefficient of power k is rounded by eps of 1e-2 m/(0.05 s)^k.
+                        assert getattr(drive, name)(t, p) == pytest.approx(
+                            float(exact), abs=1e-14 * 20.0**order
+                        )
+
+    def test_heights_alone_leave_the_pivot_on_the_vertical(self):
+        drive = self.sampled_cosine(60.0, pivot_across=None)
+        assert not drive.moves_across
+        assert not self.sampled_cosine(60.0, pivot_across=np.zeros(301)).moves_across
+
+    def test_ways_sideways_of_another_length_are_refused(self):
+        with pytest.raises(ValueError, match="times and pivot_across must be of one length, got"):
+            self.sampled_cosine(60.0, pivot_across=np.zeros(300))
+
+    @pytest.mark.parametrize("height", [0.0, 0.03])
+    def test_the_fastest_frequency_on_an_ellipse_is_that_of_its_cosines(self, height):
+        times = np.arange(601) / 120.0
+        drive = ll.MeasuredPivot(
+            times=times,
+            pivot_heights=height * np.cos(15.0 * times),
+            pivot_across=0.02 * np.sin(15.0 * times),
+        )
+        assert drive.fastest_frequency == pytest.approx(15.0, rel=0.02)
 
     def test_a_gap_across_which_the_curve_swings_far_out_is_named(self):
         # It leaves 1 s with 2 pi cm/s and comes back to the same motion at 6 s: 5.2 cm beyond the

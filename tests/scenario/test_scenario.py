@@ -215,14 +215,18 @@ def test_samples_are_evenly_spaced_over_the_duration():
 
 def test_data_files_are_looked_for_beside_the_scenario(tmp_path):
     instants = np.linspace(0.0, 1.0, 21)
-    table = np.column_stack([instants, 0.01 * np.cos(instants)])
-    np.savetxt(tmp_path / "pivot.csv", table, delimiter=",", header="time,height", comments="")
+    table = np.column_stack([instants, 0.01 * np.cos(instants), 0.02 * np.sin(instants)])
+    head = "time,height,across"
+    np.savetxt(tmp_path / "pivot.csv", table, delimiter=",", header=head, comments="")
     (tmp_path / "mine.toml").write_text(
         "[system]\nkind = 'pendulum'\nlength = 1\nmass = 1\n"
         "[drive]\nkind = 'measured_pivot'\n"
         "times = 'pivot.csv:time'\npivot_heights = 'pivot.csv:height'\n"
+        "pivot_across = 'pivot.csv:across'\n"
     )
-    assert load_scenario(tmp_path / "mine.toml").drive.times == tuple(instants)
+    drive = load_scenario(tmp_path / "mine.toml").drive
+    assert drive.times == tuple(instants)
+    assert drive.pivot_across == tuple(table[:, 2])
 
 
 def test_overrides_take_the_place_of_what_excludes_them():

@@ -183,6 +183,14 @@ QUANTITIES: dict[str, Quantity] = {
         "m", "A_k", "driving amplitude of each stage", usual=(0.034, 0.034)
     ),
     "drive_phase": Quantity("rad", r"\varphi", "driving phase at time zero"),
+    "vertical_amplitude": Quantity(
+        "m", "A_y", "driving amplitude up and down", usual=0.02, first_unit="mm"
+    ),
+    "horizontal_amplitude": Quantity(
+        "m", "A_x", "driving amplitude sideways", usual=0.005, first_unit="mm"
+    ),
+    "vertical_phase": Quantity("rad", r"\varphi_y", "phase up and down at time zero"),
+    "horizontal_phase": Quantity("rad", r"\varphi_x", "phase sideways at time zero"),
     "times": Quantity("s", "t_k", "instants", usual=(0.0, 4.0)),
     "ramp": Quantity("s", r"\tau", "time in which the frequency moves to a new stage"),
     "ramps": Quantity("s", r"\tau_k", "time of the change into each stage", usual=(0.1, 0.5)),
@@ -191,6 +199,11 @@ QUANTITIES: dict[str, Quantity] = {
     "pivot_height": Quantity("m", "y_0", "height of the pivot", first_unit="mm"),
     "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
     "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),
+    "pivot_across": Quantity("m", "x_0", "way of the pivot to the right", first_unit="mm"),
+    "pivot_across_velocity": Quantity("m/s", r"\dot x_0", "velocity of the pivot to the right"),
+    "pivot_across_acceleration": Quantity(
+        "m/s^2", r"\ddot x_0", "acceleration of the pivot to the right"
+    ),
     "frequency_ratio": Quantity("1", r"\omega/\omega_0", "driving over natural frequency"),
     "amplitude_ratio": Quantity("1", "A_0/l", "driving amplitude over length"),
     "drive_acceleration_ratio": Quantity(
@@ -300,6 +313,7 @@ QUANTITIES: dict[str, Quantity] = {
         "m", r"\sigma_{A_n}", "standard deviation of the amplitude of a multiple"
     ),
     "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
+    "pivot_across_fit": Quantity("m", r"x_{0,fit}", "fitted way of the pivot to the right"),
     "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
     "ball_number": Quantity("1", "", "ball, 1 is the right one"),
     "window_start": Quantity("s", "t_w", "start of a window"),
@@ -334,14 +348,6 @@ def quantity_of(name: str, unit: str) -> Quantity:
     return known if known is not None and known.unit == unit else Quantity(unit, "", name)
 
 
-def choice_field(
-    choices: tuple[str, ...], *, default: str, description: str, is_later: bool = False
-) -> Any:
-    """Return a dataclass field that holds one of some words; `is_later` as in `quantity_field`."""
-    metadata = {"choices": choices, "description": description, "is_later": is_later}
-    return field(default=default, metadata=metadata)
-
-
 def quantity_field(
     name: str,
     allowed: Range = ANY,
@@ -368,11 +374,23 @@ def quantity_field(
     return field(metadata=metadata, **options)
 
 
-def array_field(name: str, allowed: Range = ANY, *, description: str) -> Any:
-    """Return a required dataclass field that carries a list of one quantity of `QUANTITIES`."""
-    quantity = QUANTITIES[name]
-    return field(
-        metadata={
-            "quantity": quantity, "range": allowed, "array": True, "description": description
-        }
-    )  # fmt: skip
+def choice_field(
+    choices: tuple[str, ...], *, default: str, description: str, is_later: bool = False
+) -> Any:
+    """Return a dataclass field that holds one of some words; `is_later` as in `quantity_field`."""
+    metadata = {"choices": choices, "description": description, "is_later": is_later}
+    return field(default=default, metadata=metadata)
+
+
+def array_field(name: str, allowed: Range = ANY, *, description: str, **options: Any) -> Any:
+    """Return a dataclass field that carries a list of one quantity of `QUANTITIES`.
+
+    `options` go to `dataclasses.field`.
+    """
+    metadata = {
+        "quantity": QUANTITIES[name],
+        "range": allowed,
+        "array": True,
+        "description": description,
+    }
+    return field(metadata=metadata, **options)

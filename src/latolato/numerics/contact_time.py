@@ -40,6 +40,36 @@ def is_located(move: float, slope: float, curvature: float, step: float) -> bool
     return abs(curvature) * move * move <= 2e-16 * step * abs(slope) and abs(move) < 1e-3 * step
 
 
+def make_root(function: Callable[..., Any], part: Part) -> Callable[..., float]:
+    """Return the search for where the value of ``function(run, s, *rest)`` is zero, to rounding.
+
+    The function returns a value and its slope (0: unknown); the value changes its sign between the
+    ends. Called as ``root(run, low, high, *rest)``.
+    """
+
+    @part
+    def root(run: Any, low: float, high: float, *rest: Any) -> float:
+        value, slope = function(run, high, *rest)
+        is_positive, span, move, s = value > 0.0, high - low, high - low, high
+        for _ in range(MOST_TRIALS):
+            trial, newton = next_trial(s, value, slope, low, high, move)
+            move, s = trial - s, trial
+            if s <= low or s >= high:
+                break
+            value, slope = function(run, s, *rest)
+            if value == 0.0:
+                break
+            if (value > 0.0) == is_positive:
+                high = s
+            else:
+                low = s
+            if high - low <= 4e-16 * span or (newton and abs(move) <= 4e-16 * span):
+                break
+        return s
+
+    return root
+
+
 def make_lowest(function: Callable[..., float], part: Part) -> Callable[..., float]:
     """Return the search for where ``function(run, s, *rest)`` is smallest, by golden section.
 

@@ -24,6 +24,7 @@ from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.many import empty_job, make_many
 from latolato.numerics.observe import empty_observation, make_observer
+from latolato.numerics.observe_plane import make_plane_observer
 from latolato.numerics.pieces import ENGINE
 from latolato.numerics.prepare import empty_cases, make_prepare
 from latolato.numerics.records import stretch_dtype
@@ -45,20 +46,20 @@ def make_many_entry(part: Part, *, balls: int, stretch: np.dtype[Any]) -> Callab
 
 def make_entry(
     make_motion: Callable[..., Callable[..., int]],
-    pivot_acceleration: Formula,
-    restoring: Formula,
-    potential: Formula,
-    part: Part,
-    *,
+    *laws_and_part: Any,
     count: int,
     stretch: np.dtype[Any],
 ) -> Callable[..., int]:
-    """Return the engine ``(run, stop, most_steps)`` of a motion; `run` is an address."""
+    """Return the engine ``(run, stop, most_steps)`` of a motion; `run` is an address.
+
+    Laws are those of `trajectory.make_trajectory`.
+    """
+    *formulas, part = laws_and_part
     run_at, arguments_at = (
         record_at(run_dtype(stretch)),
         bundle_at(kind_of(empty_arguments(stretch))),
     )
-    laws = laws_of(pivot_acceleration, restoring, potential, part)
+    laws = laws_of(*formulas, part=part)
     carry_on = part(make_motion(laws, count, make_calling_watch(part), part))
 
     def engine(address: int, stop: float, most_steps: int) -> int:
@@ -82,6 +83,12 @@ def make_observer_entry(
 ) -> Callable[[int], None]:
     """Return the function ``(address)`` that fills an `Observation`."""
     observe = part(make_observer(height, velocity, acceleration, restoring, potential, part))
+    return _by_address(empty_observation(stretch), observe)
+
+
+def make_plane_observer_entry(*laws_and_part: Any, stretch: np.dtype[Any]) -> Callable[[int], None]:
+    """Return the function ``(address)`` that fills an `Observation` of a motion in the plane."""
+    observe = laws_and_part[-1](make_plane_observer(*laws_and_part))
     return _by_address(empty_observation(stretch), observe)
 
 

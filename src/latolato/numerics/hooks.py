@@ -33,7 +33,7 @@ _SHOWN = tuple(map(kind_of, (
     (0.0, 0.0),
     (0, 0.0, 0.0, np.empty(MATRIX_SHAPE)),
     (0.0,),
-    (Outcome(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0),),
+    (Outcome._make([*[0.0] * 13, 0]),),
 )))  # fmt: skip
 
 

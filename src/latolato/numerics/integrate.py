@@ -13,7 +13,12 @@ from numpy.typing import NDArray
 from latolato.numerics import records
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
-from latolato.numerics.engine.loop import Timetable, empty_arguments
+from latolato.numerics.engine.loop import (
+    SPARE_IN_PLANE,
+    SPARE_ROWS,
+    Timetable,
+    empty_arguments,
+)
 from latolato.numerics.engine.record import as_objects, write_back
 from latolato.numerics.observe import Observation, empty_observation
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
@@ -42,6 +47,11 @@ TOLERANCES = (1e-14, 1e-2)
 
 _EXACT = ExactContact()
 
+_TANGLED = (
+    "a string ran into a ball, or balls rested on each other on a slack string, which is not "
+    "described"
+)
+
 
 @dataclass(frozen=True)
 class Start:
@@ -65,8 +75,8 @@ class Trajectory:
         Rows as laid down in `latolato.numerics.records`.
     state : record of `latolato.numerics.engine.record.STATE`
         The motion at the end.
-    contact_values : ndarray, shape (4, contact)
-        Angular velocities before (one row a ball) and after.
+    contact_values : ndarray, shape (CONTACT_ROWS, contact)
+        Angular velocities before (one row a ball) and after; in the plane more.
     slots : ndarray, shape (slot, ball)
         What was watched, one observable's slots after the other's.
     """
@@ -121,6 +131,19 @@ def laws_key(system: System) -> tuple[Formula, Formula]:
     return system.restoring, system.potential
 
 
+def moves_in_plane(system: System, drive: Drive) -> bool:
+    """Return whether a motion needs the engine for the plane, which serves every other one too."""
+    return drive.moves_across or system.suspension == "string" or system.drag_frame == "lab"
+
+
+def motion_laws(system: System, drive: Drive, *, in_plane: bool) -> tuple[Formula, ...]:
+    """Return the laws of `trajectory.make_trajectory`."""
+    laws = drive.acceleration, *laws_key(system)
+    if not in_plane:
+        return laws
+    return *laws, drive.across_acceleration, drive.velocity, drive.across_velocity
+
+
 def engine_of(
     count: int,
     *laws: Formula,
@@ -168,7 +191,7 @@ def engine_of(
 def observe(observation: Observation, *laws: Formula) -> None:
     """Fill the pivot's motion and the balls' quantities of an observation.
 
-    Laws are those of `observe.make_observer`.
+    Laws are those of `pieces.observer_recipe`.
     """
     from latolato.numerics.pieces import observer_recipe, piece_of, words_of
 
@@ -215,11 +238,14 @@ def integrate(
         system, drive, start, duration, law, rest_speed=rest_speed, follows_ledger=1,
         follows_tension=not system.is_linear,
     )  # fmt: skip
+    for i, distance in enumerate(start.distances):
+        case["initial_distance"][:, i] = distance
     case["step"] = step
     stretches = records.stretch_records(drive, duration)
     hooks = hooks_of(watched)
+    in_plane = moves_in_plane(system, drive)
     carry_on = engine_of(
-        angles, drive.acceleration, *laws_key(system), stretch=stretches.dtype,
+        angles, *motion_laws(system, drive, in_plane=in_plane), stretch=stretches.dtype,
         motion=law.motion, compiled=compiled, hooks=hooks,
     )  # fmt: skip
     runs, _ = prepared_runs(case, stepper, stretches.dtype, compiled=compiled)
@@ -229,7 +255,9 @@ def integrate(
         np.empty(0) if kick_times is None else kick_times,
         np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
     )
-    samples = np.full((records.SAMPLE_ROWS, len(sample_times)), np.nan)
+    rows = records.PLANE_ROWS if in_plane else records.SAMPLE_ROWS
+    samples = np.full((rows, len(sample_times)), np.nan)
+    spare = SPARE_IN_PLANE if in_plane else SPARE_ROWS
     acc = blank_slots(watched, angles).ravel()
     for first, formula in hooks[ON_START]:
         for ball, angle in enumerate(start.angles):
@@ -239,8 +267,12 @@ def integrate(
     count = 0
     status, failed, reached = "complete", False, -1.0
     while True:
-        size = min(room, contact_limit - count) + 4  # an event may need several rows
-        buffers = np.empty(size), np.empty(size, dtype=np.int64), np.zeros((4, size))
+        size = min(room, contact_limit - count) + spare
+        buffers = (
+            np.empty(size),
+            np.empty(size, dtype=np.int64),
+            np.zeros((records.CONTACT_ROWS, size)),
+        )
         output = Output(sample_times, samples, *buffers)
         written = carry_on(runs, timetable, output, Eyes(acc, 0, angles), duration, STEPS_PER_CALL)
         times.append(buffers[0][:written])
@@ -260,6 +292,9 @@ def integrate(
                 samples[:, np.argmax(lost) :] = np.nan
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
             failed = True
+            break
+        if state.is_tangled != 0:
+            status = f"stopped at t = {reached:.9g} s: {_TANGLED}"
             break
         if reached >= duration:
             break

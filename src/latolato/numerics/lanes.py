@@ -68,7 +68,7 @@ def make_lanes(
     watch, task_at = make_calling_watch(part), bundle_at(kind_of(empty_task(stretch)))
     steering = make_steering(make_caller(part), watch, part)
     start, carry_to, is_over, arrive, time_of = steering
-    laws = laws_of(acceleration, restoring_of, potential_of, part)
+    laws = laws_of(acceleration, restoring_of, potential_of, part=part)
     restoring = laws.restoring
     call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
 

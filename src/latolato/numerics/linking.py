@@ -75,19 +75,22 @@ class _WithoutEnvironments:
 
 
 def _called(library: Any) -> list[Any]:
-    """Return a library and all that it calls, each once.
+    """Return a library and all that it calls, each once and behind all that call it.
 
-    Libraries of numba's own functions already hold what these call.
+    Libraries of numba's own functions already hold what these call. LLVM leaves out what nothing
+    before it calls: a library may be named by a part whose call was never made.
     """
     result: dict[Any, None] = {}
-    waiting = [library]
+    waiting = [(library, False)]
     while waiting:
-        now = waiting.pop()
-        if now not in result:
+        now, is_done = waiting.pop()
+        if is_done:
             result[now] = None
+        elif now not in result:
+            waiting.append((now, True))
             if isinstance(now, (_Part, _Kernel)):
-                waiting += now._linking_libraries
-    return list(result)
+                waiting += [(each, False) for each in now._linking_libraries]
+    return list(result)[::-1]
 
 
 def _code_of(library: Any) -> Any:

@@ -21,12 +21,14 @@ from latolato.numerics.engine.record import STATE, run_dtype
 from latolato.numerics.records import (
     AT_REST,
     BODY,
+    CONTACT_ROWS,
     CONVERGED,
     EVENT_LIMIT,
     FAILED,
     GRAZING,
-    SAMPLE_ROWS,
+    PLANE_ROWS,
     SETTINGS,
+    TANGLED,
 )
 from latolato.numerics.watch import ON_CONTACT, Eyes, Watch
 from latolato.observables import Outcome
@@ -105,9 +107,9 @@ def make_scratch(stretch: np.dtype[Any] | None = None) -> Scratch:
         np.zeros(1, dtype=run_dtype(stretch)),
         np.zeros(size),
         np.zeros(size, dtype=np.int64),
-        np.zeros((4, size)),
+        np.zeros((CONTACT_ROWS, size)),
         np.zeros(0),
-        np.zeros((SAMPLE_ROWS, 0)),
+        np.zeros((PLANE_ROWS, 0)),
     )
 
 
@@ -293,6 +295,9 @@ def make_steering(
         if state.contacts >= points.contact_limit:
             progress.status[k] = EVENT_LIMIT
             return True
+        if state.is_tangled != 0:
+            progress.status[k] = TANGLED
+            return True
         return False
 
     @part
@@ -304,6 +309,9 @@ def make_steering(
         state, t, run = progress.states[k], points.stops[k, index], scratch.runs[0]
         eyes = Eyes(acc, column, columns)
         if index == 0:
+            for ball in range(balls):
+                progress.states[k].slack_start[ball] = math.nan
+            progress.states[k].string_impulse = 0.0
             progress.begun[k] = progress.states[k]
             for ball in range(balls):
                 on_restart(run, eyes, ball, state.angle[ball], state.velocity[ball])
@@ -323,7 +331,10 @@ def make_steering(
                     state.damping_loss - begun.damping_loss,
                     state.impact_loss - begun.impact_loss,
                     state.capture_loss - begun.capture_loss,
-                    state.compression_time[ball] - begun.compression_time[ball], balls,
+                    state.retension_loss - begun.retension_loss,
+                    state.compression_time[ball] - begun.compression_time[ball],
+                    state.slack_time[ball] - begun.slack_time[ball], state.slack_start[ball],
+                    state.string_impulse, balls,
                 )  # fmt: skip
                 on_finish(run, eyes, ball, outcome)
 

@@ -19,6 +19,7 @@ from latolato.physics.pendulum import Ball, swung
 from latolato.physics.tension import tension, wall_tension
 
 PIVOT_ROWS = ("pivot_height", "pivot_velocity", "pivot_acceleration")
+ACROSS_ROWS = ("pivot_across", "pivot_across_velocity", "pivot_across_acceleration")
 BALL_ROWS = (
     "kinetic_energy",
     "potential_energy",
@@ -53,10 +54,12 @@ class Observation(NamedTuple):
         [m/s^2]
     is_linear : int
         Whether the package's linear restoring law holds.
+    in_lab : int
+        Whether the air is at rest in the room.
     with_lab : int
         Whether the laboratory's rows are filled as well.
-    pivot : ndarray, shape (3, time)
-        Rows are `PIVOT_ROWS`.
+    pivot : ndarray, shape (3 or 6, time)
+        Rows are `PIVOT_ROWS` and, in the plane, `ACROSS_ROWS`.
     out : ndarray, shape (ball, row, time)
         Rows are `BALL_ROWS`.
     """
@@ -68,6 +71,7 @@ class Observation(NamedTuple):
     balls: Any
     gravity: Any
     is_linear: Any
+    in_lab: Any
     with_lab: Any
     pivot: Any
     out: Any
@@ -78,7 +82,7 @@ def empty_observation(stretch: np.dtype[Any]) -> Observation:
     floats, table = np.zeros(0), np.zeros((1, 0))
     stretches, balls = np.zeros(0, dtype=stretch), np.zeros(0, dtype=BALL)
     out = np.zeros((1, 1, 0))
-    return Observation(floats, floats, table, stretches, balls, 0.0, 0, 0, table, out)
+    return Observation(floats, floats, table, stretches, balls, 0.0, 0, 0, 0, table, out)
 
 
 def make_observer(

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.numerics.observe_plane import PLANE_OBSERVED
 from latolato.numerics.recipes import Formula, Piece, Recipe
 from latolato.numerics.records import stretch_dtype
 from latolato.numerics.trajectory import motion_of
@@ -79,7 +80,7 @@ def engine_recipe(
     stretch : dtype
         The layout of the drive's stretches.
     laws : formulas
-        Pivot acceleration, restoring factor and its potential.
+        Those of `trajectory.make_trajectory`.
     motion : str
         One of `trajectory.MOTIONS`.
     """
@@ -107,8 +108,13 @@ def lanes_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
 
 
 def observer_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
-    """Return what fills an `observe.Observation`; laws are those of `observe.make_observer`."""
-    return Recipe("entry:make_observer_entry", SWEEP, laws, (("stretch", stretch),))
+    """Return what fills an `observe.Observation`.
+
+    Laws are those of `observe.make_observer`, or all those of `observe_plane.make_plane_observer`.
+    """
+    in_plane = len(laws) == PLANE_OBSERVED
+    maker = "entry:make_plane_observer_entry" if in_plane else "entry:make_observer_entry"
+    return Recipe(maker, SWEEP, laws, (("stretch", stretch),))
 
 
 def fly_recipe(
@@ -241,6 +247,9 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
     """Yield each piece that the package's laws and these kinds of observables need."""
     from latolato.physics.drives.stretch import (
         pivot_acceleration,
+        pivot_across,
+        pivot_across_acceleration,
+        pivot_across_velocity,
         pivot_height,
         pivot_velocity,
         rotation,
@@ -259,6 +268,13 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
         yield many_recipe(balls, usual)
     yield lanes_recipe(usual, pivot_acceleration, *laws, rotation)
     yield observer_recipe(usual, pivot_height, pivot_velocity, pivot_acceleration, *laws)
+    across = pivot_across_acceleration, pivot_velocity, pivot_across_velocity
+    for count in (1, 2):
+        yield engine_recipe(count, usual, pivot_acceleration, *laws, *across)
+    yield observer_recipe(
+        usual, pivot_height, pivot_velocity, pivot_acceleration, pivot_across,
+        pivot_across_velocity, pivot_across_acceleration,
+    )  # fmt: skip
     answers = (False, True)
     for damped, works in product(answers, answers):
         yield locate_recipe(restoring_sine, damped=damped, works=works)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.scalar import formula
+from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import (
     STATE,
@@ -210,6 +210,33 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
 
 
 @formula
+def _is_apart(case: Any, state: Any) -> bool:
+    """Return whether balls, of which one at least begins on a slack string, do not overlap."""
+    d0, d1 = case.balls[0].length, case.balls[1].length
+    if state.is_slack[0] != 0:
+        d0 = case.initial_distance[0]
+    if state.is_slack[1] != 0:
+        d1 = case.initial_distance[1]
+    r0, r1, angle = case.balls[0].radius, case.balls[1].radius, state.angle[0]
+    if case.angles == 1:
+        return bool(0.0 <= angle <= math.pi and d0 * sine(angle) >= r0 * (1.0 - ON_WALL))
+    gap = angle - state.angle[1]
+    half = sine(0.5 * gap)
+    apart = math.sqrt((d0 - d1) ** 2 + 4.0 * d0 * d1 * half * half)
+    return bool(0.0 <= gap <= math.tau and apart >= (r0 + r1) * (1.0 - ON_WALL))
+
+
+@formula
+def _hang(state: Any, i: int, distance: float, length: float) -> None:
+    """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
+    if distance < length:
+        s, c, speed = sine(state.angle[i]), cosine(state.angle[i]), distance * state.velocity[i]
+        state.place[i, 0], state.place[i, 1] = distance * s, -distance * c
+        state.place[i, 2], state.place[i, 3] = speed * c, speed * s
+        state.is_slack[i] = 1
+
+
+@formula
 def _is_mirrored(case: Any, right_angle: float, left_angle: float) -> bool:
     """Return whether two equal balls begin as mirror images of each other."""
     right, left, velocity = case.balls[0], case.balls[1], case.initial_angular_velocity
@@ -266,12 +293,24 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     settings.follows_tension, settings.follows_ledger = case.follows_tension, case.follows_ledger
     settings.mirrored, settings.is_linear = case.mirrored, case.is_linear
     settings.law[0], settings.law[1] = case.law[0], case.law[1]
+    settings.is_string, settings.in_lab = case.is_string, case.in_lab
+    settings.string_restitution = case.string_restitution
     right, left, problem = _start(case, touch, settings.low, settings.high)
     state.mode, state.angle[0] = UNSETTLED, right
     state.compression_start[0] = state.compression_start[1] = math.nan
+    state.slack_start[0] = state.slack_start[1] = math.nan
     state.velocity[0] = case.initial_angular_velocity[0]
     if case.angles == 2:
         state.angle[1], state.velocity[1] = left, case.initial_angular_velocity[1]
+    for i in range(case.angles):
+        settings.radius[i] = case.balls[i].radius
+        _hang(state, i, case.initial_distance[i], case.balls[i].length)
+        if not (math.isnan(case.initial_distance[i]) or case.initial_distance[i] > 0.0):
+            return OVERLAP
+        if case.initial_distance[i] > case.balls[i].length:
+            return OVERLAP
+    if case.is_exact == 0 and (state.is_slack[0] != 0 or state.is_slack[1] != 0):
+        problem = FINE if case.meets == 0 or _is_apart(case, state) else OVERLAP
         if problem == FINE and case.mirrored != 0 and not _is_mirrored(case, right, left):
             return UNLIKE
     for i in range(case.angles):
@@ -314,7 +353,9 @@ def cases_of(
     for i in range(system.angles):
         cases["initial_angle"][:, i] = angles[i]
         cases["initial_angular_velocity"][:, i] = velocities[i]
-    cases["initial_offset"] = math.nan
+    cases["initial_offset"], cases["initial_distance"] = math.nan, math.nan
+    cases["is_string"], cases["in_lab"] = system.suspension == "string", system.drag_frame == "lab"
+    cases["string_restitution"] = system.string_restitution
     cases["pivot_bound"], cases["drive_rate"] = bounds
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0

@@ -58,6 +58,10 @@ CASE = np.dtype(
         ("follows_tension", "i8"),
         ("follows_ledger", "i8"),
         ("mirrored", "i8"),  # whether two equal balls are kept mirror images of each other
+        ("is_string", "i8"),  # whether balls hang on strings
+        ("in_lab", "i8"),  # whether the air is at rest in the room, not around the pivot
+        ("string_restitution", "f8"),
+        ("initial_distance", "f8", (2,)),  # from the pivot [m], or NaN: the length
     ],
     align=True,
 )
@@ -96,6 +100,10 @@ SETTINGS = np.dtype(
         ("mirrored", "i8"),  # keep two equal balls mirror images of each other
         ("is_linear", "i8"),  # whether the restoring factor is the angle itself
         ("law", "f8", (2,)),  # what a contact law says to its motion
+        ("is_string", "i8"),  # whether balls hang on strings
+        ("in_lab", "i8"),  # whether the air is at rest in the room, not around the pivot
+        ("string_restitution", "f8"),
+        ("radius", "f8", (2,)),  # of the balls [m]
     ],
     align=True,
 )
@@ -103,7 +111,15 @@ SETTINGS = np.dtype(
 # Rows of the sample array: the states of the balls, then the ledger.
 S_WORK, S_DAMPED, S_IMPACT, S_CAPTURED, S_NOISE, S_MODE = 4, 5, 6, 7, 8, 9
 SAMPLE_ROWS = 10
+# More rows of motions in the plane: distance [m], its rate [m/s] and slackness of each ball, and
+# the ledger's last part.
+S_DISTANCE, S_RETENSION, PLANE_ROWS = 10, 16, 17
+# Rows of the contact table: angular velocities before and after, two each. Of motions in the plane
+# the velocities along the strings follow, and which ball it was (-1: both).
+C_RADIAL, C_BALL, CONTACT_ROWS = 4, 8, 9
 
 # Status of one point of a sweep.
-CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID = range(6)
-STATUS_NAMES = ("converged", "grazing", "rest", "event_limit", "failed", "invalid")
+CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID, TANGLED = range(7)
+STATUS_NAMES = (
+    "converged", "grazing", "rest", "event_limit", "failed", "invalid", "tangled",
+)  # fmt: skip

@@ -43,8 +43,7 @@ def make_trajectory(
 ) -> Callable[..., int]:
     """Return what carries `count` balls on.
 
-    `laws` are the pivot's acceleration, the restoring factor and its potential.
+    `laws` are the pivot's acceleration, the restoring factor, its potential and, in the plane, the
+    formulas of `PlaneLaws`.
     """
-    pivot_acceleration, restoring, potential = laws
-    result = laws_of(pivot_acceleration, restoring, potential, part)
-    return motion_of(motion)(result, count, watch, part)
+    return motion_of(motion)(laws_of(*laws, part=part), count, watch, part)

@@ -28,6 +28,12 @@ from latolato.observables.final import (
 )
 from latolato.observables.passage import FirstPassage
 from latolato.observables.period import ResponsePeriod, ResponseSamples
+from latolato.observables.strings import (
+    FirstSlack,
+    LargestStringImpulse,
+    RetensionLoss,
+    SlackFraction,
+)
 
 __all__ = [
     "BottomContacts",
@@ -37,9 +43,11 @@ __all__ = [
     "FinalAngle",
     "FinalAngularVelocity",
     "FirstPassage",
+    "FirstSlack",
     "ImpactSpeed",
     "LargestAngle",
     "LargestAngleAfterTransient",
+    "LargestStringImpulse",
     "MeanEnergy",
     "MotionClass",
     "Observable",
@@ -48,9 +56,11 @@ __all__ = [
     "ResponsePeriod",
     "ResponseSamples",
     "RestFraction",
+    "RetensionLoss",
     "Rotations",
     "Segment",
     "SelfStart",
+    "SlackFraction",
     "TopContacts",
     "observables",
 ]

@@ -85,7 +85,11 @@ class Outcome(NamedTuple):
     damping_loss: float
     impact_loss: float
     capture_loss: float
+    retension_loss: float
     compression_time: float  # time in which the rod was pushed [s]
+    slack_time: float  # time in which the string was slack [s]
+    first_slack: float  # when it was first slack in the observed time [s], NaN if never
+    string_impulse: float  # the largest impulse of any string [N s]
     balls: int
 
 
@@ -129,6 +133,8 @@ class Observable:
     mirrored : bool
         Whether it belongs to the mirror-symmetric motion of two equal balls; roundings are kept
         from breaking the symmetry then.
+    of_strings : bool
+        Whether the system must hang on strings.
     is_joint : bool
         Whether the variables belong to both balls of a pair together; those of the first count.
     """
@@ -146,6 +152,7 @@ class Observable:
     angles: ClassVar[int] = 0
     mirrored: ClassVar[bool] = False
     plain: ClassVar[frozenset[str]] = frozenset()
+    of_strings: ClassVar[bool] = False
     is_joint: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
@@ -198,7 +205,7 @@ class Observable:
         import numpy as np
 
         acc = [*self.parameters, *[0.0] * (self.slots - len(self.parameters))]
-        nothing, end = Segment(*[0.0] * len(Segment._fields)), Outcome._make([*[0.0] * 9, 1])
+        nothing, end = Segment(*[0.0] * len(Segment._fields)), Outcome._make([*[0.0] * 13, 1])
         calls: dict[str, tuple[Any, ...]] = {
             "start": (0.0,), "step": (nothing,), "contact": (0.0, 0, 0.0, 0.0, 0.0),
             "mark": (max(self.marks - 1, 0), 0.0, 0.0, 0.0), "restart": (0.0, 0.0),

@@ -14,8 +14,8 @@ from latolato.core.scalar import formula
 contact_laws: Registry[type] = Registry("contact law")
 
 # Row kinds of the contact table.
-BOTTOM, TOP, REST, RELEASE = 0, 1, 2, 3
-CONTACT_KINDS = ("bottom", "top", "rest", "release")
+BOTTOM, TOP, REST, RELEASE, SLACK, TAUT = range(6)
+CONTACT_KINDS = ("bottom", "top", "rest", "release", "slack", "taut")
 
 
 class ContactLaw:

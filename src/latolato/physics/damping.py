@@ -68,6 +68,26 @@ def drift(
 
 
 @formula
+def drift_in_plane(
+    vx: float, vy: float, reach: float, rate: float, quadratic: float
+) -> tuple[float, float, float, float]:
+    """Return how far a ball travels in the plane [m], x and y, and its velocity afterwards [m/s].
+
+    The drag is against the velocity, whose direction stays: `drift` of the speed. Here `quadratic`
+    is quadratic_damping/(mass length^2) [1/m].
+    """
+    if quadratic < _NONE:
+        kept = rate * reach
+        return vx * reach, vy * reach, vx - vx * kept, vy - vy * kept
+    speed = math.hypot(vx, vy)
+    if speed == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    travelled, slower = drift(speed, 1.0, reach, rate, quadratic)
+    far, kept = travelled / speed, slower / speed
+    return vx * far, vy * far, vx * kept, vy * kept
+
+
+@formula
 def drift_slopes(
     velocity: float, sign: float, reach: float, rate: float, quadratic: float
 ) -> tuple[float, float]:

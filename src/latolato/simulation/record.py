@@ -14,7 +14,7 @@ from latolato.core.registry import describe, flattened
 from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
-from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS
+from latolato.numerics.observe import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS
 from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks
@@ -30,7 +30,10 @@ LEDGER = {
     "impact_loss": records.S_IMPACT,
     "capture_loss": records.S_CAPTURED,
     "noise_work": records.S_NOISE,
+    "retension_loss": records.S_RETENSION,
 }
+# What is known of each ball on a string, in the order of a ball's rows.
+ON_STRINGS = ("distance", "radial_velocity", "slack")
 
 
 # The coordinate of two balls, and what it is called.
@@ -122,8 +125,12 @@ def record_of(
         "angle": (per_ball, per_angle(rows[0 : 2 * system.angles : 2])),
         "angular_velocity": (per_ball, per_angle(rows[1 : 2 * system.angles : 2])),
     }
-    for name in PIVOT_ROWS:
-        variables[name] = (("time",), quantities[name])
+    is_string = system.suspension == "string"
+    if is_string:
+        variables |= _on_strings(rows, per_ball, two)
+    for name in (*PIVOT_ROWS, *ACROSS_ROWS):
+        if name in quantities:
+            variables[name] = (("time",), quantities[name])
     left_out = set() if frame == "both" else {"lab_energy", "rod_power"}
     if system.is_linear:  # the small-angle model has no such quantities
         left_out |= {"tension", "lab_energy", "rod_power"}
@@ -131,16 +138,38 @@ def record_of(
         if name not in left_out:
             variables[name] = (per_ball, per_angle(quantities[name]))
     for name, row in LEDGER.items():
+        if name == "retension_loss" and not is_string:
+            continue
         if name != "noise_work" or np.nanmax(np.abs(rows[row]), initial=0.0) > 0.0:
             variables[name] = (("time",), rows[row])
     kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
     values = trajectory.contact_values
     variables["contact_time"] = (("contact",), trajectory.contact_times)
     variables["contact_kind"] = (("contact",), kinds)
-    before, after = (values[:2], values[2:]) if two else (values[:1], values[1:2])
-    variables["angular_velocity_before"] = (per_contact, per_angle(before))
-    variables["angular_velocity_after"] = (per_contact, per_angle(after))
+    count, radial = system.angles, records.C_RADIAL
+    around, along = values[: 2 * count], values[radial : radial + 2 * count]
+    pairs = {"angular_velocity": around}
+    if is_string:
+        pairs["radial_velocity"] = along
+    for name, both in pairs.items():
+        variables[f"{name}_before"] = (per_contact, per_angle(both[:count]))
+        variables[f"{name}_after"] = (per_contact, per_angle(both[count:]))
+    if is_string and two:
+        variables["contact_ball"] = (("contact",), values[records.C_BALL].astype(np.int8))
     return Record(system, times, variables, attrs)
+
+
+def _on_strings(
+    rows: Floats, dimensions: tuple[str, ...], two: bool
+) -> dict[str, tuple[tuple[str, ...], Any]]:
+    """Return what is known of balls on strings, from the rows of samples."""
+    result: dict[str, tuple[tuple[str, ...], Any]] = {}
+    for k, name in enumerate(ON_STRINGS):
+        values = rows[records.S_DISTANCE + k : records.S_RETENSION : len(ON_STRINGS)]
+        if name == "slack":  # a run that failed knows nothing more: taut
+            values = np.nan_to_num(values).astype(np.int8)
+        result[name] = (dimensions, values if two else values[0])
+    return result
 
 
 def attributes_of(
@@ -166,6 +195,9 @@ def attributes_of(
             **run,
         },
     }
+    if start.distances:
+        distances = list(start.distances)
+        scenario["run"]["initial_distance"] = distances if many else distances[0]
     if noise is not None:
         scenario["noise"] = describe(noise)
     attributes: dict[str, Any] = {

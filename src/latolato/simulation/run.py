@@ -20,9 +20,10 @@ from latolato.numerics.integrate import (
     choose_step,
     integrate,
     laws_key,
+    moves_in_plane,
     observe,
 )
-from latolato.numerics.observe import BALL_ROWS, PIVOT_ROWS, Observation, ball_records
+from latolato.numerics.observe import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
@@ -53,6 +54,7 @@ def simulate(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
+    initial_distance: float | Sequence[float] | None = None,
     duration: float | None = None,
     times: Sequence[float] | Floats | None = None,
     tolerance: float = 1e-10,
@@ -79,6 +81,10 @@ def simulate(
         Angular velocity at time zero [rad/s].
     initial_offset : float, optional
         Instead of `initial_angle`: the angle above the low contact angle of a `LatoLato` [rad].
+    initial_distance : float or pair of float, optional
+        Distance of a ball from the pivot at time zero [m], on a string only: below the length the
+        string is slack, and the ball moves around the pivot at `initial_angular_velocity`, not
+        outwards. By default all strings are taut.
     duration : float
         End of the run [s]; by default the last of `times`.
     times : array_like of float, shape (time,), optional
@@ -106,8 +112,10 @@ def simulate(
     xarray.Dataset
         Variables on ``time`` (angles, angular velocities and energies also on ``ball`` for a
         `BallPair`, right then left) and on ``contact``. Energies are per ball; the ledger
-        (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss`) is per ball for one angle
-        and the sum of both balls for a `BallPair`.
+        (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss` and, on strings,
+        `retension_loss`) is per ball for one angle and the sum of both balls for a `BallPair`. On
+        strings there are also `distance`, `radial_velocity` and `slack` on ``time``, and contacts
+        of kinds ``slack`` and ``taut``.
 
     Raises
     ------
@@ -158,6 +166,7 @@ def _recorded(
     initial_angle: float | Sequence[float] | None,
     initial_angular_velocity: float | Sequence[float],
     initial_offset: float | None,
+    initial_distance: float | Sequence[float] | None,
     duration: float | None,
     times: Sequence[float] | Floats | None,
     tolerance: float,
@@ -169,8 +178,7 @@ def _recorded(
     progress: Callable[[float], None] | None,
 ) -> Record:
     """Return the record of a run; arguments as of `simulate`."""
-    drive = checked_drive(drive)
-    checked_system(system)
+    drive = checked_drive(drive, checked_system(system))
     law = checked_contact(contact, system)
     tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
     rest_speed = RUN_PARAMETERS["rest_speed"].checked(rest_speed)
@@ -180,7 +188,9 @@ def _recorded(
     frame = RUN_PARAMETERS["frame"].checked(frame)
     instants, end = _checked_times(system, drive, times, duration)
     walls = walls_of(system, law)
-    start = checked_start(system, walls, initial_angle, initial_angular_velocity, initial_offset)
+    start = checked_start(
+        system, walls, initial_angle, initial_angular_velocity, initial_offset, initial_distance
+    )
     kick_times, kick_sizes = kicks_of(noise, system, end)
 
     if law.fixed_step is not None and law.fixed_step > end:
@@ -223,6 +233,7 @@ def _recorded(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )
     quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
+    is_string = system.suspension == "string"
     run = {
         "tolerance": tolerance,
         "rest_speed": rest_speed,
@@ -242,7 +253,9 @@ def _recorded(
     if not law.stores_energy:
         attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
     result = record_of(system, trajectory, quantities, instants, frame, attrs)
-    if "tension" in result:
+    if is_string:
+        attrs.update(_slackness(system, trajectory))
+    elif "tension" in result:
         attrs.update(_compression(system, trajectory))
     return result
 
@@ -272,6 +285,20 @@ def _closed(
             )
             return trajectory, halvings
         halvings += 1
+
+
+def _slackness(system: System, trajectory: Trajectory) -> dict[str, Any]:
+    """Return when each ball's string first goes slack [s], in which share of the time [1] it is.
+
+    The largest impulse that any string had to bear comes with them [N s].
+    """
+    state = trajectory.state
+    known = math.nan if trajectory.failed else 1.0
+    first, share = known * state.slack_start, known * state.slack_time / trajectory.reached
+    if system.angles == 1:
+        first, share = float(first[0]), float(share[0])
+    impulse = known * float(state.string_impulse)
+    return {"first_slack": first, "slack_fraction": share, "largest_string_impulse": impulse}
 
 
 def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
@@ -351,17 +378,22 @@ def _observe(
 ) -> dict[str, Floats]:
     """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
     stretches = records.stretch_records(drive, end)
-    balls = ball_records(system.balls)
-    pivot = np.empty((len(PIVOT_ROWS), len(times)))
+    balls, in_plane = ball_records(system.balls), moves_in_plane(system, drive)
+    names = (*PIVOT_ROWS, *ACROSS_ROWS) if in_plane else PIVOT_ROWS
+    pivot = np.empty((len(names), len(times)))
     out = np.empty((len(balls), len(BALL_ROWS), len(times)))
     samples = trajectory.samples
     observation = Observation(
         times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
-        int(system.is_linear), int(with_lab), pivot, out,
+        int(system.is_linear), int(system.drag_frame == "lab"), int(with_lab), pivot, out,
     )  # fmt: skip
-    laws = drive.height, drive.velocity, drive.acceleration, *laws_key(system)
+    laws: tuple[Any, ...] = drive.height, drive.velocity, drive.acceleration
+    if in_plane:
+        laws += drive.across, drive.across_velocity, drive.across_acceleration
+    else:
+        laws += laws_key(system)
     observe(observation, *laws)
-    result = dict(zip(PIVOT_ROWS, pivot, strict=True))
+    result = dict(zip(names, pivot, strict=True))
     result.update({name: out[:, row] for row, name in enumerate(BALL_ROWS)})
     with np.errstate(over="ignore"):  # a linear run may grow beyond all numbers
         result["total_energy"] = result["kinetic_energy"] + result["potential_energy"]
@@ -375,6 +407,8 @@ def _sampled_residual(trajectory: Trajectory, quantities: dict[str, Floats]) -> 
     total = quantities["total_energy"].sum(axis=0)
     gained = rows[records.S_WORK] + rows[records.S_NOISE]
     gone = rows[records.S_DAMPED] + rows[records.S_IMPACT] + rows[records.S_CAPTURED]
+    if len(rows) == records.PLANE_ROWS:
+        gone = gone + rows[records.S_RETENSION]
     with np.errstate(over="ignore", invalid="ignore"):
         error = np.abs(total - first - gained + gone)
     return float(np.nanmax(error[np.isfinite(rows[0] + rows[1])], initial=0.0))

@@ -39,7 +39,7 @@ from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.points import Batch, is_smooth
+from latolato.sweeps.points import Batch, is_planar, is_smooth, laws_of_points
 
 
 @lru_cache(maxsize=16)
@@ -55,8 +55,7 @@ def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tupl
     """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
     stretch = batch.points.stretches.dtype
     engine = piece_of(engine_recipe(
-        plan.system.angles, stretch, plan.drive.acceleration, *laws_key(plan.system),
-        motion=plan.contact.motion,
+        plan.system.angles, stretch, *laws_of_points(plan), motion=plan.contact.motion,
     ))  # fmt: skip
     looking = pieces_of(hooks_of(plan.observables))
     table = hook_table(looking)
@@ -73,7 +72,7 @@ def run_reference(
 ) -> None:
     """Run points one after the other as plain Python."""
     key = plan.system.angles, plan.contact.motion, hooks_of(plan.observables)
-    many = _reference(key, plan.drive.acceleration, *laws_key(plan.system))
+    many = _reference(key, *laws_of_points(plan))
     scratch = make_scratch(batch.points.stretches.dtype)
     write_stepper(scratch.runs, stepper)
     points = batch.points._replace(
@@ -156,6 +155,7 @@ def has_lanes(plan: Plan) -> bool:
     """
     return (
         plan.system.angles == 1
+        and not is_planar(plan)
         and plan.noise is None
         and is_smooth(plan)
         and plan.drive.rotation is not None

@@ -275,6 +275,12 @@ def make_plan(
     if continuation is None and direction != "up":
         raise InputError(f"direction {direction!r} needs a continuation: name the axis to follow")
     if continuation is not None:
+        if system.suspension == "string":
+            raise InputError(
+                "needs rods: where a slack ball is, is not carried on from point to point",
+                parameter="continuation",
+                way_out="leave it out, or give suspension='rod'",
+            )
         _check_continuation(continuation, dimensions, drive, noise)
     plan = Plan(
         system=system,
@@ -424,6 +430,13 @@ def _check_observables(
             raise InputError(
                 f"{name} belongs to systems of {observable.angles} angles, got a system of "
                 f"{system.angles}"
+            )
+        if observable.of_strings:
+            check_strings(system, name)
+        if observable.tangent is not None and system.suspension == "string":
+            raise InputError(
+                f"{name} is not known on strings: small deviations are followed on rods only",
+                way_out="give suspension='rod'",
             )
         if observable.tangent is not None and law.fixed_step is not None:
             raise InputError(

@@ -19,7 +19,7 @@ from latolato.core.errors import InputError
 from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.engine.record import STATE
-from latolato.numerics.integrate import Start
+from latolato.numerics.integrate import Start, motion_laws, moves_in_plane
 from latolato.numerics.many import Points
 from latolato.numerics.prepare import (
     MOST_STEPS,
@@ -85,6 +85,17 @@ def is_smooth(plan: Plan) -> bool:
     names = {"quadratic_damping", "coulomb_damping"}
     varied = {p.removeprefix("right_").removeprefix("left_") for p in plan.varied}
     return not (names & varied or has_rough_drag(plan.system.balls, plan.system.angles))
+
+
+def is_planar(plan: Plan) -> bool:
+    """Return whether any point of the plan needs the engine for motions in the plane."""
+    sideways = any(name.startswith("horizontal_") for name in plan.varied)
+    return sideways or moves_in_plane(plan.system, plan.drive)
+
+
+def laws_of_points(plan: Plan) -> tuple[Any, ...]:
+    """Return the laws of `trajectory.make_trajectory` that serve all points of a plan."""
+    return motion_laws(plan.system, plan.drive, in_plane=is_planar(plan))
 
 
 def stepper_of(plan: Plan) -> Stepper:
@@ -185,7 +196,7 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
         tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
         follows_tension=_follows_tension(plan), mirrored=any(o.mirrored for o in plan.observables),
     )  # fmt: skip
-    for name in ("gravity", "restitution", "initial_offset"):
+    for name in ("gravity", "restitution", "initial_offset", "string_restitution"):
         if name in columns:
             cases[name] = columns[name]
     one = plan.system.angles == 1
@@ -194,7 +205,7 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
             column = columns.get(name if one else f"{side}_{name}")
             if column is not None:
                 cases["balls"][name][:, i] = column
-        for name in ("initial_angle", "initial_angular_velocity"):
+        for name in ("initial_angle", "initial_angular_velocity", "initial_distance"):
             column = columns.get(name if one else f"{name}_{side}")
             if column is not None:
                 cases[name][:, i] = column

@@ -13,6 +13,7 @@ from latolato.app.blocks import pack
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError
 from latolato.experiment.fits import fits
+from latolato.experiment.fits.drive_across import vertical_part
 from latolato.experiment.fits.result import Fit, quantity_of
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.trials import trial_of
@@ -137,7 +138,8 @@ def play_options(
     }
     laws: dict[str, Any] = {"system": system}
     if fit.drive is not None:
-        laws["drive"] = fit.drive
+        mirrored = isinstance(system, LatoLato)
+        laws["drive"] = vertical_part(fit.drive) if mirrored else fit.drive
     return options_of(Scenario(**laws, run=run))
 
 

@@ -26,7 +26,7 @@ from latolato.experiment.fits.samples import angles_of, noise_of
 from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import LatoLato, System, systems
 from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
@@ -104,7 +104,8 @@ def compare_motion(
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
-    moving = pivot_for(drive, table, system.balls[0].length, first, last)
+    across = not isinstance(system, LatoLato)
+    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
     span = _MATCHED * math.tau / system.natural_frequency
     if match is not None:
         span = checked_number("match", match, POSITIVE, "s")

@@ -1,4 +1,4 @@
-"""How the pivot was driven: amplitude, frequency, phase, overtones, drift and steps."""
+"""How the pivot was driven: amplitudes, frequency, phases, overtones, drift and steps."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
+from latolato.experiment.fits.drive_across import across_of, with_across
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
     Data,
@@ -59,10 +60,13 @@ def fit_drive(
 ) -> Fit:
     """Return amplitude, frequency and phase of the pivot's motion, its overtones and steps.
 
+    And amplitude and phase of its motion sideways, where the table tells.
+
     Parameters
     ----------
     table : xarray.Dataset
-        A track table; `pivot_y` is fitted, from its first to its last passage through the middle.
+        A track table; `pivot_y` is fitted, from its first to its last passage through the middle,
+        and `pivot_x` at the same instants.
     stages : int, optional
         Number of stages of constant frequency; by default found, up to 4.
     start : float, optional
@@ -78,9 +82,10 @@ def fit_drive(
         With `drive_amplitude` [m], `drive_frequency` [rad/s], `drive_phase` (at time zero of the
         table), `crank_ratio` and, for one stage, `amplitude_drift` and `frequency_drift`. With
         steps `drive_frequency` is the first stage's, `drive_frequency_final` the last one's and
-        `step_time` the last step; ``dataset`` has all of them on ``stage``. ``drive`` is a
-        `Harmonic`, a `CrankSlider` where the second harmonic is that of a crank, or a
-        `FrequencySchedule`.
+        `step_time` the last step; ``dataset`` has all of them on ``stage``. Where `pivot_x` is
+        known and not one value, `horizontal_amplitude` [m] and `horizontal_phase` too. ``drive``
+        is a `Harmonic`, a `PlanarHarmonic` where a motion sideways is seen, a `CrankSlider` where
+        the second harmonic is that of a crank, or a `FrequencySchedule`.
 
     Raises
     ------
@@ -96,6 +101,11 @@ def fit_drive(
     crank are kept if they lower BIC by 10 or more, a crank only if its second harmonic is above a
     tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
     not in phase, as an eccentric bearing makes, is reported but not part of ``drive``.
+
+    The way sideways is ``Ax cos(p + lead)`` about a mean, with the same phase p. It is seen where
+    Ax exceeds four standard deviations, to which a quarter of the tenth of a pixel and, in step
+    with the height, the table's ``angle_offset_sigma`` contribute. Only a drive of one cosine takes
+    it. Motion sideways with other frequencies, as the ball's reaction makes, is scatter.
     """
     lmfit_module()
     checked_table(table, "pivot_y")
@@ -118,6 +128,13 @@ def fit_drive(
     estimates = _estimates(solution, shape) | drift
     overtones = _overtones(data, shape, solution, least)
     drive, crank_words = _drive(solution, shape, overtones)
+    across = across_of(table, data.times, shape, solution, least)
+    if across is not None:
+        drive, across_words = with_across(drive, across)
+        crank_words += f" {across_words}"
+        estimates |= {
+            "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
+        }  # fmt: skip
     words = [_main_words(estimates, solution, shape), crank_words]
     if unsteady:
         span = float(np.ptp(data.times))
@@ -143,6 +160,9 @@ def fit_drive(
             np.array([solution.sigma(n) for n in shape.frequencies]),
         ),
     }
+    if across is not None:
+        curves["pivot_across"] = ("sample", across.samples)
+        curves["pivot_across_fit"] = ("sample", across.curve)
     about = {
         "start": float(data.times[0]), "end": float(data.times[-1]), "samples": len(data),
         "stages": shape.stages, **solution.quality, "source": table.attrs.get("source"),
@@ -154,7 +174,14 @@ fits.register("drive")(
     FitKind(
         function=fit_drive,
         title="Measured drive",
-        headline=("drive_amplitude", "drive_frequency", "drive_frequency_final", "drive_phase"),
+        headline=(
+            "drive_amplitude",
+            "drive_frequency",
+            "drive_frequency_final",
+            "drive_phase",
+            "horizontal_amplitude",
+            "horizontal_phase",
+        ),
         system=lambda _, apparatus, table: apparatus.guess(table) if apparatus.length else None,
     )
 )

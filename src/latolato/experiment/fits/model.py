@@ -28,7 +28,7 @@ from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guess
 from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import LatoLato, System, systems
 from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
@@ -119,7 +119,8 @@ def fit_model(
         window = checked_number("window", window, POSITIVE, "s")
     data = angles_of(table, system, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
-    moving = pivot_for(drive, table, system.balls[0].length, first, last)
+    across = not isinstance(system, LatoLato)
+    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
     pivot, origin = moving.drive, moving.origin
     names = _names(system, pivot, vary)
     held = {name: _value(system, pivot, name) for name in names}

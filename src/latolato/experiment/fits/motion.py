@@ -31,6 +31,8 @@ class LaterDrive:
     def __init__(self, drive: Drive, origin: float, duration: float) -> None:
         self.height, self.velocity = drive.height, drive.velocity
         self.acceleration, self.rotation = drive.acceleration, drive.rotation
+        self.across, self.across_velocity = drive.across, drive.across_velocity
+        self.across_acceleration, self.moves_across = drive.across_acceleration, drive.moves_across
         # Properties of a measured pivot look at every sample: ask once.
         self.fastest_frequency = drive.fastest_frequency
         self.largest_acceleration = drive.largest_acceleration

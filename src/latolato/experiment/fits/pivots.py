@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
+from latolato.experiment.fits.drive_across import vertical_part
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot
@@ -20,6 +22,13 @@ if TYPE_CHECKING:
 
 # A fitted drive stands for the track if it leaves less than this share of the amplitude.
 _GOOD = 0.02
+# What a drive has of a fit, with the names in a fit where they are others, and its phases.
+_PARAMETERS = (
+    "drive_amplitude", "vertical_amplitude", "horizontal_amplitude",
+    "drive_frequency", "drive_phase", "vertical_phase", "horizontal_phase",
+)  # fmt: skip
+_OF_HEIGHT = {"vertical_amplitude": "drive_amplitude", "vertical_phase": "drive_phase"}
+_PHASES = ("drive_phase", "vertical_phase", "horizontal_phase")
 # Noisy copies of a track from which the effect of its noise is seen.
 _COPIES = 4
 
@@ -41,7 +50,13 @@ class Pivot:
 
 
 def pivot_for(
-    drive: Drive | str | None, table: xr.Dataset, length: float, first: float, last: float
+    drive: Drive | str | None,
+    table: xr.Dataset,
+    length: float,
+    first: float,
+    last: float,
+    *,
+    across: bool = False,
 ) -> Pivot:
     """Return the pivot of a motion in a track table.
 
@@ -57,12 +72,15 @@ def pivot_for(
         Of the pendulum [m], against which the pivot may be at rest.
     first, last : float
         What must be covered [s].
+    across : bool
+        Whether the pivot may move sideways; without, its measured motion sideways is left out.
     """
     if isinstance(drive, Drive):
         return Pivot(drive, 0.0, [], "the given drive")
     if drive not in (None, "measured"):
         raise InputError("must be a drive, 'measured' or None", parameter="drive", value=drive)
-    if not is_driven(table, length):
+    swings = across and "pivot_x" in table.variables and is_driven(table, length, "pivot_x")
+    if not (swings or is_driven(table, length)):
         return Pivot(FixedPivot(), 0.0, [], "the pivot is at rest")
     if drive is None:
         try:
@@ -71,52 +89,67 @@ def pivot_for(
             fit = None
         if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
             assert fit.drive is not None
+            moving = fit.drive if across else vertical_part(fit.drive)
             error = stroke_error(table, length, fit["drive_amplitude"].value)
-            others = _neighbours(fit, fit.drive, error)
-            return Pivot(fit.drive, 0.0, others, "the pivot's fitted drive")
-    return _spline(table, length, first, last)
+            words = "the pivot's fitted drive"
+            if moving != fit.drive:
+                words += " without its way sideways"
+            return Pivot(moving, 0.0, _neighbours(fit, moving, error), words)
+    return _spline(table, length, (first, last), swings)
 
 
 def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:
     """Return drives that differ by one standard deviation in one parameter each, or the scale."""
     others: list[tuple[Drive, float]] = []
-    for name in ("drive_amplitude", "drive_frequency", "drive_phase"):
-        if name in fit and hasattr(drive, name):
-            sigma = fit[name].sigma
-            if name == "drive_amplitude":
-                sigma = float(np.hypot(sigma, scale * fit[name].value))
+    about: Any = drive
+    phases = [name for name in _PHASES if hasattr(drive, name)]
+    for name in _PARAMETERS:
+        estimate = _OF_HEIGHT.get(name, name)
+        if estimate in fit and hasattr(drive, name):
+            sigma = fit[estimate].sigma
+            if name.endswith("_amplitude"):
+                sigma = float(np.hypot(sigma, scale * fit[estimate].value))
             moved: Any = {name: getattr(drive, name) + sigma}
             if name == "drive_frequency":
                 # About the middle of the record, where frequency and phase are independent.
                 middle = 0.5 * (fit.dataset.attrs["start"] + fit.dataset.attrs["end"])
-                about: Any = drive
-                moved["drive_phase"] = about.drive_phase - sigma * middle
+                moved |= {phase: getattr(about, phase) - sigma * middle for phase in phases}
             # The phase's own deviation at time zero holds the frequency's: half of it is left.
-            weight = 0.25 if name == "drive_phase" and hasattr(drive, "drive_frequency") else 1.0
-            others.append((replace(drive, **moved), weight))
+            weight = 0.25 if name in phases and hasattr(drive, "drive_frequency") else 1.0
+            others.append((replace(about, **moved), weight))
     return others
 
 
-def _spline(table: xr.Dataset, length: float, first: float, last: float) -> Pivot:
-    """Return a smoothing spline of the heights, and splines of noisier copies."""
-    time, height = table["time"].values, table["pivot_y"].values
-    known = np.isfinite(height)
-    time, height = time[known], height[known]
-    if not len(time) or time[0] > first or time[-1] < last:
+def _spline(table: xr.Dataset, length: float, span: tuple[float, float], swings: bool) -> Pivot:
+    """Return a smoothing spline of the heights, and splines of noisier copies.
+
+    Of the way sideways too if it `swings`.
+    """
+    columns = {"pivot_y": ("pivot_heights", "height_sigma")}
+    if swings:
+        columns["pivot_x"] = ("pivot_across", "across_sigma")
+    time = table["time"].values
+    known = np.logical_and.reduce([np.isfinite(table[column].values) for column in columns])
+    time = time[known]
+    if not len(time) or time[0] > span[0] or time[-1] < span[1]:
         raise InputError(
             "the pivot is not known over all of the motion: give start and end, or the drive"
         )
-    noise = noise_of(height)
+    places = {column: table[column].values[known] for column in columns}
+    noises = {column: noise_of(place) for column, place in places.items()}
     generator = np.random.default_rng(0)
 
-    def through(heights: Any) -> MeasuredPivot:
-        return MeasuredPivot(times=time - time[0], pivot_heights=heights, height_sigma=noise)
+    def through(factor: float, noise: float) -> MeasuredPivot:
+        traces: Any = {}
+        for column, (name, sigma) in columns.items():
+            error = noise * noises[column] * generator.normal(size=len(time))
+            traces |= {name: factor * places[column] + error, sigma: noises[column]}
+        return MeasuredPivot(times=time - time[0], **traces)
 
-    others = [
-        (through(height + noise * generator.normal(size=len(height))), 1.0 / _COPIES)
-        for _ in range(_COPIES)
-    ]
-    scale = stroke_error(table, length, float(np.std(height)) * 2.0**0.5)
+    others = [(through(1.0, 1.0), 1.0 / _COPIES) for _ in range(_COPIES)]
+    size = math.hypot(*(float(np.std(place)) for place in places.values()))
+    scale = stroke_error(table, length, size * 2.0**0.5)
     if scale > 0.0:
-        others.append((through((1.0 + scale) * height), 1.0))
-    return Pivot(through(height), float(time[0]), [*others], "a spline of the pivot's track")
+        others.append((through(1.0 + scale, 0.0), 1.0))
+    words = "a spline of the pivot's track"
+    return Pivot(through(1.0, 0.0), float(time[0]), [*others], words)

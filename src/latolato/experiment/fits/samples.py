@@ -116,18 +116,21 @@ def noise_of(values: Floats) -> float:
     return float(np.median(third)) * 1.4826 / math.sqrt(20.0)
 
 
-def pivot_swing(table: xr.Dataset) -> float:
-    """Return half the way that the pivot goes up and down [m], 0 where it is unknown."""
-    heights = table["pivot_y"].values
-    known = heights[np.isfinite(heights)]
+def pivot_swing(table: xr.Dataset, column: str = "pivot_y") -> float:
+    """Return half the way that the pivot goes up and down [m], 0 where it is unknown.
+
+    `column` may be ``"pivot_x"`` for the way sideways.
+    """
+    places = table[column].values
+    known = places[np.isfinite(places)]
     if len(known) < 8:
         return 0.0
     low, high = np.percentile(known, [2.0, 98.0])
     return 0.5 * float(high - low)
 
 
-def is_driven(table: xr.Dataset, length: float) -> bool:
+def is_driven(table: xr.Dataset, length: float, column: str = "pivot_y") -> bool:
     """Return whether the pivot moves by more than its track scatters."""
-    heights = table["pivot_y"].values
-    noise = noise_of(heights[np.isfinite(heights)])
-    return pivot_swing(table) > max(_STILL * length, 4.0 * noise)
+    places = table[column].values
+    noise = noise_of(places[np.isfinite(places)])
+    return pivot_swing(table, column) > max(_STILL * length, 4.0 * noise)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.engine.fall import NO_FALL, Fall
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
 
@@ -44,9 +45,15 @@ def share_of(run: Any) -> float:
     return share
 
 
-def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) -> Balls:
-    """Return the functions of one or two balls whose motion is that of `swing`."""
-    two = count == 2
+def make_balls(
+    swing: Swing, fall: Fall, laws: Laws, count: int, part: Part = as_it_stands
+) -> Balls:
+    """Return the functions of one or two balls whose motion is that of `swing`.
+
+    In the plane the string of a ball may be slack, and it moves by `fall` then.
+    """
+    two, in_plane = count == 2, fall is not NO_FALL
+    fall_by, hang, slopes = fall.step_by, fall.hang, fall.slopes
     potential, push_potential = laws.potential, laws.push_potential
 
     @inlined(part)
@@ -86,19 +93,28 @@ def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) 
     def fly(run: Any) -> None:
         """Take a full step of all balls."""
         for i in range(count):
-            swing.step(run, i, i, run.now[i], run.end[i])
+            if in_plane and run.state.is_slack[i] != 0:
+                fall_by(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
+            else:
+                swing.step(run, i, i, run.now[i], run.end[i])
 
     @part
     def fly_by(run: Any, length: float, points: Any) -> None:
         """Take a step of any length of all balls."""
         for i in range(count):
-            swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
+            if in_plane and run.state.is_slack[i] != 0:
+                fall_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
+            else:
+                swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
 
     @part
     def settle(run: Any) -> None:
         """Find the directions in which the balls move, and what pulls at them."""
         for i in range(count):
-            swing.settle(run, i, run.t, run.now[i])
+            if not in_plane or run.state.is_slack[i] == 0:
+                swing.settle(run, i, run.t, run.now[i])
+            if in_plane:
+                hang(run, i, run.now[i])
 
     @part
     def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
@@ -164,6 +180,9 @@ def make_balls(swing: Swing, laws: Laws, count: int, part: Part = as_it_stands) 
         total, settings = 0.0, run.settings
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
+            if in_plane and run.state.is_slack[i] != 0:
+                total += b.inertia * slopes(run, i, point)[1]
+                continue
             height = settings.gravity * b.coupling * potential(point.angle, settings.is_linear)
             held = push_potential(point.angle, run)
             total += b.inertia * (0.5 * point.velocity * point.velocity + height + held)

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from latolato.core.scalar import formula
-from latolato.numerics.records import S_CAPTURED, S_DAMPED, S_IMPACT, S_MODE, S_NOISE, S_WORK
+from latolato.numerics.engine.fall import radial_rate
+from latolato.numerics.records import (
+    S_CAPTURED,
+    S_DAMPED,
+    S_DISTANCE,
+    S_IMPACT,
+    S_MODE,
+    S_NOISE,
+    S_RETENSION,
+    S_WORK,
+)
 
 
 @formula
@@ -25,11 +36,24 @@ def write_sample(run: Any, output: Any, points: Any, count: int, work: float, lo
 
 
 @formula
+def write_place(run: Any, output: Any, points: Any, count: int) -> None:
+    """Write the rest of the next sample of a motion in the plane; before `write_sample`."""
+    state, k, samples = run.state, run.state.sample, output.samples
+    for i in range(count):
+        row, is_slack = S_DISTANCE + 3 * i, state.is_slack[i] != 0
+        distance = math.hypot(points[i].x, points[i].y)
+        samples[row, k] = distance if is_slack else 1.0 / run.bodies[i].coupling
+        samples[row + 1, k] = radial_rate(points[i]) if is_slack else 0.0
+        samples[row + 2, k] = 1.0 if is_slack else 0.0
+    samples[S_RETENSION, k] = state.retension_loss
+
+
+@formula
 def follow_ledger(state: Any, energy: float) -> None:
     """Note the largest energy and the largest error of the ledger at the end of a step [J]."""
     state.largest_energy = max(state.largest_energy, energy)
     gained = state.drive_work + state.noise_work - state.damping_loss
-    gained -= state.impact_loss + state.capture_loss
+    gained -= state.impact_loss + state.capture_loss + state.retension_loss
     error = abs(energy - state.first_energy - gained)
     state.ledger_error = max(state.ledger_error, error)
 
@@ -48,6 +72,6 @@ _ROUNDING_OF_SUMS = 1e-13
 @formula
 def allowed_error(state: Any, tolerance: float) -> float:
     """Return the error of the ledger up to which a run keeps its tolerance [J]."""
-    gone = state.damping_loss + state.impact_loss + state.capture_loss
+    gone = state.damping_loss + state.impact_loss + state.capture_loss + state.retension_loss
     share = max(_LEDGER_MARGIN * tolerance, _ROUNDING)
     return max(share * state.largest_energy, _ROUNDING_OF_SUMS * gone)

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.bounce import hop
-from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.balls import GAP, RATE, Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.held import Held, add_compression
-from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
-from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed, tension_at
+from latolato.numerics.engine.strings import NO_STRINGS, Strings
+from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
+from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes
 
@@ -27,20 +27,21 @@ _ROUNDING = 1e-15
 
 
 def make_flight(
-    swing: Swing, balls: Balls, held: Held, look: Look, laws: Laws, count: int,
+    swing: Swing, balls: Balls, held: Held, look: Look, strings: Strings, count: int,
     part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
-    """Return the mode of `count` balls in flight."""
-    two = count == 2
-    pivot_acceleration = laws.pivot_acceleration
+    """Return the mode of `count` balls in flight; strings, if they hang on such, are taut."""
+    two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
     gap_acceleration = balls.gap_acceleration
+    tension = make_tension(swing, part)
 
     @inlined(part)
     def plan(run: Any) -> None:
         """Fly a step, up to the first thing that happens in it."""
         balls.plan_length(run)
-        if run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0:  # nothing moves till then
+        is_still = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
+        if is_still and run.settings.is_string == 0:  # nothing moves till then
             run.length, run.t_end, run.is_whole = run.goal - run.t, run.goal, 0
         if run.is_whole != 0:
             balls.fly(run)
@@ -54,6 +55,9 @@ def make_flight(
         side = contact_ahead(run, soon)
         if side != 0.0:
             meet(run, side, soon)
+        if has_strings and run.settings.is_string != 0:
+            for i in range(count):
+                await_slack(run, i)
         sum_up(run, run.end, run.t_end)
 
     @inlined(part)
@@ -191,12 +195,9 @@ def make_flight(
             run.work += b.inertia * point.work
             run.loss += b.inertia * point.loss
             if point.sign == 0.0:
-                point.pivot_acceleration = pivot_acceleration(t, run.stretch)
+                swing.shake(run, t, point)
             if run.settings.follows_tension != 0:
-                point.tension = tension_at(
-                    point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
-                    b.coupling,
-                )  # fmt: skip
+                point.tension = swing.tension(run, i, point)
 
     @part
     def look_inside(run: Any, length: float) -> None:
@@ -215,68 +216,34 @@ def make_flight(
     def note_compression(run: Any, i: int) -> None:
         """Add the compression of a rod; zeros of the tension are located, one in each half."""
         begin, end = run.now[i], run.end[i]
-        b, gravity, state = run.bodies[i], run.settings.gravity, run.state
+        state = run.state
         if begin.sign == 0.0:
             held.note_compression(run, i, begin.angle)
             return
-        strongest = (gravity + run.settings.pivot_bound) * b.coupling
-        margin = begin.velocity * begin.velocity + end.velocity * end.velocity + strongest
-        margin *= run.settings.sag
+        margin = tension.margin(run, i)
         if max(begin.tension, end.tension) < -margin:
             add_compression(state, i, begin.tension, end.tension, run.t, run.t_end)
             return
         if min(begin.tension, end.tension) >= margin:
             return
         half = 0.5 * run.length
-        middle = tension_after(run, i, half)
+        middle = tension.after(run, i, half)
         left, right = begin.tension, middle
         for piece in range(2):
             s0 = half * piece
             if (left < 0.0) != (right < 0.0):
-                root = zero_of_tension(run, i, s0, s0 + half, left, right)
+                root = tension.zero(run, i, s0, s0 + half, left, right)
                 add_compression(state, i, left, math.copysign(0.0, left), run.t + s0, run.t + root)
                 add_compression(state, i, right, right, run.t + root, run.t + s0 + half)
             else:
                 add_compression(state, i, left, right, run.t + s0, run.t + s0 + half)
             left, right = middle, end.tension
 
-    @part
-    def tension_after(run: Any, i: int, length: float) -> float:
-        """Return the tension over mass and length that far into the step [1/s^2]."""
-        swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], run.inside[i])
-        point = run.inside[i]
-        return tension_at(
-            point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
-            run.bodies[i].coupling,
-        )  # fmt: skip
-
-    @part
-    def zero_of_tension(
-        run: Any, i: int, low: float, high: float, left: float, right: float
-    ) -> float:
-        """Return where the tension changes its sign; regula falsi, kept ends halved (Illinois)."""
-        begins_compression, kept, root = left < 0.0, 0, high
-        for _ in range(MOST_TRIALS):
-            s = (low * right - high * left) / (right - left)
-            if not low < s < high:
-                break
-            now = tension_after(run, i, s)
-            moved, root = abs(s - root), s
-            if (now < 0.0) == begins_compression:
-                low, left = s, now
-                right, kept = (0.5 * right if kept == 1 else right), 1
-            else:
-                high, right = s, now
-                left, kept = (0.5 * left if kept == 2 else left), 2
-            if moved < 1e-14 * run.length or now == 0.0:
-                break
-        return root
-
     @inlined(part)
     def note(run: Any, eyes: Eyes) -> None:
         """Note compression, and show the observables the step and its matrix."""
         for i in range(count):
-            if run.settings.follows_tension != 0:
+            if run.settings.follows_tension != 0 and run.settings.is_string == 0:
                 note_compression(run, i)
             a0, a1 = slowed(run.now[i], run.bodies[i]), slowed(run.end[i], run.bodies[i])
             look.step(run, eyes, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)

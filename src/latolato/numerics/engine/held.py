@@ -45,7 +45,7 @@ def add_compression(state: Any, ball: int, left: float, right: float, t: float, 
 
 def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     """Return the functions of a ball that a wall or friction holds."""
-    pivot_acceleration, restoring = laws.pivot_acceleration, laws.restoring
+    restoring, in_plane = laws.restoring, laws.plane is not None
 
     @part
     def hold(run: Any, t: float, ball: int, side: float, angle: float) -> float:
@@ -70,12 +70,12 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         if old < 0.0:
             return begin
         gravity, bound = run.settings.gravity, run.settings.pivot_bound
-        if side == -1.0 and bound <= gravity:
+        if not in_plane and side == -1.0 and bound <= gravity:
             return math.inf
         b = run.bodies[ball]
         restored = restoring(angle, run.settings.is_linear)
         strongest = abs(swung(gravity + bound, b.coupling, restored))
-        if side == 0.0 and strongest <= b.coulomb:
+        if not in_plane and side == 0.0 and strongest <= b.coulomb:
             return math.inf
         dt = run.settings.step * _REST_FRACTION
         older, old_t = math.inf, begin
@@ -111,17 +111,17 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     def note_compression(run: Any, ball: int, angle: float) -> None:
         """Add the compression in a step without motion.
 
-        On a wall and where friction holds the ball, the tension has the sign of
-        ``(g + y0'') cos(angle)``; it is sampled four times a step.
+        On a wall and where friction holds the ball, the tension has the sign of what `swing.still`
+        returns, ``(g + y0'') cos(angle)`` above a pivot that moves up and down; it is sampled four
+        times a step.
         """
-        gravity, side = run.settings.gravity, cosine(angle)
-        if run.settings.pivot_bound < gravity and side > 0.0:
+        if not in_plane and run.settings.pivot_bound < run.settings.gravity and cosine(angle) > 0.0:
             return
         dt = run.settings.step * _REST_FRACTION
-        left = (gravity + pivot_acceleration(run.t, run.stretch)) * side
+        left = swing.still(run, ball, run.t, angle)
         for i in range(math.ceil((run.t_end - run.t) / dt)):
             begin, end = run.t + i * dt, min(run.t + (i + 1) * dt, run.t_end)
-            right = (gravity + pivot_acceleration(end, run.stretch)) * side
+            right = swing.still(run, ball, end, angle)
             add_compression(run.state, ball, left, right, begin, end)
             left = right
 

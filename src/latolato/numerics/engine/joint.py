@@ -13,11 +13,10 @@ from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.held import add_compression
-from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import JOINT, JOINT_ROW, NOTHING, RELEASE, TURN
-from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed, tension_at
+from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed
 from latolato.numerics.matrices import write_joint_matrix
 from latolato.numerics.watch import Eyes
 from latolato.physics.pair import contact_torque, radial_push
@@ -25,11 +24,8 @@ from latolato.physics.pair import contact_torque, radial_push
 _TABLE = ANY_LENGTH + JOINT_ROW
 
 
-def make_joint(
-    swing: Swing, balls: Balls, look: Look, laws: Laws, part: Part = as_it_stands
-) -> Mode:
+def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands) -> Mode:
     """Return the mode of two balls in lasting contact."""
-    pivot_acceleration = laws.pivot_acceleration
 
     @part
     def body_of(run: Any) -> int:
@@ -65,10 +61,29 @@ def make_joint(
         swing.step_by(run, body_of(run), _TABLE, length, begin, end)
 
     @part
+    def find_tensions(run: Any, t: float, points: Any) -> None:
+        """Write both tensions, each over mass and length: the contact pushes along the rods."""
+        _settings, gap = run.settings, gap_of(run)
+        one, two = run.bodies[0], run.bodies[1]
+        torque = contact_torque(
+            freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),
+            freed(swing.free(run, 1, t, points[1].angle), points[1].velocity, two),
+            one.inertia,
+            two.inertia,
+        )
+        for i in range(2):
+            point, b = points[i], run.bodies[i]
+            length, other = 1.0 / b.coupling, 1.0 / run.bodies[1 - i].coupling
+            swing.feel(run, i, t, point)
+            push = radial_push(torque, length, other, gap) * length / b.inertia
+            point.tension = push + swing.tension(run, i, point)
+
+    @part
     def margin(run: Any, length: float) -> float:
         """Return how far the motion is from its end, that far into the step; negative beyond it.
 
-        It ends when the balls would part, or when friction no longer holds both at once.
+        It ends when the balls would part, when friction no longer holds both at once, or when a
+        string would have to push.
         """
         swing_by(run, length, run.inside)
         one = run.inside[JOINT_ROW]
@@ -81,6 +96,10 @@ def make_joint(
             body = body_of(run)
             slip = abs(swing.free(run, body, run.t + length, one.angle))
             pressed = min(pressed, run.bodies[body].coulomb - slip)
+        if run.settings.is_string != 0:
+            find_tensions(run, run.t + length, run.inside)
+            for i in range(2):
+                pressed = min(pressed, run.inside[i].tension)
         return pressed
 
     find_lowest = make_lowest(margin, part)
@@ -155,26 +174,6 @@ def make_joint(
         run.work_inside, run.loss_inside = inertia * one.work, inertia * one.loss
 
     @part
-    def find_tensions(run: Any, t: float, points: Any) -> None:
-        """Write both tensions, each over mass and length: the contact pushes along the rods."""
-        settings, gap = run.settings, gap_of(run)
-        one, two = run.bodies[0], run.bodies[1]
-        ay = pivot_acceleration(t, run.stretch)
-        torque = contact_torque(
-            freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),
-            freed(swing.free(run, 1, t, points[1].angle), points[1].velocity, two),
-            one.inertia,
-            two.inertia,
-        )
-        for i in range(2):
-            point, b = points[i], run.bodies[i]
-            length, other = 1.0 / b.coupling, 1.0 / run.bodies[1 - i].coupling
-            push = radial_push(torque, length, other, gap) * length / b.inertia
-            point.tension = push + tension_at(
-                point.angle, point.velocity, ay, settings.gravity, b.coupling
-            )
-
-    @part
     def note(run: Any, eyes: Eyes) -> None:
         """Note compression; show the observables the step of each ball and the common matrix."""
         body = body_of(run)
@@ -183,7 +182,7 @@ def make_joint(
             find_tensions(run, run.t, run.now)
             find_tensions(run, run.t_end, run.end)
         for i in range(2):
-            if run.settings.follows_tension != 0:
+            if run.settings.follows_tension != 0 and run.settings.is_string == 0:
                 left, right = run.now[i].tension, run.end[i].tension
                 add_compression(run.state, i, left, right, run.t, run.t_end)
             a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])

@@ -20,6 +20,22 @@ from latolato.physics.pendulum import (
 Formula = Callable[..., float]
 
 
+class PlaneLaws(NamedTuple):
+    """What else of the pivot's motion counts in the plane: formulas ``(t, stretch)``.
+
+    Attributes
+    ----------
+    across_acceleration : formula
+        The horizontal acceleration [m/s^2].
+    up_velocity, across_velocity : formulas
+        The velocities, which air at rest in the room makes a difference to [m/s].
+    """
+
+    across_acceleration: Formula
+    up_velocity: Formula
+    across_velocity: Formula
+
+
 class Laws(NamedTuple):
     """Formulas of the equation of motion.
 
@@ -31,6 +47,8 @@ class Laws(NamedTuple):
         The restoring factor, its slope and its potential; `is_linear` selects the package's law.
     push, push_slope, push_potential : formulas ``(angle, run)``
         What a mode adds to the acceleration [rad/s^2], its slope and its potential [1/s^2].
+    plane : PlaneLaws or None
+        Of a pivot that moves sideways, of strings and of air at rest in the room.
     """
 
     pivot_acceleration: Formula
@@ -40,6 +58,7 @@ class Laws(NamedTuple):
     push: Formula
     push_slope: Formula
     push_potential: Formula
+    plane: PlaneLaws | None = None
 
 
 @formula
@@ -101,8 +120,10 @@ def laws_of(
     pivot_acceleration: Formula,
     restoring: Formula,
     potential: Formula,
+    *plane: Formula,
     part: Part = as_it_stands,
 ) -> Laws:
-    """Return the laws of a system under a drive."""
+    """Return the laws of a system under a drive; `plane` are none or those of `PlaneLaws`."""
     result = restoring_laws(restoring, potential, part)
-    return Laws(pivot_acceleration, *result, no_push, no_push, no_push)
+    in_plane = PlaneLaws(*plane) if plane else None
+    return Laws(pivot_acceleration, *result, no_push, no_push, no_push, in_plane)

@@ -16,6 +16,7 @@ class Look(NamedTuple):
     """The functions that show the observables something; see `make_look`."""
 
     step: Callable[..., None]
+    show: Callable[..., None]
     matrix: Callable[..., None]
     sees_matrices: Callable[..., bool]
 
@@ -25,6 +26,20 @@ def make_look(laws: Laws, watch: Watch, part: Part = as_it_stands) -> Look:
     potential, restoring = laws.potential, laws.restoring
     push, push_potential = laws.push, laws.push_potential
     watch_step, watch_matrix, sees = watch.step, watch.tangent, watch.sees
+
+    @part
+    def show(
+        run: Any, eyes: Eyes, ball: int, accelerations: tuple[float, float],
+        energies: tuple[float, float], powers: tuple[float, float], held: float,
+    ) -> None:  # fmt: skip
+        """Show the step of one ball, of which all this is known at both ends."""
+        begin, end, (a0, a1) = run.now[ball], run.end[ball], accelerations
+        x0, v0, x1, v1 = begin.angle, begin.velocity, end.angle, end.velocity
+        if sees(run, ON_STEP):
+            watch_step(run, eyes, ball, Segment(
+                run.t, run.t_end, x0, x1, v0, v1, a0, a1, *energies, *powers, held,
+                turning_angle(run.t_end - run.t, x0, v0, a0, x1, v1, a1),
+            ))  # fmt: skip
 
     @part
     def step(run: Any, eyes: Eyes, ball: int, a0: float, a1: float, held: float) -> None:
@@ -56,4 +71,4 @@ def make_look(laws: Laws, watch: Watch, part: Part = as_it_stands) -> Look:
         seen: bool = sees(run, ON_TANGENT)
         return seen
 
-    return Look(step, matrix, sees_matrices)
+    return Look(step, show, matrix, sees_matrices)

@@ -7,10 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from latolato.numerics.engine.apart import Apart, make_apart
 from latolato.numerics.engine.balls import Balls, make_balls
-from latolato.numerics.engine.book import follow_ledger, write_sample
+from latolato.numerics.engine.book import follow_ledger, write_place, write_sample
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
+from latolato.numerics.engine.fall import NO_FALL, Fall, make_fall
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.held import make_held
 from latolato.numerics.engine.joint import make_joint
@@ -24,14 +26,19 @@ from latolato.numerics.engine.record import (
     NOTHING,
     RELEASE,
     REST,
+    SLACK,
     UNSETTLED,
 )
 from latolato.numerics.engine.rest import make_rest
+from latolato.numerics.engine.slack import make_slack
+from latolato.numerics.engine.strings import NO_STRINGS, Strings, make_strings
 from latolato.numerics.engine.swing import Swing, make_swing
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes, Watch
 from latolato.physics.pendulum import swung
 
+# As many rows of the contact table as one step may need: on rods, and on strings.
+SPARE_ROWS, SPARE_IN_PLANE = 4, 20
 # How far from a contact balls may be that touch [rad]: separations of two balls are rounded.
 _TOUCH = 1e-12
 
@@ -63,6 +70,14 @@ def empty_arguments(stretch: np.dtype[Any]) -> Arguments:
     )
 
 
+class Plane(NamedTuple):
+    """What motions in the plane have besides."""
+
+    fall: Fall
+    apart: Apart
+    strings: Strings
+
+
 class Kit(NamedTuple):
     """What modes and events are built from; see `make_engine`."""
 
@@ -72,20 +87,26 @@ class Kit(NamedTuple):
     laws: Laws
     balls_count: int
     part: Part
+    plane: Plane | None = None
 
 
 def usual_modes(kit: Kit) -> tuple[Mode, ...]:
     """Return the modes of exact contact."""
-    swing, balls, look, laws, count, part = kit
+    swing, balls, look, laws, count, part, plane = kit
     held = make_held(swing, laws, part)
-    flight = make_flight(swing, balls, held, look, laws, count, part)
-    if count == 2:
-        return flight, make_joint(swing, balls, look, laws, part)
-    return flight, make_rest(held, look, part)
+    strings = plane.strings if plane is not None else NO_STRINGS
+    flight = make_flight(swing, balls, held, look, strings, count, part)
+    lasting = make_joint(swing, balls, look, part) if count == 2 else make_rest(held, look, part)
+    if plane is None:
+        return flight, lasting
+    fall, apart, strings = plane
+    return flight, lasting, make_slack(swing, fall, balls, apart, strings, look, count, part)
 
 
 def usual_events(kit: Kit) -> tuple[Event, ...]:
     """Return the events of exact contact."""
+    if kit.plane is not None:
+        return kit.plane.strings.events
     return make_events(kit.swing, kit.balls, kit.look, kit.balls_count, kit.part)
 
 
@@ -141,9 +162,17 @@ def make_engine(
     two = count == 2
     lasting = JOINT if two else REST
     swing = make_swing(laws, part)
-    balls = make_balls(swing, laws, count, part)
+    in_plane = laws.plane is not None
+    fall = make_fall(swing, part) if in_plane else NO_FALL
+    balls = make_balls(swing, fall, laws, count, part)
     look = make_look(laws, watch, part)
-    kit = Kit(swing, balls, look, laws, count, part)
+    plane, strings, kick = None, NO_STRINGS, fall.kick
+    if in_plane:
+        apart, usual = make_apart(count, part), make_events(swing, balls, look, count, part)
+        strings = make_strings(swing, balls, apart, usual, count, part)
+        plane = Plane(fall, apart, strings)
+    loosen, jolt = strings.loosen, strings.jolt
+    kit = Kit(swing, balls, look, laws, count, part, plane)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
     look_inside, apply = by_mode(modes, "look_inside", part), by_event(events, part)
@@ -164,6 +193,9 @@ def make_engine(
             if b.quadratic > 0.0 or b.coulomb > 0.0:
                 run.is_rough = 1
             run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
+            if in_plane:
+                run.now[i].x, run.now[i].y = state.place[i, 0], state.place[i, 1]
+                run.now[i].vx, run.now[i].vy = state.place[i, 2], state.place[i, 3]
         balls.settle(run)
 
     @part
@@ -173,6 +205,9 @@ def make_engine(
         state.mode = FLIGHT
         if settings.follows_ledger != 0:
             state.first_energy = state.largest_energy = balls.energy(run)
+        if in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0):
+            state.mode = SLACK
+            return
         gap, margin = balls.gap(run.now), _TOUCH if two else 0.0
         if gap <= settings.low + margin or gap >= settings.high - margin:
             state.touch = state.side = -1.0 if gap <= settings.low + margin else 1.0
@@ -196,6 +231,8 @@ def make_engine(
         times, state = output.sample_times, run.state
         while state.sample < len(times) and times[state.sample] < run.t_end:
             look_inside(run, times[state.sample] - run.t)
+            if in_plane:
+                write_place(run, output, run.inside, count)
             write_sample(run, output, run.inside, count, run.work_inside, run.loss_inside)
 
     @inlined(part)
@@ -209,6 +246,10 @@ def make_engine(
             one.angle = 0.5 * (one.angle - other.angle)
             one.velocity = 0.5 * (one.velocity - other.velocity)
             other.angle, other.velocity = -one.angle, -one.velocity
+            if in_plane:
+                one.x, one.vx = 0.5 * (one.x - other.x), 0.5 * (one.vx - other.vx)
+                one.y, one.vy = 0.5 * (one.y + other.y), 0.5 * (one.vy + other.vy)
+                other.x, other.y, other.vx, other.vy = -one.x, one.y, -one.vx, one.vy
         state.drive_work += run.work
         state.damping_loss += run.loss
         if run.is_whole != 0:
@@ -228,8 +269,17 @@ def make_engine(
         jump = timetable.stretches[state.stretch + 1].jump if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
-            pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
             thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
+            if in_plane and run.settings.is_string != 0:
+                if jump != 0.0 and state.is_slack[i] == 0:
+                    loosen(run, i)  # it tightens again where the jump pulls at it
+                if state.is_slack[i] != 0:
+                    worked, noise, _ = kick(run, i, jump, thrown)
+                    state.drive_work += worked
+                    state.noise_work += noise
+                    moved = moved or jump != 0.0 or thrown != 0.0
+                    continue
+            pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
             state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
             state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
             point.velocity += pushed + thrown
@@ -259,7 +309,10 @@ def make_engine(
             state.kick += 1
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
-        if moved:
+        if in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0):
+            state.mode = SLACK
+            jolt(run, output, eyes)
+        elif moved:
             closing = balls.gap_rate(run.now) * state.side
             rests = state.mode == lasting
             touches = rests or (state.mode == FLIGHT and state.touch != 0.0)
@@ -274,9 +327,15 @@ def make_engine(
         """Write the last samples, and the state back."""
         state, times = run.state, output.sample_times
         while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
+            if in_plane:
+                write_place(run, output, run.now, count)
             write_sample(run, output, run.now, count, 0.0, 0.0)
         for i in range(count):
-            state.angle[i], state.velocity[i] = run.now[i].angle, run.now[i].velocity
+            point = run.now[i]
+            state.angle[i], state.velocity[i] = point.angle, point.velocity
+            if in_plane:
+                state.place[i, 0], state.place[i, 1] = point.x, point.y
+                state.place[i, 2], state.place[i, 3] = point.vx, point.vy
         held = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
         state.rests = 1 if held or state.mode == lasting else 0
         state.contacts += run.rows
@@ -286,10 +345,12 @@ def make_engine(
         run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
     ) -> int:
         begin(run, timetable)
-        room = len(output.contact_times) - 4
+        room = len(output.contact_times) - (SPARE_IN_PLANE if in_plane else SPARE_ROWS)
         if run.state.mode == UNSETTLED:
             settle_contact(run, output, eyes)
         while run.t < stop and run.done < most_steps and run.rows < room:
+            if in_plane and run.state.is_tangled != 0:
+                break
             run.done += 1
             aim(run, timetable, stop)
             if run.goal > run.t:

@@ -17,12 +17,14 @@ from latolato.numerics.records import BODY, SETTINGS, stretch_dtype
 # The largest stepper has so many drifts; its table has one kick more.
 MOST_STAGES = 12
 
-# Modes of motion.
-UNSETTLED, FLIGHT, REST, JOINT = -1, 0, 1, 2
+# Modes of motion. In flight all strings are taut.
+UNSETTLED, FLIGHT, REST, JOINT, SLACK = -1, 0, 1, 2, 3
 # Events at the end of a step.
-NOTHING, TURN, CONTACT, SETTLE, RELEASE = 0, 1, 2, 3, 4
+NOTHING, TURN, CONTACT, SETTLE, RELEASE, SLACKEN, TAUTEN = range(7)
 # Which motion a row belongs to: two balls in lasting contact swing as a joint body.
 JOINT_ROW = 2
+# Rows of a step's table.
+KICK, REACH, OFFSET = 0, 1, 2
 
 # What is kept of a trajectory from one call of the engine to the next.
 STATE = np.dtype(
@@ -47,8 +49,16 @@ STATE = np.dtype(
         ("impact_loss", "f8"),
         ("capture_loss", "f8"),
         ("noise_work", "f8"),
+        ("retension_loss", "f8"),
         ("compression_start", "f8", (2,)),  # s, NaN before
         ("compression_time", "f8", (2,)),  # s
+        ("is_slack", "i8", (2,)),  # whether a ball's string is slack
+        ("leaves", "i8", (2,)),  # whether a slack ball has just been at its string's full length
+        ("place", "f8", (2, 4)),  # of a slack ball from the pivot [m], and its velocity [m/s]
+        ("slack_start", "f8", (2,)),  # s, NaN before
+        ("slack_time", "f8", (2,)),  # s
+        ("string_impulse", "f8"),  # the largest that tightened a string [N s]
+        ("is_tangled", "i8"),  # whether something happened that the engine does not describe
         ("first_energy", "f8"),  # J; these three tell how well the ledger closes
         ("largest_energy", "f8"),
         ("ledger_error", "f8"),
@@ -68,6 +78,14 @@ POINT = np.dtype(
         ("tension", "f8"),  # over mass and length [1/s^2]
         ("work", "f8"),  # of the drive in the step, over the moment of inertia [1/s^2]
         ("loss", "f8"),  # by drag, likewise
+        # In the plane only.
+        ("across", "f8"),  # the pivot's horizontal acceleration [m/s^2]
+        ("wind_x", "f8"),  # the pivot's velocity against the air, where that counts [m/s]
+        ("wind_y", "f8"),
+        ("x", "f8"),  # of the ball, from the pivot [m]
+        ("y", "f8"),
+        ("vx", "f8"),  # m/s
+        ("vy", "f8"),
     ],
     align=True,
 )

@@ -40,7 +40,7 @@ def make_rest(held: Held, look: Look, part: Part = as_it_stands) -> Mode:
     @part
     def note(run: Any, eyes: Eyes) -> None:
         """Note compression and the time at rest; the motion forgets its past."""
-        if run.settings.follows_tension != 0:
+        if run.settings.follows_tension != 0 and run.settings.is_string == 0:
             held.note_compression(run, 0, run.now[0].angle)
         look.step(run, eyes, 0, 0.0, 0.0, 1.0)
         clear_matrix(run.jacobian, 2)

@@ -1,6 +1,6 @@
 """A swing: the splitting step of one ball, or of two as one body, and searches inside of it.
 
-Kicks by gravity, drive and dry friction alternate with drifts under the exact drag; see
+Kicks by gravity, drive and dry friction (`pull.py`) alternate with drifts under the exact drag; see
 `latolato.numerics.steppers`. A point whose `sign` is 0 is held by friction and does not move.
 """
 
@@ -10,15 +10,14 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from latolato.core.scalar import cosine, formula
+from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
-from latolato.physics.damping import decay_time, drag, drift, drift_slopes
-from latolato.physics.pendulum import swung
+from latolato.numerics.engine.pull import make_planar, make_upright
+from latolato.numerics.engine.record import KICK, OFFSET, REACH
+from latolato.physics.damping import decay_time, drag
 
-# Rows of a step's table.
-KICK, REACH, OFFSET = 0, 1, 2
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
 # ball 1, ball 2 and both as one body.
 ANY_LENGTH = 2
@@ -39,6 +38,9 @@ class Swing(NamedTuple):
     settle: Callable[..., None]
     turn: Callable[..., float]
     tangent: Callable[..., Any]
+    tension: Callable[..., float]
+    still: Callable[..., float]
+    shake: Callable[..., None]
 
 
 @formula
@@ -60,45 +62,13 @@ def freed(free: float, velocity: float, body: Any) -> float:
     return free - drag(velocity, sign, body.rate, body.quadratic, body.coulomb)
 
 
-@formula
-def tension_at(
-    angle: float, velocity: float, pivot_acceleration: float, gravity: float, coupling: float
-) -> float:
-    """Return the tension in flight over mass and length [1/s^2]."""
-    return velocity * velocity + (gravity + pivot_acceleration) * coupling * cosine(angle)
-
-
 def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
     """Return the functions of a swing under these laws.
 
     Points are records; a step goes from one to another one and writes work and loss there.
     """
-    pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
-    push, push_slope = laws.push, laws.push_slope
-
-    @part
-    def free(run: Any, body: int, t: float, angle: float) -> float:
-        """Return the angular acceleration without drag [rad/s^2]."""
-        b, settings = run.bodies[body], run.settings
-        lifted = settings.gravity + pivot_acceleration(t, run.stretch)
-        restored = restoring(angle, settings.is_linear)
-        return swung(lifted, b.coupling, restored) + push(angle, run)
-
-    @part
-    def feel(run: Any, body: int, t: float, point: Any) -> None:
-        """Write what pulls at a point into it."""
-        b, gravity = run.bodies[body], run.settings.gravity
-        ay = pivot_acceleration(t, run.stretch)
-        point.pivot_acceleration = ay
-        point.acceleration = point.driven = 0.0
-        if point.sign != 0.0:
-            restored = restoring(point.angle, run.settings.is_linear)
-            point.driven = swung(ay, b.coupling, restored)
-            other = push(point.angle, run) - b.coulomb * point.sign
-            point.acceleration = point.driven + swung(gravity, b.coupling, restored) + other
-        if run.settings.follows_tension != 0:
-            angle, velocity = point.angle, point.velocity
-            point.tension = tension_at(angle, velocity, ay, gravity, b.coupling)
+    make_pull = make_upright if laws.plane is None else make_planar
+    free, feel, step, tangent, tension, still, shake = make_pull(laws, part)
 
     @part
     def prepare(run: Any, body: int, table: int, length: float) -> None:
@@ -109,48 +79,6 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
             run.tables[table, REACH, i] = decay_time(rate, run.drifts[i] * length)
             run.tables[table, OFFSET, i] = run.nodes[i] * length
         run.tables[table, KICK, run.stages] = run.kicks[run.stages] * length
-
-    @inlined(part)
-    def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
-        """Take the step of a table that was prepared.
-
-        In a kick ``dW = driven h (w + w')/2`` is the exact work of the drive's part; in a drift the
-        loss is the drop of w^2/2.
-        """
-        angle, velocity, sign = begin.angle, begin.velocity, begin.sign
-        a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
-        work, loss, t = 0.0, 0.0, run.t
-        b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
-        coupling, rate, quadratic, friction = b.coupling, b.rate, b.quadratic, b.coulomb * sign
-        if sign == 0.0:
-            end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
-            end.acceleration = end.driven = 0.0
-            return
-        for i in range(run.stages):
-            h = run.tables[table, KICK, i]
-            change = h * a
-            middle = velocity + 0.5 * change
-            work += h * driven * middle
-            loss += h * friction * middle
-            velocity += change
-            reach = run.tables[table, REACH, i]
-            travelled, slower = drift(velocity, sign, reach, rate, quadratic)
-            loss += 0.5 * (velocity - slower) * (velocity + slower)
-            angle += travelled
-            velocity = slower
-            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
-            restored = restoring(angle, is_linear)
-            driven = swung(ay, coupling, restored)
-            a = driven + swung(gravity, coupling, restored) + (push(angle, run) - friction)
-        h = run.tables[table, KICK, run.stages]
-        change = h * a
-        middle = velocity + 0.5 * change
-        work += h * driven * middle
-        loss += h * friction * middle
-        velocity += change
-        end.angle, end.velocity, end.sign = angle, velocity, sign
-        end.acceleration, end.driven, end.pivot_acceleration = a, driven, ay
-        end.work, end.loss = work, loss
 
     @part
     def step_by(run: Any, body: int, table: int, length: float, begin: Any, end: Any) -> None:
@@ -210,42 +138,4 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
                 return s
         return s
 
-    @part
-    def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
-        """Return the matrix by which a prepared step changes small deviations, row by row.
-
-        A kick adds ``h a'(angle)`` times the angle's deviation to the velocity's, a drift is linear
-        in it: the matrix belongs to the very step, not to an approximation of the flow.
-        """
-        sign = begin.sign
-        if sign == 0.0:
-            return 1.0, 0.0, 0.0, 0.0
-        b, gravity = run.bodies[body], run.settings.gravity
-        angle, velocity, a, t = begin.angle, begin.velocity, begin.acceleration, run.t
-        lifted = gravity + begin.pivot_acceleration
-        is_linear = run.settings.is_linear
-        # The columns of the matrix: what starts as a unit of angle, and of velocity.
-        x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
-        for i in range(run.stages):
-            h = run.tables[table, KICK, i]
-            bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
-            bend *= h
-            velocity += h * a
-            v1 += bend * x1
-            v2 += bend * x2
-            reach = run.tables[table, REACH, i]
-            far, kept = drift_slopes(velocity, sign, reach, b.rate, b.quadratic)
-            x1 += far * v1
-            x2 += far * v2
-            v1 *= kept
-            v2 *= kept
-            travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
-            angle += travelled
-            lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
-            a = swung(lifted, b.coupling, restoring(angle, is_linear)) + push(angle, run)
-            a -= b.coulomb * sign
-        bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
-        bend *= run.tables[table, KICK, run.stages]
-        return x1, x2, v1 + bend * x1, v2 + bend * x2
-
-    return Swing(feel, step, step_by, prepare, free, settle, turn, tangent)
+    return Swing(feel, step, step_by, prepare, free, settle, turn, tangent, tension, still, shake)

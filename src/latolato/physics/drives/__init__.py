@@ -19,6 +19,7 @@ from latolato.physics.drives.harmonic import Harmonic, FixedPivot  # isort: skip
 from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: skip
 from latolato.physics.drives.crank import CrankSlider
 from latolato.physics.drives.measured import MeasuredPivot
+from latolato.physics.drives.planar import PlanarHarmonic
 from latolato.physics.drives.stages import StagedHarmonic
 from latolato.physics.drives.stretch import Stretch
 
@@ -31,6 +32,7 @@ __all__ = [
     "Harmonic",
     "MeasuredPivot",
     "PeriodicDrive",
+    "PlanarHarmonic",
     "StagedHarmonic",
     "Stretch",
     "drives",

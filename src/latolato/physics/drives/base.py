@@ -15,6 +15,9 @@ from latolato.physics.drives.stretch import (
     fastest_frequency,
     largest_acceleration,
     pivot_acceleration,
+    pivot_across,
+    pivot_across_acceleration,
+    pivot_across_velocity,
     pivot_height,
     pivot_velocity,
     written,
@@ -34,6 +37,8 @@ class Drive:
     height, velocity, acceleration : formula
         Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package know every form of `Stretch`;
         a class with formulas of its own has kernels of its own.
+    across, across_velocity, across_acceleration : formula
+        The same of the way to the right; called only where the drive `moves_across`.
     rotation : formula or None
         Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
         of a stretch. Lanes then rotate the phase instead of computing cosines. Such a drive is one
@@ -47,6 +52,9 @@ class Drive:
     height: ClassVar[Any] = staticmethod(pivot_height)
     velocity: ClassVar[Any] = staticmethod(pivot_velocity)
     acceleration: ClassVar[Any] = staticmethod(pivot_acceleration)
+    across: ClassVar[Any] = staticmethod(pivot_across)
+    across_velocity: ClassVar[Any] = staticmethod(pivot_across_velocity)
+    across_acceleration: ClassVar[Any] = staticmethod(pivot_across_acceleration)
     rotation: ClassVar[Any] = None
     write: ClassVar[Any] = None
 
@@ -85,6 +93,11 @@ class Drive:
         return self.rotation is not None
 
     @property
+    def moves_across(self) -> bool:
+        """Whether the pivot moves sideways too, which breaks the mirror symmetry of two balls."""
+        return False
+
+    @property
     def fastest_frequency(self) -> float:
         """Largest angular frequency in the motion [rad/s]; sets the step.
 
@@ -94,7 +107,7 @@ class Drive:
 
     @property
     def largest_acceleration(self) -> float:
-        """Bound of |pivot_acceleration| [m/s^2]; sets the step."""
+        """Bound of the pivot's acceleration [m/s^2], a vector's length; sets the step."""
         return largest_acceleration(*self.course())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -19,7 +20,7 @@ from latolato.physics.drives.base import (
 from latolato.physics.drives.stretch import POLYNOMIAL, Stretch
 
 # How often the curve is looked at between two samples, and by how many times their range it may
-# leave the range of the heights; less than this share of the heights is rounding.
+# leave the range of the samples; less than this share of them is rounding.
 _LOOKS, _ROOM, _ROUNDING = 8, 2.0, 1e-9
 
 
@@ -38,6 +39,10 @@ class MeasuredPivot(Drive):
         Standard deviation of the heights [m]; 0 interpolates, larger values smooth until the
         residual sum of squares is that of such noise (Dierckx's criterion, SciPy's
         ``UnivariateSpline``).
+    pivot_across : sequence of float, shape (sample,), optional
+        Ways to the right at these instants [m]; by default the pivot moves up and down only.
+    across_sigma : float
+        Standard deviation of these, as that of the heights.
     """
 
     times: Sequence[float] = array_field("times", description="sample instants")
@@ -47,54 +52,82 @@ class MeasuredPivot(Drive):
     height_sigma: float = quantity_field(
         "pivot_height", NON_NEGATIVE, description="standard deviation of the heights", default=0.0
     )
+    pivot_across: Sequence[float] | None = array_field(
+        "pivot_across", description="way of the pivot to the right at each instant", default=None
+    )
+    across_sigma: float = quantity_field(
+        "pivot_across",
+        NON_NEGATIVE,
+        description="standard deviation of the ways to the right",
+        default=0.0,
+    )
     _pieces: list[Stretch] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
         times = checked_array("times", self.times, ANY, 6, unit="s")
-        heights = checked_array("pivot_heights", self.pivot_heights, ANY, 6, unit="m")
-        if len(times) != len(heights):
-            raise InputError(
-                "{parameter} and pivot_heights must be of one length, got "
-                f"{len(times)} and {len(heights)}",
-                parameter="times",
-            )
-        check_increasing("times", times)
         object.__setattr__(self, "times", times)
-        object.__setattr__(self, "pivot_heights", heights)
+        for name in ("pivot_heights", "pivot_across"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            values = checked_array(name, values, ANY, 6, unit="m")
+            if len(times) != len(values):
+                raise InputError(
+                    f"{{parameter}} and {name} must be of one length, got "
+                    f"{len(times)} and {len(values)}",
+                    parameter="times",
+                )
+            object.__setattr__(self, name, values)
+        check_increasing("times", times)
         object.__setattr__(self, "_pieces", self._fit())
 
+    @property
+    def moves_across(self) -> bool:
+        """Whether any of `pivot_across` differs from zero."""
+        return any(self.pivot_across or ())
+
     def _fit(self) -> list[Stretch]:
-        """Return the spline's pieces as stretches."""
+        """Return the pieces of the splines as stretches."""
+        curves = [self._spline(self.pivot_heights, self.height_sigma, "heights")]
+        if self.pivot_across is not None:
+            across = self._spline(self.pivot_across, self.across_sigma, "ways to the right")
+            curves.append(across)
+        # The last of these instants begins no piece.
+        starts = sorted({instant for pieces in curves for instant in pieces.x.tolist()})[:-1]
+        columns = zip(starts, *(_coefficients(pieces, starts) for pieces in curves), strict=True)
+        return [
+            Stretch(start, POLYNOMIAL, 0.0, 0.0, 0.0, *(c for each in found for c in each))
+            for start, *found in columns
+        ]
+
+    def _spline(self, values: Sequence[float], sigma: float, what: str) -> Any:
+        """Return the spline through samples as polynomials (``PPoly``)."""
         from scipy.interpolate import PPoly, UnivariateSpline, make_interp_spline
         from scipy.linalg import LinAlgError
 
         try:
-            if self.height_sigma > 0.0:
-                weights = [1.0 / self.height_sigma] * len(self.times)
-                smooth = UnivariateSpline(self.times, self.pivot_heights, w=weights, k=5)
+            if sigma > 0.0:
+                weights = [1.0 / sigma] * len(self.times)
+                smooth = UnivariateSpline(self.times, values, w=weights, k=5)
                 pieces = PPoly.from_spline(smooth._eval_args)
             else:
-                pieces = PPoly.from_spline(make_interp_spline(self.times, self.pivot_heights, k=5))
+                pieces = PPoly.from_spline(make_interp_spline(self.times, values, k=5))
             is_known = all(math.isfinite(c) for row in pieces.c.tolist() for c in row)
         except (ValueError, LinAlgError):  # of a singular matrix; which one depends on SciPy
             is_known = False
         if not is_known:
             raise InputError(
-                "leave too large a gap for a spline through the heights",
+                f"leave too large a gap for a spline through the {what}",
                 parameter="times",
                 way_out="leave out the samples before or after the gap",
             )
-        self._check_course(pieces)
-        return [
-            Stretch(float(a), POLYNOMIAL, 0.0, 0.0, 0.0, *(float(c) for c in pieces.c[::-1, i]))
-            for i, (a, b) in enumerate(zip(pieces.x[:-1], pieces.x[1:], strict=True))
-            if b > a
-        ]
+        self._check_course(pieces, values, what)
+        return pieces
 
-    def _check_course(self, pieces: Any) -> None:
-        """Raise InputError if the spline goes where the heights give no reason to expect it."""
-        low, high = min(self.pivot_heights), max(self.pivot_heights)
+    def _check_course(self, pieces: Any, values: Sequence[float], what: str) -> None:
+        """Raise InputError if a spline goes where the samples give no reason to expect it."""
+        low, high = min(values), max(values)
         gaps = list(pairwise(self.times))
         looks = [a + (b - a) * i / _LOOKS for a, b in gaps for i in range(1, _LOOKS)]
         beyond = [max(low - y, y - high) for y in pieces(looks).tolist()]
@@ -102,7 +135,7 @@ class MeasuredPivot(Drive):
         if beyond[worst] > _ROOM * (high - low) + _ROUNDING * max(-low, high):
             begin, end = gaps[worst // (_LOOKS - 1)]
             raise InputError(
-                f"leave a gap from {begin:g} to {end:g} s in which the curve through the heights "
+                f"leave a gap from {begin:g} to {end:g} s in which the curve through the {what} "
                 f"leaves their range by {beyond[worst]:.3g} m",
                 parameter="times",
                 way_out="leave out the samples before or after the gap",
@@ -128,3 +161,18 @@ class MeasuredPivot(Drive):
     def course(self) -> tuple[list[Stretch], float]:
         """Return all pieces, and the last instant [s]."""
         return self._pieces, self.times[-1]
+
+
+def _coefficients(pieces: Any, starts: Sequence[float]) -> list[list[float]]:
+    """Return the coefficients of a spline about instants of its span, rising powers for each."""
+    begins, rows = pieces.x.tolist(), pieces.c.T[:, ::-1].tolist()
+    result = []
+    for start in starts:
+        place = bisect_right(begins, start) - 1
+        c, s = list(rows[place]), start - begins[place]
+        # Taylor's shift by Horner's rule, which changes nothing where a piece begins.
+        for lowest in range(len(c) - 1):
+            for k in range(len(c) - 2, lowest - 1, -1):
+                c[k] += s * c[k + 1]
+        result.append(c)
+    return result

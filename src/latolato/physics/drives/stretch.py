@@ -13,15 +13,17 @@ from latolato.core.scalar import cosine, formula, sine
 
 # Forms of the motion: a pivot at rest; a cosine of constant amplitude and frequency; one whose
 # amplitude is a cubic of the time and whose frequency changes linearly; the piston of a crank; a
-# quintic of the time.
+# quintic of the time. A cosine and a quintic may move the pivot sideways too.
 STILL, COSINE, SWEPT, CRANK, POLYNOMIAL = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
 class Stretch(NamedTuple):
     """One smooth stretch of the pivot's motion: its form and the numbers that the form reads.
 
-    All count from `start`. The coefficients are those of the height [m] of a polynomial and of the
-    amplitude [m] of everything else, per power of a second.
+    All count from `start`. The coefficients c are those of the height [m] of a polynomial and of
+    the amplitude [m] of everything else, per power of a second. The coefficients x belong to the
+    way to the right [m]: likewise of a polynomial, and ``x0 cos(q) + x1 sin(q)`` of a cosine, with
+    the phase q of the height.
     """
 
     start: float = 0.0  # s
@@ -35,6 +37,12 @@ class Stretch(NamedTuple):
     c3: float = 0.0
     c4: float = 0.0
     c5: float = 0.0
+    x0: float = 0.0
+    x1: float = 0.0
+    x2: float = 0.0
+    x3: float = 0.0
+    x4: float = 0.0
+    x5: float = 0.0
     rod: float = 0.0  # m, a crank's connecting_rod_length
     side: float = 0.0  # +1 for a crank's guide above, -1 for one below
     jump: float = 0.0  # of the pivot's velocity at the start that the balls are given [m/s]
@@ -53,6 +61,7 @@ def write_stretch(
     """Write a stretch whose further numbers are zero."""
     s.start, s.form, s.phase, s.frequency, s.rate, s.c0 = start, form, phase, frequency, rate, c0
     s.c1 = s.c2 = s.c3 = s.c4 = s.c5 = s.rod = s.side = s.jump = 0.0
+    s.x0 = s.x1 = s.x2 = s.x3 = s.x4 = s.x5 = 0.0
 
 
 @formula
@@ -164,21 +173,21 @@ def _crank_acceleration(s: float, p: Any) -> float:
 
 
 @formula
-def _polynomial_height(s: float, p: Any) -> float:
-    """Return the quintic."""
-    return p.c0 + s * (p.c1 + s * (p.c2 + s * (p.c3 + s * (p.c4 + s * p.c5))))
+def _quintic(s: float, c0: float, c1: float, c2: float, c3: float, c4: float, c5: float) -> float:
+    """Return the quintic with these coefficients."""
+    return c0 + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
 
 
 @formula
-def _polynomial_velocity(s: float, p: Any) -> float:
-    """Return the quintic's first derivative."""
-    return p.c1 + s * (2.0 * p.c2 + s * (3.0 * p.c3 + s * (4.0 * p.c4 + s * 5.0 * p.c5)))
+def _quintic_slope(s: float, c1: float, c2: float, c3: float, c4: float, c5: float) -> float:
+    """Return a quintic's first derivative."""
+    return c1 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))
 
 
 @formula
-def _polynomial_acceleration(s: float, p: Any) -> float:
-    """Return the quintic's second derivative."""
-    return 2.0 * p.c2 + s * (6.0 * p.c3 + s * (12.0 * p.c4 + s * 20.0 * p.c5))
+def _quintic_bend(s: float, c2: float, c3: float, c4: float, c5: float) -> float:
+    """Return a quintic's second derivative."""
+    return 2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))
 
 
 @formula
@@ -186,7 +195,9 @@ def _other_height(s: float, p: Any) -> float:
     """Return the height of the rarer forms."""
     if p.form == SWEPT:
         return _swept_height(s, p)
-    return _crank_height(s, p) if p.form == CRANK else _polynomial_height(s, p)
+    if p.form == CRANK:
+        return _crank_height(s, p)
+    return _quintic(s, p.c0, p.c1, p.c2, p.c3, p.c4, p.c5)
 
 
 @formula
@@ -194,7 +205,9 @@ def _other_velocity(s: float, p: Any) -> float:
     """Return the velocity of the rarer forms."""
     if p.form == SWEPT:
         return _swept_velocity(s, p)
-    return _crank_velocity(s, p) if p.form == CRANK else _polynomial_velocity(s, p)
+    if p.form == CRANK:
+        return _crank_velocity(s, p)
+    return _quintic_slope(s, p.c1, p.c2, p.c3, p.c4, p.c5)
 
 
 @formula
@@ -202,7 +215,9 @@ def _other_acceleration(s: float, p: Any) -> float:
     """Return the acceleration of the rarer forms."""
     if p.form == SWEPT:
         return _swept_acceleration(s, p)
-    return _crank_acceleration(s, p) if p.form == CRANK else _polynomial_acceleration(s, p)
+    if p.form == CRANK:
+        return _crank_acceleration(s, p)
+    return _quintic_bend(s, p.c2, p.c3, p.c4, p.c5)
 
 
 @formula
@@ -233,6 +248,36 @@ def pivot_acceleration(t: float, p: Any) -> float:
     if p.form == COSINE:
         return strength * cosine(w * (t - start) + phase)
     return 0.0 if p.form == STILL else _other_acceleration(t - start, p)
+
+
+@formula
+def pivot_across(t: float, p: Any) -> float:
+    """Return how far the pivot is to the right [m] at the time t [s] in the stretch p."""
+    s = t - p.start
+    if p.form == COSINE:
+        q = p.frequency * s + p.phase
+        return p.x0 * cosine(q) + p.x1 * sine(q)
+    return _quintic(s, p.x0, p.x1, p.x2, p.x3, p.x4, p.x5) if p.form == POLYNOMIAL else 0.0
+
+
+@formula
+def pivot_across_velocity(t: float, p: Any) -> float:
+    """Return the first time derivative of `pivot_across` [m/s]."""
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q = w * s + p.phase
+        return w * (p.x1 * cosine(q) - p.x0 * sine(q))
+    return _quintic_slope(s, p.x1, p.x2, p.x3, p.x4, p.x5) if p.form == POLYNOMIAL else 0.0
+
+
+@formula
+def pivot_across_acceleration(t: float, p: Any) -> float:
+    """Return the second time derivative of `pivot_across` [m/s^2]."""
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q = w * s + p.phase
+        return -w * w * (p.x0 * cosine(q) + p.x1 * sine(q))
+    return _quintic_bend(s, p.x2, p.x3, p.x4, p.x5) if p.form == POLYNOMIAL else 0.0
 
 
 @formula
@@ -274,32 +319,48 @@ def _crank_bound(p: Any) -> float:
 
 
 @formula
-def _polynomial_bound(p: Any, span: float) -> float:
-    """Return the largest |_polynomial_acceleration|, a cubic: at its ends or turning points."""
-    largest = max(abs(_polynomial_acceleration(0.0, p)), abs(_polynomial_acceleration(span, p)))
-    a, b, c = 60.0 * p.c5, 24.0 * p.c4, 6.0 * p.c3  # zeros of the third derivative
+def _quintic_bound(span: float, c2: float, c3: float, c4: float, c5: float) -> float:
+    """Return the largest |_quintic_bend|, a cubic: at its ends or turning points."""
+    largest = max(abs(_quintic_bend(0.0, c2, c3, c4, c5)), abs(_quintic_bend(span, c2, c3, c4, c5)))
+    a, b, c = 60.0 * c5, 24.0 * c4, 6.0 * c3  # zeros of the third derivative
     root = b * b - 4.0 * a * c
     if root >= 0.0:
         q = -0.5 * (b + math.copysign(math.sqrt(root), b))
         first = q / a if a != 0.0 else 0.0
         second = c / q if q != 0.0 else 0.0
         if 0.0 <= first <= span:
-            largest = max(largest, abs(_polynomial_acceleration(first, p)))
+            largest = max(largest, abs(_quintic_bend(first, c2, c3, c4, c5)))
         if 0.0 <= second <= span:
-            largest = max(largest, abs(_polynomial_acceleration(second, p)))
+            largest = max(largest, abs(_quintic_bend(second, c2, c3, c4, c5)))
     return largest
 
 
 @formula
+def _hypotenuse(a: float, b: float) -> float:
+    """Return the length of (a, b); exactly |a| for b = 0, as the square root is rounded."""
+    return math.sqrt(a * a + b * b)
+
+
+@formula
+def _ellipse_bound(p: Any) -> float:
+    """Return the larger half axis of the ellipse on which a cosine moves the pivot [m]."""
+    # Half the sum of two circles' radii, one for each sense of turning; |c0| for a vertical line.
+    return 0.5 * (_hypotenuse(p.c0 - p.x1, p.x0) + _hypotenuse(p.c0 + p.x1, p.x0))
+
+
+@formula
 def acceleration_bound(p: Any, span: float) -> float:
-    """Return a bound of |pivot_acceleration| in the first `span` seconds of a stretch [m/s^2]."""
+    """Return a bound of the pivot's acceleration in the first `span` s of a stretch [m/s^2]."""
     if p.form == COSINE:
-        return abs(p.c0) * p.frequency * p.frequency
+        return _ellipse_bound(p) * p.frequency * p.frequency
     if p.form == SWEPT:
         return _swept_bound(p, span)
     if p.form == CRANK:
         return _crank_bound(p)
-    return _polynomial_bound(p, span) if p.form == POLYNOMIAL else 0.0
+    if p.form == STILL:
+        return 0.0
+    up = _quintic_bound(span, p.c2, p.c3, p.c4, p.c5)
+    return _hypotenuse(up, _quintic_bound(span, p.x2, p.x3, p.x4, p.x5))
 
 
 @formula
@@ -311,7 +372,7 @@ def _span(stretches: Any, i: int, end: float) -> float:
 
 @formula
 def largest_acceleration(stretches: Any, end: float) -> float:
-    """Return a bound of |pivot_acceleration| in all stretches, the last up to `end` [m/s^2]."""
+    """Return a bound of the pivot's acceleration in all stretches, the last up to `end` [m/s^2]."""
     largest = 0.0
     for i in range(len(stretches)):
         largest = max(largest, acceleration_bound(stretches[i], _span(stretches, i, end)))
@@ -323,21 +384,22 @@ def fastest_frequency(stretches: Any, end: float) -> float:
     """Return the largest angular frequency that matters in all stretches [rad/s].
 
     That of a crank is its strongest overtone's, that of polynomials belongs to a cosine of the same
-    height and acceleration.
+    larger extent and acceleration.
     """
     fastest = steepest = 0.0
-    low, high = math.inf, -math.inf
+    low, high, left, right = math.inf, -math.inf, math.inf, -math.inf
     for i in range(len(stretches)):
         p, span = stretches[i], _span(stretches, i, end)
         if p.form == POLYNOMIAL:
-            first, last = p.c0, _polynomial_height(span, p)
+            first, last = p.c0, _quintic(span, p.c0, p.c1, p.c2, p.c3, p.c4, p.c5)
             low, high = min(low, first, last), max(high, first, last)
-            steepest = max(steepest, _polynomial_bound(p, span))
+            first, last = p.x0, _quintic(span, p.x0, p.x1, p.x2, p.x3, p.x4, p.x5)
+            left, right = min(left, first, last), max(right, first, last)
+            steepest = max(steepest, acceleration_bound(p, span))
         elif p.form == CRANK:
             lam = p.c0 / p.rod
             fastest = max(fastest, p.frequency / math.sqrt(1.0 - lam * lam) * (1.0 + lam))
         else:
             fastest = max(fastest, abs(p.frequency), abs(p.frequency + p.rate * span))
-    if high > low:
-        fastest = max(fastest, math.sqrt(2.0 * steepest / (high - low)))
-    return fastest
+    extent = max(high - low, right - left)
+    return max(fastest, math.sqrt(2.0 * steepest / extent)) if extent > 0.0 else fastest

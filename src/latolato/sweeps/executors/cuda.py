@@ -19,7 +19,6 @@ import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from c
 from latolato.core.errors import InputError, import_extra
 from latolato.core.registry import checked_count
 from latolato.numerics.engine.record import STATE, as_objects, run_dtype, write_back
-from latolato.numerics.integrate import laws_key
 from latolato.numerics.many import Points, Progress, Scratch, make_many, make_scratch
 from latolato.numerics.prepare import write_stepper
 from latolato.numerics.records import stretch_dtype
@@ -28,7 +27,7 @@ from latolato.numerics.trajectory import make_trajectory
 from latolato.numerics.watch import hooks_of, make_watch
 from latolato.sweeps.chunk import Cancelled, Values, run_chunk
 from latolato.sweeps.plan import Plan
-from latolato.sweeps.points import Batch
+from latolato.sweeps.points import Batch, laws_of_points
 from latolato.sweeps.pool import run_in_threads
 
 import_extra("numba_cuda", "cuda", "executor 'cuda'", way_out="use executor='threads'")
@@ -115,8 +114,7 @@ def kernel_of(plan: Plan, stepper: Stepper) -> Any:
         plan.contact.motion,
         hooks_of(plan.observables),
         stretch_dtype(type(plan.drive.stretches(plan.duration)[0])),
-        plan.drive.acceleration,
-        *laws_key(plan.system),
+        *laws_of_points(plan),
     )
 
 

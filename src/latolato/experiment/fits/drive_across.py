@@ -1,0 +1,151 @@
+"""How a driven pivot moves sideways: the part of its track that has the phase of the height."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from latolato.experiment.fits.drive_shape import Shape
+from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
+from latolato.experiment.fits.result import TWO_SIDED, Estimate
+from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic, drives
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+# Samples that the way sideways must be known in, and deviations above which it is seen to move.
+FEWEST, _SEEN = 16, 4.0
+# Standard deviation of a phase that may be any.
+_ANY_PHASE = math.pi / math.sqrt(3.0)
+
+
+@dataclass(frozen=True)
+class Across:
+    """The motion sideways, ``amplitude cos(q + lead)`` with the phase q of the height.
+
+    Attributes
+    ----------
+    lead : Estimate
+        Of the motion sideways before the height [rad].
+    samples, curve : ndarray, shape (sample,)
+        Measured, NaN where it is not known, and fitted [m].
+    """
+
+    amplitude: Estimate
+    phase: Estimate
+    lead: Estimate
+    samples: Floats
+    curve: Floats
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether the pivot moves sideways by more than its track leaves open."""
+        return self.amplitude.value > _SEEN * self.amplitude.sigma
+
+
+def across_of(
+    table: xr.Dataset, times: Floats, shape: Shape, solution: Solution, least: float
+) -> Across | None:
+    """Return the motion sideways, None where the table tells nothing of it.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table.
+    times : ndarray, shape (sample,)
+        Those of its instants that the height was fitted at [s].
+    shape, solution : Shape, Solution
+        Of the height.
+    least : float
+        What a track may bend a motion by [m].
+
+    Notes
+    -----
+    ``mean + a cos q + b sin q`` is fitted as the height is, at its phase q, whose deviation is
+    added. What all samples share is too: a quarter of `least`, and of a part in step with the
+    height the tilt ``angle_offset_sigma`` of the table.
+    """
+    if "pivot_x" not in table.variables:
+        return None
+    ways = table["pivot_x"].values[np.searchsorted(table["time"].values, times)]
+    known = np.isfinite(ways)
+    # A column of one value is no measurement.
+    if known.sum() < FEWEST or np.ptp(ways[known]) == 0.0:
+        return None
+    phase = shape.phase(solution.values, times)
+    columns = {"mean": np.ones(len(times)), "cosine": np.cos(phase), "sine": np.sin(phase)}
+    design = {name: column[known] for name, column in columns.items()}
+    count = int(known.sum())
+    found = solve(
+        lambda p: sum((p[n] * column for n, column in design.items()), np.zeros(count)),
+        dict.fromkeys(columns, Guess(0.0)),
+        Data(times[known], ways[known], np.ones(count), np.zeros(count, dtype=np.int64)),
+        jacobian=lambda _, names: np.column_stack([design[n] for n in names]),
+    )
+    a, b = found.values["cosine"], found.values["sine"]
+    places = [found.names.index(n) for n in ("cosine", "sine")]
+    tilt = float(table.attrs.get("angle_offset_sigma", 0.0)) * solution.values["drive_amplitude"]
+    covariance = found.covariance[np.ix_(places, places)]
+    covariance = covariance + np.diag([tilt**2, 0.0]) + (0.25 * least) ** 2 * np.eye(2)
+    size = math.hypot(a, b)
+    along = np.array([a, b]) / size
+    aside = np.array([-b, a]) / size
+    sigma = math.sqrt(along @ covariance @ along)
+    turned = math.sqrt(aside @ covariance @ aside) / size
+    lead = math.atan2(-b, a)
+    own = math.hypot(turned, _phase_sigma(shape, solution, times[known]))
+    start = math.remainder(solution.values["drive_phase"] + lead, math.tau)
+    return Across(
+        Estimate(size, sigma, "m", max(size - TWO_SIDED * sigma, 0.0)),
+        Estimate(start, min(own, _ANY_PHASE), "rad"),
+        Estimate(lead, min(turned, _ANY_PHASE), "rad"),
+        ways,
+        sum((found.values[n] * column for n, column in columns.items()), np.zeros(len(times))),
+    )
+
+
+def _phase_sigma(shape: Shape, solution: Solution, times: Floats) -> float:
+    """Return how well the phase at time zero follows from the mean phase at instants [rad]."""
+    widths = np.array([solution.sigma(name) for name in solution.names])
+    changes = np.zeros(len(widths))
+    for i, (name, width) in enumerate(zip(solution.names, widths, strict=True)):
+        for sign in (0.5, -0.5):
+            values = {**solution.values, name: solution.values[name] + sign * width}
+            mean = float(np.mean(shape.phase(values, times)))
+            changes[i] += math.copysign(1.0, sign) * (values["drive_phase"] - mean)
+    slopes = np.divide(changes, widths, out=np.zeros(len(widths)), where=widths > 0.0)
+    return math.sqrt(max(float(slopes @ solution.covariance @ slopes), 0.0))
+
+
+def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
+    """Return a drive with the motion sideways, as far as it takes one, and a sentence on that."""
+    size = across.amplitude.scaled(1e3, "mm")
+    if not across.is_seen:
+        return drive, f"No motion sideways is seen ({size})."
+    lead = across.lead.scaled(math.copysign(1.0, across.lead.value), "rad")
+    order = "ahead of" if across.lead.value > 0.0 else "behind"
+    words = f"Sideways it moves with {size}, {lead} {order} the height"
+    if not isinstance(drive, Harmonic):
+        return drive, f"{words}, which the drive {drives.name_of(drive)} leaves out."
+    planar = PlanarHarmonic(
+        vertical_amplitude=drive.drive_amplitude,
+        horizontal_amplitude=across.amplitude.value,
+        drive_frequency=drive.drive_frequency,
+        vertical_phase=drive.drive_phase,
+        horizontal_phase=across.phase.value,
+    )
+    return planar, f"{words}."
+
+
+def vertical_part(drive: Drive) -> Drive:
+    """Return a drive without the sideways part of a `PlanarHarmonic`."""
+    if not isinstance(drive, PlanarHarmonic):
+        return drive
+    return Harmonic(
+        drive_amplitude=drive.vertical_amplitude,
+        drive_frequency=drive.drive_frequency,
+        drive_phase=drive.vertical_phase,
+    )

@@ -1,0 +1,77 @@
+"""How far balls in the plane are from touching, and from the ends of their strings.
+
+Two balls touch as discs. One ball stands for itself and its mirror image: it touches that where its
+centre is one radius from the mirror.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.fall import radial_rate
+
+# A ball this close to another one, or to its string's end, is there; and what rounding can take
+# from such a distance. Shares of the string's length.
+THERE, ROUNDING = 1e-12, 1e-14
+
+
+class Apart(NamedTuple):
+    """The functions of distances; see `make_apart`."""
+
+    gap: Callable[..., Any]
+    line: Callable[..., Any]
+    spare: Callable[..., Any]
+    is_tensile: Callable[..., bool]
+    side: Callable[..., float]
+
+
+def make_apart(count: int, part: Part = as_it_stands) -> Apart:
+    """Return the functions for one ball and its mirror image, or for two balls."""
+    two = count == 2
+
+    @part
+    def line(points: Any) -> tuple[float, float, float]:
+        """Return the direction from the other ball to the first one, and their distance [m]."""
+        if not two:
+            return 1.0, 0.0, points[0].x
+        x, y = points[0].x - points[1].x, points[0].y - points[1].y
+        distance = math.hypot(x, y)
+        return (x / distance, y / distance, distance) if distance > 0.0 else (1.0, 0.0, 0.0)
+
+    @part
+    def gap(run: Any, points: Any) -> tuple[float, float]:
+        """Return the gap between balls [m] and its rate [m/s]; infinite if they never touch."""
+        if run.settings.high == math.inf:
+            return math.inf, 0.0
+        x, y, distance = line(points)
+        if not two:
+            return distance - run.settings.radius[0], points[0].vx
+        vx, vy = points[0].vx - points[1].vx, points[0].vy - points[1].vy
+        reach = run.settings.radius[0] + run.settings.radius[1]
+        return distance - reach, x * vx + y * vy
+
+    @part
+    def spare(run: Any, i: int, point: Any) -> tuple[float, float]:
+        """Return how much longer a ball's string is than its distance [m], and the rate [m/s]."""
+        length = 1.0 / run.bodies[i].coupling
+        return length - math.hypot(point.x, point.y), -radial_rate(point)
+
+    @part
+    def is_tensile(run: Any, points: Any) -> bool:
+        """Return whether a push that parts the balls pulls at the strings of both."""
+        x, y, _ = line(points)
+        pulls = x * points[0].x + y * points[0].y >= 0.0
+        if two:
+            pulls = pulls and x * points[1].x + y * points[1].y <= 0.0
+        return pulls
+
+    @part
+    def side(points: Any) -> float:
+        """Return -1 for a contact below the pivot, 1 for one above it."""
+        height = points[0].y + points[1].y if two else points[0].y
+        return 1.0 if height > 0.0 else -1.0
+
+    return Apart(gap, line, spare, is_tensile, side)

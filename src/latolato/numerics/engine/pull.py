@@ -1,0 +1,317 @@
+"""What pulls at a ball whose rod or string is taut, and its splitting step under that pull.
+
+A pivot that only moves up and down leaves gravity's direction alone (`make_upright`). In the plane
+it pulls sideways too, and air at rest in the room blows past the pivot (`make_planar`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.core.scalar import cosine, formula, sine
+from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.engine.laws import Laws
+from latolato.numerics.engine.record import KICK, OFFSET, REACH
+from latolato.physics.damping import drift, drift_slopes
+from latolato.physics.pendulum import swung
+
+
+class Pull(NamedTuple):
+    """The functions that depend on the pull; each begins with ``(run, body, ...)``."""
+
+    free: Callable[..., float]
+    feel: Callable[..., None]
+    step: Callable[..., None]
+    tangent: Callable[..., Any]
+    tension: Callable[..., float]
+    still: Callable[..., float]
+    shake: Callable[..., None]
+
+
+@formula
+def tension_at(
+    angle: float, velocity: float, pivot_acceleration: float, gravity: float, coupling: float
+) -> float:
+    """Return the tension in flight over mass and length [1/s^2]."""
+    return velocity * velocity + (gravity + pivot_acceleration) * coupling * cosine(angle)
+
+
+def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
+    """Return the functions for a pivot that moves up and down."""
+    pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
+    push, push_slope = laws.push, laws.push_slope
+
+    @part
+    def free(run: Any, body: int, t: float, angle: float) -> float:
+        """Return the angular acceleration without drag [rad/s^2]."""
+        b, settings = run.bodies[body], run.settings
+        lifted = settings.gravity + pivot_acceleration(t, run.stretch)
+        restored = restoring(angle, settings.is_linear)
+        return swung(lifted, b.coupling, restored) + push(angle, run)
+
+    @part
+    def feel(run: Any, body: int, t: float, point: Any) -> None:
+        """Write what pulls at a point into it."""
+        b, gravity = run.bodies[body], run.settings.gravity
+        ay = pivot_acceleration(t, run.stretch)
+        point.pivot_acceleration = ay
+        point.acceleration = point.driven = 0.0
+        if point.sign != 0.0:
+            restored = restoring(point.angle, run.settings.is_linear)
+            point.driven = swung(ay, b.coupling, restored)
+            other = push(point.angle, run) - b.coulomb * point.sign
+            point.acceleration = point.driven + swung(gravity, b.coupling, restored) + other
+        if run.settings.follows_tension != 0:
+            angle, velocity = point.angle, point.velocity
+            point.tension = tension_at(angle, velocity, ay, gravity, b.coupling)
+
+    @inlined(part)
+    def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
+        """Take the step of a table that was prepared.
+
+        In a kick ``dW = driven h (w + w')/2`` is the exact work of the drive's part; in a drift the
+        loss is the drop of w^2/2.
+        """
+        angle, velocity, sign = begin.angle, begin.velocity, begin.sign
+        a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
+        work, loss, t = 0.0, 0.0, run.t
+        b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
+        coupling, rate, quadratic, friction = b.coupling, b.rate, b.quadratic, b.coulomb * sign
+        if sign == 0.0:
+            end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
+            end.acceleration = end.driven = 0.0
+            return
+        for i in range(run.stages):
+            h = run.tables[table, KICK, i]
+            change = h * a
+            middle = velocity + 0.5 * change
+            work += h * driven * middle
+            loss += h * friction * middle
+            velocity += change
+            reach = run.tables[table, REACH, i]
+            travelled, slower = drift(velocity, sign, reach, rate, quadratic)
+            loss += 0.5 * (velocity - slower) * (velocity + slower)
+            angle += travelled
+            velocity = slower
+            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
+            restored = restoring(angle, is_linear)
+            driven = swung(ay, coupling, restored)
+            a = driven + swung(gravity, coupling, restored) + (push(angle, run) - friction)
+        h = run.tables[table, KICK, run.stages]
+        change = h * a
+        middle = velocity + 0.5 * change
+        work += h * driven * middle
+        loss += h * friction * middle
+        velocity += change
+        end.angle, end.velocity, end.sign = angle, velocity, sign
+        end.acceleration, end.driven, end.pivot_acceleration = a, driven, ay
+        end.work, end.loss = work, loss
+
+    @part
+    def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
+        """Return the matrix by which a prepared step changes small deviations, row by row.
+
+        A kick adds ``h a'(angle)`` times the angle's deviation to the velocity's, a drift is linear
+        in it: the matrix belongs to the very step, not to an approximation of the flow.
+        """
+        sign = begin.sign
+        if sign == 0.0:
+            return 1.0, 0.0, 0.0, 0.0
+        b, gravity = run.bodies[body], run.settings.gravity
+        angle, velocity, a, t = begin.angle, begin.velocity, begin.acceleration, run.t
+        lifted = gravity + begin.pivot_acceleration
+        is_linear = run.settings.is_linear
+        # The columns of the matrix: what starts as a unit of angle, and of velocity.
+        x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
+        for i in range(run.stages):
+            h = run.tables[table, KICK, i]
+            bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
+            bend *= h
+            velocity += h * a
+            v1 += bend * x1
+            v2 += bend * x2
+            reach = run.tables[table, REACH, i]
+            far, kept = drift_slopes(velocity, sign, reach, b.rate, b.quadratic)
+            x1 += far * v1
+            x2 += far * v2
+            v1 *= kept
+            v2 *= kept
+            travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
+            angle += travelled
+            lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
+            a = swung(lifted, b.coupling, restoring(angle, is_linear)) + push(angle, run)
+            a -= b.coulomb * sign
+        bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
+        bend *= run.tables[table, KICK, run.stages]
+        return x1, x2, v1 + bend * x1, v2 + bend * x2
+
+    @part
+    def tension(run: Any, body: int, point: Any) -> float:
+        """Return the tension in flight over mass and length [1/s^2]."""
+        return tension_at(
+            point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
+            run.bodies[body].coupling,
+        )  # fmt: skip
+
+    @part
+    def shake(run: Any, t: float, point: Any) -> None:
+        """Write the pivot's acceleration into a point."""
+        point.pivot_acceleration = pivot_acceleration(t, run.stretch)
+
+    @part
+    def still(run: Any, body: int, t: float, angle: float) -> float:
+        """Return what pulls at the rod of a ball without motion [m/s^2]."""
+        along: float = run.settings.gravity + pivot_acceleration(t, run.stretch)
+        return along * cosine(angle)
+
+    return Pull(free, feel, step, tangent, tension, still, shake)
+
+
+def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
+    """Return the functions for a pivot that moves in the plane.
+
+    With the pivot's acceleration ``(ax, ay)`` and its velocity against the air ``(wx, wy)`` each
+    kilogram is pulled by ``(-ax - c wx, -(g + ay) - c wy)``, c the rate of the linear drag. Its
+    part across the string swings the ball, its part along it is the tension's.
+    """
+    assert laws.plane is not None
+    pivot_acceleration = laws.pivot_acceleration
+    across_acceleration, up_velocity, across_velocity = laws.plane
+    push, push_slope = laws.push, laws.push_slope
+
+    @part
+    def shaken(run: Any, t: float) -> tuple[float, float, float, float]:
+        """Return the pivot's acceleration and its velocity against the air, x and y each."""
+        ax = across_acceleration(t, run.stretch)
+        ay = pivot_acceleration(t, run.stretch)
+        if run.settings.in_lab == 0:
+            return ax, ay, 0.0, 0.0
+        return ax, ay, across_velocity(t, run.stretch), up_velocity(t, run.stretch)
+
+    @part
+    def shake(run: Any, t: float, point: Any) -> None:
+        """Write the pivot's acceleration and its velocity against the air into a point."""
+        point.across, point.pivot_acceleration, point.wind_x, point.wind_y = shaken(run, t)
+
+    @part
+    def turning(b: Any, angle: float, x: float, y: float) -> float:
+        """Return the angular acceleration by a pull on each kilogram [rad/s^2]."""
+        result: float = b.coupling * (x * cosine(angle) + y * sine(angle))
+        return result
+
+    @part
+    def tension(run: Any, body: int, point: Any) -> float:
+        """Return the tension in flight over mass and length [1/s^2]."""
+        b = run.bodies[body]
+        x = -point.across - b.rate * point.wind_x
+        y = -(run.settings.gravity + point.pivot_acceleration) - b.rate * point.wind_y
+        along: float = x * sine(point.angle) - y * cosine(point.angle)
+        return point.velocity * point.velocity + b.coupling * along
+
+    @part
+    def still(run: Any, body: int, t: float, angle: float) -> float:
+        """Return what pulls at the rod or string of a ball without motion [m/s^2]."""
+        b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
+        x, y = -ax - b.rate * wx, -(run.settings.gravity + ay) - b.rate * wy
+        along: float = x * sine(angle) - y * cosine(angle)
+        return along
+
+    @part
+    def free(run: Any, body: int, t: float, angle: float) -> float:
+        """Return the angular acceleration without drag against the pivot [rad/s^2]."""
+        b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
+        x, y = -ax - b.rate * wx, -(run.settings.gravity + ay) - b.rate * wy
+        return turning(b, angle, x, y) + push(angle, run)
+
+    @part
+    def feel(run: Any, body: int, t: float, point: Any) -> None:
+        """Write what pulls at a point into it."""
+        b = run.bodies[body]
+        shake(run, t, point)
+        ax, ay, wx, wy = point.across, point.pivot_acceleration, point.wind_x, point.wind_y
+        point.acceleration = point.driven = 0.0
+        if point.sign != 0.0:
+            point.driven = turning(b, point.angle, -ax, -ay)
+            other = push(point.angle, run) - b.coulomb * point.sign
+            other += turning(b, point.angle, -b.rate * wx, -run.settings.gravity - b.rate * wy)
+            point.acceleration = point.driven + other
+        point.tension = tension(run, body, point)
+
+    @inlined(part)
+    def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
+        """Take the step of a table that was prepared, with its work and loss.
+
+        The wind's part of a kick counts as a loss by drag, which may be negative.
+        """
+        angle, velocity, sign = begin.angle, begin.velocity, begin.sign
+        a, driven = begin.acceleration, begin.driven
+        ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
+        work, loss, t = 0.0, 0.0, run.t
+        b, gravity = run.bodies[body], run.settings.gravity
+        rate, quadratic, friction = b.rate, b.quadratic, b.coulomb * sign
+        wind = turning(b, angle, -rate * wx, -rate * wy)
+        if sign == 0.0:
+            end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
+            feel(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
+            return
+        for i in range(run.stages):
+            h = run.tables[table, KICK, i]
+            change = h * a
+            middle = velocity + 0.5 * change
+            work += h * driven * middle
+            loss += h * (friction - wind) * middle
+            velocity += change
+            travelled, slower = drift(velocity, sign, run.tables[table, REACH, i], rate, quadratic)
+            loss += 0.5 * (velocity - slower) * (velocity + slower)
+            angle += travelled
+            velocity = slower
+            ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
+            driven = turning(b, angle, -ax, -ay)
+            wind = turning(b, angle, -rate * wx, -rate * wy)
+            a = driven + turning(b, angle, 0.0, -gravity) + wind + (push(angle, run) - friction)
+        h = run.tables[table, KICK, run.stages]
+        change = h * a
+        middle = velocity + 0.5 * change
+        work += h * driven * middle
+        loss += h * (friction - wind) * middle
+        velocity += change
+        end.angle, end.velocity, end.sign = angle, velocity, sign
+        end.acceleration, end.driven = a, driven
+        end.across, end.pivot_acceleration, end.wind_x, end.wind_y = ax, ay, wx, wy
+        end.work, end.loss = work, loss
+
+    @part
+    def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
+        """Return the matrix by which a prepared step changes small deviations, row by row."""
+        sign = begin.sign
+        if sign == 0.0:
+            return 1.0, 0.0, 0.0, 0.0
+        b, gravity, t = run.bodies[body], run.settings.gravity, run.t
+        angle, velocity, a = begin.angle, begin.velocity, begin.acceleration
+        ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
+        x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0  # what starts as a unit of angle, and of velocity
+        for i in range(run.stages + 1):
+            h = run.tables[table, KICK, i]
+            x, y = -ax - b.rate * wx, -(gravity + ay) - b.rate * wy
+            # The slope is the pull at a right angle to what turns the ball.
+            bend = h * (turning(b, angle, y, -x) + push_slope(angle, run))
+            velocity += h * a
+            v1 += bend * x1
+            v2 += bend * x2
+            if i == run.stages:
+                break
+            reach = run.tables[table, REACH, i]
+            far, kept = drift_slopes(velocity, sign, reach, b.rate, b.quadratic)
+            x1 += far * v1
+            x2 += far * v2
+            v1 *= kept
+            v2 *= kept
+            travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
+            angle += travelled
+            ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
+            x, y = -ax - b.rate * wx, -(gravity + ay) - b.rate * wy
+            a = turning(b, angle, x, y) + push(angle, run) - b.coulomb * sign
+        return x1, x2, v1, v2
+
+    return Pull(free, feel, step, tangent, tension, still, shake)

@@ -1,0 +1,194 @@
+"""Slack: at least one ball's string is slack, and that ball moves freely in the plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from latolato.core.scalar import formula
+from latolato.numerics.bounce import SMALLEST_HOP
+from latolato.numerics.contact_time import make_root
+from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
+from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.fall import Fall, place_taut, radial_rate
+from latolato.numerics.engine.look import Look
+from latolato.numerics.engine.modes import Mode
+from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
+from latolato.numerics.engine.strings import Strings
+from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
+from latolato.numerics.engine.tension import make_tension
+from latolato.numerics.watch import Eyes
+
+# What a search looks at: a string's spare length or the gap between balls, or its rate.
+_STRING, _GAP = 0, 1
+# A string pulls where its tension would be more than this share of the largest one.
+_PULLS = 1e-9
+
+
+@formula
+def place_at_end(point: Any, length: float, outward: float) -> None:
+    """Put a ball on the end of its string, with this radial velocity [m/s]."""
+    place_taut(point, length)
+    point.vx += outward * point.x / length
+    point.vy += outward * point.y / length
+
+
+def make_slack(
+    swing: Swing, fall: Fall, balls: Balls, apart: Apart, strings: Strings, look: Look,
+    count: int, part: Part = as_it_stands,
+) -> Mode:  # fmt: skip
+    """Return the mode of `count` balls of which at least one has a slack string."""
+    await_slack, stop_at_once, note_tangle = strings[:3]
+    tension = make_tension(swing, part)
+    slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
+
+    @part
+    def measured(run: Any, points: Any, what: int, i: int) -> tuple[float, float]:
+        """Return a spare length or the gap [m], and its rate [m/s]."""
+        if what == _STRING:
+            value, rate = spare_of(run, i, points[i])
+            return value, rate
+        value, rate = gap_of(run, points)
+        return value, rate
+
+    @part
+    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float]:
+        """Return the same that far into the step."""
+        balls.fly_by(run, s, run.inside)
+        value, rate = measured(run, run.inside, what, i)
+        return value, rate
+
+    @part
+    def rate_at(run: Any, s: float, what: int, i: int) -> tuple[float, float]:
+        """Return its rate, with an unknown slope."""
+        _, rate = value_at(run, s, what, i)
+        return rate, 0.0
+
+    find_value, find_rate = make_root(value_at, part), make_root(rate_at, part)
+
+    @part
+    def leave_time(run: Any, high: float, what: int, i: int) -> float:
+        """Return a length of a step after which a value that begins at zero is positive, or 0."""
+        s = 0.5 * high
+        for _ in range(50):
+            value, _ = value_at(run, s, what, i)
+            if value > 0.0:
+                return s
+            s *= 0.5
+        return 0.0
+
+    @part
+    def await_end(run: Any, what: int, i: int, leaves: bool, event: int) -> None:
+        """End the step where a string runs out of spare length, or where balls meet.
+
+        What begins at zero leaves it first, like the third power of the time from a string; what
+        does not get away from zero by more than rounding is no event.
+        """
+        least = -ROUNDING / run.bodies[i].coupling if leaves else 0.0
+        begin, begin_rate = measured(run, run.now, what, i)
+        end, end_rate = measured(run, run.end, what, i)
+        high = run.length
+        if end >= least:
+            reach = max(-begin_rate, end_rate) * run.length
+            if not begin_rate < 0.0 < end_rate or min(begin, end) - reach > 0.0:
+                return
+            high = find_rate(run, 0.0, run.length, what, i)
+            lowest, _ = value_at(run, high, what, i)
+            if lowest >= least:
+                return
+        low = 0.0
+        if leaves:
+            low = leave_time(run, high, what, i)
+            if low == 0.0:
+                stop_at_once(run, event, i)
+                return
+        s = find_value(run, low, high, what, i) if begin > 0.0 or leaves else 0.0
+        balls.shorten(run, max(s, SHORTEST * run.t))
+        run.event, run.ball = event, i
+        balls.fly_by(run, run.length, run.end)
+
+    @part
+    def bounce_time(run: Any, i: int) -> float:
+        """Return how long a bounce off a string lasts that is too small to be seen, or 0."""
+        state, point, length = run.state, run.now[i], 1.0 / run.bodies[i].coupling
+        if state.is_slack[i] == 0 or state.leaves[i] == 0:
+            return 0.0
+        inward, pull = -radial_rate(point), length * swing.tension(run, i, point)
+        # A string that just went slack pulls by roundings, and its ball moves inwards by some.
+        least = _PULLS * length * tension.margin(run, i) / run.settings.sag
+        if inward <= 0.0 or pull <= least or inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
+            return 0.0
+        return 2.0 * inward / pull
+
+    @part
+    def plan(run: Any) -> None:
+        """Fall and swing up to the first thing that happens."""
+        balls.plan_length(run)
+        soon, bounced = math.inf, 0
+        for i in range(count):
+            duration = bounce_time(run, i)
+            if 0.0 < duration < soon:
+                soon, bounced = duration, i
+        is_brief = soon < run.goal - run.t
+        if is_brief:
+            balls.shorten(run, max(soon, SHORTEST * run.t))
+        balls.fly_by(run, run.length, run.end)
+        if is_brief:
+            back = -radial_rate(run.now[bounced])
+            place_at_end(run.end[bounced], 1.0 / run.bodies[bounced].coupling, back)
+            run.event, run.ball = TAUTEN, bounced
+        for i in range(count):
+            if run.state.is_slack[i] == 0:
+                await_slack(run, i)
+            elif not (is_brief and i == bounced):
+                await_end(run, _STRING, i, run.state.leaves[i] != 0, TAUTEN)
+        await_end(run, _GAP, 0, run.state.touch != 0.0, CONTACT)
+        if run.state.touch != 0.0 and abs(gap_of(run, run.end)[0]) <= (
+            THERE / run.bodies[0].coupling
+        ):
+            run.keeps_touch = 1
+        sum_up(run)
+
+    @part
+    def sum_up(run: Any) -> None:
+        """Add up work and loss of all balls."""
+        run.work, run.loss = 0.0, 0.0
+        for i in range(count):
+            run.work += run.bodies[i].inertia * run.end[i].work
+            run.loss += run.bodies[i].inertia * run.end[i].loss
+
+    @part
+    def look_inside(run: Any, length: float) -> None:
+        """Fly a part of the step."""
+        balls.fly_by(run, length, run.inside)
+        run.work_inside, run.loss_inside = 0.0, 0.0
+        for i in range(count):
+            run.work_inside += run.bodies[i].inertia * run.inside[i].work
+            run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
+
+    @part
+    def note(run: Any, eyes: Eyes) -> None:
+        """Note how long strings are slack, and show the observables the step."""
+        state = run.state
+        for i in range(count):
+            begin, end = run.now[i], run.end[i]
+            if state.is_slack[i] == 0:
+                held = 1.0 if begin.sign == 0.0 else 0.0
+                a0, a1 = slowed(begin, run.bodies[i]), slowed(end, run.bodies[i])
+                look.step(run, eyes, i, a0, a1, held)
+                continue
+            if math.isnan(state.slack_start[i]):
+                state.slack_start[i] = run.t
+            state.slack_time[i] += run.t_end - run.t
+            if spare_of(run, i, end)[0] > THERE / run.bodies[i].coupling:
+                state.leaves[i] = 0
+            a0, e0, p0 = slopes(run, i, begin)
+            a1, e1, p1 = slopes(run, i, end)
+            look.show(run, eyes, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
+        if count == 2:
+            note_tangle(run)
+
+    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
+    return Mode(SLACK, *functions)

@@ -1,0 +1,327 @@
+"""Strings: when they go slack and taut again, and what balls on them do when they meet.
+
+A string pulls and never pushes. One that tightens throws its ball back with the restitution of the
+string, or holds it; one that is taut when a ball is hit allows no motion outwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from latolato.core.scalar import formula
+from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
+from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.events import Event, Output
+from latolato.numerics.engine.fall import place_taut, radial_rate
+from latolato.numerics.engine.record import (
+    CONTACT,
+    FLIGHT,
+    RELEASE,
+    SLACK,
+    SLACKEN,
+    TAUTEN,
+)
+from latolato.numerics.engine.swing import SHORTEST, Swing
+from latolato.numerics.engine.tension import make_tension
+from latolato.numerics.records import C_BALL, C_RADIAL
+from latolato.numerics.watch import Eyes
+from latolato.physics import contacts
+
+# A tension this small is at the brink; then the motion a little later decides. Shares of the
+# largest tension, and of the step.
+_BRINK, _LITTLE = 1e-11, 1.0 / 64.0
+# More impacts at one instant than string and ball can need; also the rows that they may fill.
+MOST_AT_ONCE = 6
+# Balls that part more slowly than this at the end of lasting contact press [rad/s^2].
+_PRESS = 1e-6
+
+
+class Strings(NamedTuple):
+    """The functions of strings; see `make_strings`."""
+
+    await_slack: Callable[..., None]
+    stop_at_once: Callable[..., None]
+    note_tangle: Callable[..., None]
+    loosen: Callable[..., None]
+    jolt: Callable[..., None]
+    events: tuple[Event, ...]
+
+
+@formula
+def _nothing(run: Any, *rest: Any) -> None:
+    """Do nothing."""
+
+
+# Of balls on rods.
+NO_STRINGS = Strings(_nothing, _nothing, _nothing, _nothing, _nothing, ())
+
+
+def make_strings(
+    swing: Swing, balls: Balls, apart: Apart, usual: tuple[Event, ...], count: int,
+    part: Part = as_it_stands,
+) -> Strings:  # fmt: skip
+    """Return the functions of the strings of `count` balls; `usual` are the events on rods."""
+    two = count == 2
+    meet = next(event.apply for event in usual if event.number == CONTACT)
+    release = next(event.apply for event in usual if event.number == RELEASE)
+    tension = make_tension(swing, part)
+
+    @part
+    def stop_at_once(run: Any, event: int, i: int) -> None:
+        """Let the step end where it begins, with an event."""
+        balls.shorten(run, 0.0)
+        run.event, run.ball, run.keeps_touch = event, i, 1
+        for ball in range(count):
+            run.end[ball] = run.now[ball]
+            run.end[ball].work = run.end[ball].loss = 0.0
+
+    @part
+    def await_slack(run: Any, i: int) -> None:
+        """End the step where a taut string would have to push."""
+        if run.length == 0.0:
+            return
+        left, low, high = swing.tension(run, i, run.now[i]), 0.0, run.length
+        margin = tension.margin(run, i)
+        brink = _BRINK * (margin / run.settings.sag)
+        if left <= brink:
+            low = _LITTLE * high
+            little = tension.after(run, i, low)
+            if left < -brink or little <= 0.0:
+                stop_at_once(run, SLACKEN, i)
+                return
+            left = little
+        right = swing.tension(run, i, run.end[i])
+        if min(left, right) >= margin:
+            return
+        half = 0.5 * high
+        middle = tension.after(run, i, half)
+        if middle < 0.0:
+            right, high = middle, half
+        elif right < 0.0:
+            left, low = middle, half
+        else:  # the lowest point of the parabola through all three
+            bend, s = left - 2.0 * middle + right, half
+            if bend > 0.0:
+                s += 0.5 * half * (left - right) / bend
+            if not low < s < high:
+                return
+            right, high = tension.after(run, i, s), s
+            if right >= 0.0:
+                return
+        s = tension.zero(run, i, low, high, left, right)
+        balls.shorten(run, max(s, SHORTEST * run.t))
+        run.event, run.ball = SLACKEN, i
+        balls.fly_by(run, run.length, run.end)
+
+    @part
+    def note_tangle(run: Any) -> None:
+        """Note where a taut string runs into the other ball, which is not described."""
+        for i in range(2):
+            one, other = run.end[i], run.end[1 - i]
+            if run.state.is_slack[i] == 0:
+                length = 1.0 / run.bodies[i].coupling
+                along = (one.x * other.x + one.y * other.y) / length
+                beside = abs(one.x * other.y - one.y * other.x) / length
+                if 0.0 < along < length and beside < run.settings.radius[1 - i]:
+                    run.state.is_tangled = 1
+
+    @part
+    def write_row(run: Any, output: Output, kind: int, ball: int, before: Any) -> None:
+        """Write a row of the contact table; `before` has velocities around and along."""
+        row, values = run.rows, output.contact_values
+        output.contact_times[row], output.contact_kinds[row] = run.t, kind
+        for i in range(count):
+            values[i, row], values[count + i, row] = before[i], run.now[i].velocity
+            values[C_RADIAL + i, row] = before[2 + i]
+            outward = radial_rate(run.now[i]) if run.state.is_slack[i] != 0 else 0.0
+            values[C_RADIAL + count + i, row] = outward
+        values[C_BALL, row] = ball
+        run.rows += 1
+
+    @part
+    def velocities(run: Any) -> tuple[float, float, float, float]:
+        """Return angular velocities [rad/s] and velocities along the strings [m/s]."""
+        other = count - 1
+        one_out = radial_rate(run.now[0]) if run.state.is_slack[0] != 0 else 0.0
+        other_out = radial_rate(run.now[other]) if run.state.is_slack[other] != 0 else 0.0
+        return run.now[0].velocity, run.now[other].velocity, one_out, other_out
+
+    @part
+    def loosen(run: Any, i: int) -> None:
+        """Let a taut string go slack."""
+        run.state.is_slack[i] = run.state.leaves[i] = 1
+        place_taut(run.now[i], 1.0 / run.bodies[i].coupling)
+
+    @part
+    def tighten(run: Any, output: Output, i: int, holds: bool) -> None:
+        """Let a string tighten: its ball is thrown back, or held in any case if `holds`."""
+        state, settings, point, b = run.state, run.settings, run.now[i], run.bodies[i]
+        before, length = velocities(run), 1.0 / b.coupling
+        outward, e = radial_rate(point), settings.string_restitution
+        pulls = swing.tension(run, i, point) > 0.0
+        if holds or (e < 1.0 and pulls and outward <= settings.rest_speed * length):
+            e = 0.0
+        mass = b.inertia * b.coupling * b.coupling
+        state.retension_loss += 0.5 * mass * outward * outward * (1.0 - e * e)
+        state.string_impulse = max(state.string_impulse, mass * outward * (1.0 + e))
+        around = length * point.velocity
+        place_taut(point, length)
+        point.velocity = around / length
+        state.leaves[i] = 1
+        if e > 0.0:
+            point.vx -= e * outward * point.x / length
+            point.vy -= e * outward * point.y / length
+        else:
+            state.is_slack[i] = state.leaves[i] = 0
+        write_row(run, output, contacts.TAUT, i + 1 if two else 0, before)
+
+    @part
+    def strike(run: Any, output: Output, closing: float, captures: bool) -> None:
+        """Let balls collide, of which one at least is on a slack string or would loosen one."""
+        state, settings, before = run.state, run.settings, velocities(run)
+        e = 0.0 if captures else settings.restitution
+        nx, ny, _ = apart.line(run.now)
+        yields = 0.0  # the gap's rate per impulse [1/kg]
+        for i in range(count):
+            point, b = run.now[i], run.bodies[i]
+            mass, sign = b.inertia * b.coupling * b.coupling, 1.0 - 2.0 * i
+            outward = sign * (nx * point.x + ny * point.y) * b.coupling
+            if state.is_slack[i] == 0 and outward < 0.0:
+                loosen(run, i)
+            share = 1.0 if state.is_slack[i] != 0 else 1.0 - outward * outward
+            yields += share / mass
+        impulse = (1.0 + e) * closing / yields
+        for i in range(count):
+            point, b = run.now[i], run.bodies[i]
+            mass, sign = b.inertia * b.coupling * b.coupling, 1.0 - 2.0 * i
+            px, py = sign * impulse * nx, sign * impulse * ny
+            if state.is_slack[i] != 0:
+                point.vx += px / mass
+                point.vy += py / mass
+                # Seen from the pivot, what lies beside the string turns the ball.
+                squared = max(point.x * point.x + point.y * point.y, 1e-300)
+                point.velocity = (point.x * point.vy - point.y * point.vx) / squared
+            else:
+                point.velocity += (px * -point.y + py * point.x) / b.inertia
+                pulled = (px * point.x + py * point.y) * b.coupling
+                state.string_impulse = max(state.string_impulse, pulled)
+                place_taut(point, 1.0 / b.coupling)
+        lost = 0.5 * closing * closing / yields * (1.0 - e * e)
+        if captures:
+            state.capture_loss += lost
+        else:
+            state.impact_loss += lost
+        kind = contacts.TOP if apart.side(run.now) > 0.0 else contacts.BOTTOM
+        write_row(run, output, contacts.REST if captures else kind, 0, before)
+
+    @part
+    def meets_again(run: Any) -> bool:
+        """Return whether balls that part no more press against each other."""
+        length = 1e-3 * run.settings.step
+        balls.fly_by(run, length, run.inside)
+        gap, _ = apart.gap(run, run.inside)
+        return gap < -ROUNDING / run.bodies[0].coupling
+
+    @part
+    def collide(run: Any, output: Output) -> None:
+        """Do what happens where a string tightens or balls meet: strings first, then balls.
+
+        What two balls on taut strings do that a push would only tighten is left to the rods' rule.
+        """
+        state, length = run.state, 1.0 / run.bodies[0].coupling
+        state.touch = 0.0
+        balls.settle(run)
+        for _ in range(MOST_AT_ONCE):
+            is_over = True
+            for i in range(count):
+                spare, slower = apart.spare(run, i, run.now[i])
+                is_there = abs(spare) <= THERE / run.bodies[i].coupling
+                if state.is_slack[i] != 0 and is_there and slower < 0.0:
+                    tighten(run, output, i, False)
+                    is_over = False
+            gap, rate = apart.gap(run, run.now)
+            if abs(gap) <= THERE * length:
+                state.touch = state.side = apart.side(run.now)
+                is_slack = state.is_slack[0] != 0 or state.is_slack[count - 1] != 0
+                if rate < 0.0 and (is_slack or not apart.is_tensile(run, run.now)):
+                    slow = -rate <= 2.0 * run.settings.rest_speed * length
+                    captures = slow and run.settings.restitution < 1.0
+                    strike(run, output, -rate, captures)
+                    balls.settle(run)
+                    if captures and meets_again(run):
+                        state.is_tangled = 1
+                    is_over = False
+            if is_over:
+                break
+        is_slack = state.is_slack[0] != 0 or state.is_slack[count - 1] != 0
+        state.mode = SLACK if is_slack else FLIGHT
+        balls.settle(run)
+
+    @part
+    def slacken(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let a string go slack."""
+        before = velocities(run)
+        loosen(run, run.ball)
+        write_row(run, output, contacts.SLACK, run.ball + 1 if two else 0, before)
+        run.state.mode = SLACK
+        balls.settle(run)
+
+    @part
+    def go_on(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let balls on taut strings meet as those on rods do."""
+        state, settings = run.state, run.settings
+        gap = balls.gap(run.now)
+        if two and not settings.low - THERE <= gap <= settings.high + THERE:
+            state.is_tangled = 1  # they have changed places
+        elif state.touch != 0.0 and balls.gap_rate(run.now) * state.touch >= 0.0:
+            wall = settings.low if state.touch < 0.0 else settings.high
+            balls.place(run, run.now, wall, balls.gap_rate(run.now))
+            run.side = state.touch
+            meet(run, output, eyes)
+
+    @part
+    def jolt(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let strings tighten and balls meet after velocities have changed."""
+        collide(run, output)
+        if run.state.mode == FLIGHT:
+            go_on(run, output, eyes)
+
+    @part
+    def tauten(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let a string tighten, and let its ball meet the other one if that is there too."""
+        _, slower = apart.spare(run, run.ball, run.now[run.ball])
+        if slower >= 0.0:
+            tighten(run, output, run.ball, True)
+        jolt(run, output, eyes)
+
+    @part
+    def meet_in_plane(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let balls meet: as on rods where that pulls at taut strings only."""
+        balls.settle(run)
+        if run.settings.is_string == 0:
+            meet(run, output, eyes)
+            return
+        if run.state.mode != SLACK and apart.is_tensile(run, run.now):
+            meet(run, output, eyes)
+            return
+        rows = run.rows
+        jolt(run, output, eyes)
+        if run.state.mode == SLACK and run.rows == rows:
+            run.state.is_tangled = 1  # they press against each other, which slack strings allow
+
+    @part
+    def let_go(run: Any, output: Output, eyes: Eyes) -> None:
+        """End lasting contact. Where balls still press, a string let go: that is not described."""
+        presses = run.settings.is_string != 0 and two
+        if presses and balls.parting(run, run.state.side, run.t, run.now) < -_PRESS:
+            run.state.is_tangled = 1
+        release(run, output, eyes)
+
+    kept = tuple(e for e in usual if e.number not in (CONTACT, RELEASE))
+    events = (
+        Event(CONTACT, meet_in_plane), Event(RELEASE, let_go), *kept, Event(SLACKEN, slacken),
+        Event(TAUTEN, tauten),
+    )  # fmt: skip
+    return Strings(await_slack, stop_at_once, note_tangle, loosen, jolt, events)
