@@ -73,7 +73,7 @@ def pivot_for(
     first, last : float
         What must be covered [s].
     across : bool
-        Whether the pivot may move sideways; without, its measured motion sideways is left out.
+        Whether the pivot may move sideways; without, its measured horizontal motion is left out.
     """
     if isinstance(drive, Drive):
         return Pivot(drive, 0.0, [], "the given drive")
@@ -93,7 +93,7 @@ def pivot_for(
             error = stroke_error(table, length, fit["drive_amplitude"].value)
             words = "the pivot's fitted drive"
             if moving != fit.drive:
-                words += " without its way sideways"
+                words += " without its horizontal part"
             return Pivot(moving, 0.0, _neighbours(fit, moving, error), words)
     return _spline(table, length, (first, last), swings)
 
@@ -123,7 +123,7 @@ def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float
 def _spline(table: xr.Dataset, length: float, span: tuple[float, float], swings: bool) -> Pivot:
     """Return a smoothing spline of the heights, and splines of noisier copies.
 
-    Of the way sideways too if it `swings`.
+    With the horizontal positions if the pivot `swings`.
     """
     columns = {"pivot_y": ("pivot_heights", "height_sigma")}
     if swings:
