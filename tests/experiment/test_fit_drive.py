@@ -168,6 +168,18 @@ def test_a_spline_of_the_track_follows_both_directions_where_it_may():
     assert not pivot_for("measured", table, 0.3, 0.0, 19.0).drive.moves_across
     still = planar_table(with_across(0.0))
     assert not pivot_for("measured", still, 0.3, 0.0, 19.0, across=True).drive.moves_across
+    # A swing at another frequency, in step with nothing, and one that no cosine describes.
+    time = table["time"].values
+    for swing in (
+        0.01 * np.cos(5.0 * time),
+        0.005 * np.cos(10.09 * time) + 2e-3 * np.cos(7.0 * time),
+    ):
+        other = planar_table(with_across(0.0)).copy(deep=True)
+        other["pivot_x"].values[:] += swing
+        assert isinstance(
+            pivot_for(None, other, 0.3, 0.0, 19.0, across=True).drive, ll.MeasuredPivot
+        )
+        assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0).drive, ll.Harmonic)
     aside = planar_table(dataclasses.replace(with_across(0.02), vertical_amplitude=0.0))
     assert pivot_for(None, aside, 0.3, 0.0, 19.0, across=True).drive.moves_across
 

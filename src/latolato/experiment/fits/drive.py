@@ -128,15 +128,15 @@ def fit_drive(
             shape, solution = drifting, other
     estimates = _estimates(solution, shape) | drift
     overtones = _overtones(data, shape, solution, least)
-    drive, crank_words = _drive(solution, shape, overtones)
+    drive, drive_words = _drive(solution, shape, overtones)
     across = across_of(table, data.times, shape, solution, least)
     if across is not None:
-        drive, across_words = with_across(drive, across)
-        crank_words += f" {across_words}"
+        drive, more = with_across(drive, across)
+        drive_words += f" {more}"
         estimates |= {
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
-    words = [_main_words(estimates, solution, shape), crank_words]
+    words = [_main_words(estimates, solution, shape), drive_words]
     if unsteady:
         span = float(np.ptp(data.times))
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")

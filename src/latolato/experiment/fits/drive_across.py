@@ -90,12 +90,11 @@ def across_of(
     tilt = float(table.attrs.get("angle_offset_sigma", 0.0)) * solution.values["drive_amplitude"]
     covariance = found.covariance[np.ix_(places, places)]
     covariance = covariance + np.diag([tilt**2, 0.0]) + (0.25 * least) ** 2 * np.eye(2)
-    size = math.hypot(a, b)
-    along = np.array([a, b]) / size
-    aside = np.array([-b, a]) / size
+    size, lead = math.hypot(a, b), math.atan2(-b, a)
+    along = np.array([math.cos(lead), -math.sin(lead)])
+    aside = np.array([math.sin(lead), math.cos(lead)])
     sigma = math.sqrt(along @ covariance @ along)
-    turned = math.sqrt(aside @ covariance @ aside) / size
-    lead = math.atan2(-b, a)
+    turned = math.sqrt(aside @ covariance @ aside) / max(size, 1e-300)
     own = math.hypot(turned, _phase_sigma(shape, solution, times[known]))
     start = math.remainder(solution.values["drive_phase"] + lead, math.tau)
     return Across(
