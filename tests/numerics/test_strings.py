@@ -57,7 +57,7 @@ class TestReferences:
             listed = [row[0] for row in case["events"] if row[1] == kind and row[0] > 1e-12]
             np.testing.assert_allclose(rows(run, kind), listed, rtol=0, atol=1e-9)
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def toy(self):
         """The file's toy is a rod up to its first contact, though pushed at time zero.
 
