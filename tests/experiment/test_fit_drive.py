@@ -180,6 +180,12 @@ def test_a_spline_of_the_track_follows_both_directions_where_it_may():
             pivot_for(None, other, 0.3, 0.0, 19.0, across=True).drive, ll.MeasuredPivot
         )
         assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0).drive, ll.Harmonic)
+    # A crank has no horizontal part.
+    crank = ll.CrankSlider(drive_amplitude=0.03, drive_frequency=12.0, connecting_rod_length=0.3)
+    other = drive_table(crank, duration=20.0)
+    other["pivot_x"].values[:] = 0.01 * np.cos(12.0 * time) + noise(len(time), 5, 0.0, 2e-4)
+    assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0, across=True).drive, ll.MeasuredPivot)
+    assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0).drive, ll.CrankSlider)
     aside = planar_table(dataclasses.replace(with_across(0.02), vertical_amplitude=0.0))
     assert pivot_for(None, aside, 0.3, 0.0, 19.0, across=True).drive.moves_across
 
