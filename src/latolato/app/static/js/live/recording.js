@@ -224,7 +224,7 @@ export class Recording {
     const { contact_time, contact_kind, angular_velocity_before: before,
       angular_velocity_after: after } = this.contactColumns();
     const unknown = { case: this.whole(), strobes: new Float64Array(0), energyResidual: NaN, step: NaN,
-      halvings: 0, grazes: 0, compressionTime: [NaN], compressionFraction: [NaN] };
+      halvings: 0, grazes: 0, pulls: {} };
     const block = blockOf({ ...again ?? unknown, time, columns, warnings: [], status: "complete",
       contacts: { time: contact_time[0], kind: Uint8Array.from(contact_kind[0]), before, after } });
     const { about } = block;
