@@ -259,11 +259,12 @@ export class Form {
    */
   choiceField(name, option, choices) {
     const id = freshId();
-    // What only strings have goes with them.
-    const others = name === "suspension" ? { string_restitution: this.resolved.string_restitution ? "0" : null,
-      initial_distance: null } : {};
-    const take = () => (select.value === "string" ? this.give(name, select.value)
-      : this.giveAll({ ...others, [name]: select.value }));
+    const take = () => {
+      // What only strings have goes with them.
+      const others = select.value === "rod"
+        ? { string_restitution: this.resolved.string_restitution ? "0" : null, initial_distance: null } : {};
+      this.giveAll({ ...others, [name]: select.value });
+    };
     const select = el("select", { id, on: { change: take } },
       ...choices.map((each) => el("option", { value: each }, tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
