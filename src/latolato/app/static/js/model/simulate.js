@@ -31,8 +31,8 @@ export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_los
 // Of the samples: an angle and its velocity for each ball.
 const PER_BALL = 2;
 // Of strings: distance, its rate and whether it is slack.
-const PER_STRING = 3;
-const TANGLED = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
+export const PER_STRING = 3;
+export const TANGLED = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
   + "described";
 const MOST_STROBES = 20_000;
 // Forms of stretches that have a phase: cosine, swept cosine, crank; see `physics.drives.stretch`.

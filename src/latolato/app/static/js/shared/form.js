@@ -261,6 +261,7 @@ export class Form {
     const id = freshId();
     const take = () => {
       // What only strings have goes with them.
+      /** @type {Record<string, string | null>} */
       const others = select.value === "rod"
         ? { string_restitution: this.resolved.string_restitution ? "0" : null, initial_distance: null } : {};
       this.giveAll({ ...others, [name]: select.value });
