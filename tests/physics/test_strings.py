@@ -316,6 +316,10 @@ class TestRefusals:
         with pytest.raises(ll.InputError, match=r"drag_frame must be .*pivot.*lab.*room"):
             ll.Pendulum(**BALL, drag_frame="room")
 
+    def test_quadratic_drag_relative_to_the_room(self):
+        with pytest.raises(ll.InputError, match=r"drag_frame must be 'pivot'.*quadratic_damping"):
+            ll.Pendulum(**BALL, quadratic_damping=0.01, drag_frame="lab")
+
     @pytest.mark.parametrize("suspension", ["rod", "string"])
     def test_a_toy_that_is_moved_sideways(self, suspension):
         toy = ll.LatoLato(**BALL, radius=0.03, suspension=suspension)
