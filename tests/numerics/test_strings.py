@@ -37,9 +37,13 @@ class TestReferences:
 
     def check(self, samples, case, bound):
         for i, name in enumerate(("angle", "distance", "slack")):
-            np.testing.assert_allclose(
-                np.squeeze(samples[name]), [row[i] for row in case["samples"]], rtol=0, atol=bound
-            )
+            if name in samples:  # a rod's run has an angle only
+                np.testing.assert_allclose(
+                    np.squeeze(samples[name]),
+                    [row[i] for row in case["samples"]],
+                    rtol=0,
+                    atol=bound,
+                )
 
     def test_the_independent_program(self, case):
         motion, start, times = read(case)
@@ -155,6 +159,8 @@ def test_motions_works_and_losses_are_those_of_the_independent_program(make, see
 
 
 class TestLedger:
+    # With other strings a ball of a pair may meet the other's string, which ends the run.
+    @pytest.mark.filterwarnings("ignore:the run stopped")
     @pytest.mark.parametrize("seed", range(8))
     @pytest.mark.parametrize("make", [any_ball, any_toy, any_pair])
     @pytest.mark.parametrize("restitution", [0.0, 0.6, 1.0])
@@ -165,8 +171,9 @@ class TestLedger:
         motion.es = restitution
         run = simulated(motion, start, np.linspace(0.0, 0.7, 71), tolerance=1e-10)
         energy, expected = total(run)
-        largest = np.abs(energy).max()
-        assert np.abs(energy - expected).max() <= 1e-9 * largest
+        largest = np.nanmax(np.abs(energy))
+        assert np.isfinite(energy).sum() > 30
+        assert np.nanmax(np.abs(energy - expected)) <= 1e-9 * largest
         assert run.attrs["energy_residual"] <= 1e-9 * largest
 
     @pytest.mark.parametrize("frame", ["pivot", "lab"])
@@ -246,7 +253,6 @@ class TestPair:
 
 class TestObservables:
     NAMES = ("slack_fraction", "first_slack", "largest_string_impulse", "top_contacts")
-    AXES = {"drive_amplitude": [0.0, 0.03, 0.06, 0.09], "drive_frequency": [12.0, 15.0, 18.0]}  # noqa: RUF012
 
     @pytest.mark.parametrize("restitution", [0.0, 0.6])
     @pytest.mark.parametrize("kind", ["pendulum", "toy", "pair"])
@@ -264,23 +270,26 @@ class TestObservables:
             each = ll.Ball(**ball, radius=0.02)
             system = ll.BallPair(right=each, left=each, restitution=0.85, **own)
             start = {"initial_angle": (1.2, -0.9), "initial_angular_velocity": (6.0, -6.0)}
+        # Driven harder, some pairs come to what is not described.
+        amplitudes = np.linspace(0.0, 0.03 if kind == "pair" else 0.09, 4)
+        axes = {"drive_amplitude": amplitudes, "drive_frequency": [12.0, 15.0, 18.0]}
         drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=15.0)
         result = ll.sweep(
-            system, drive, axes=self.AXES, observables=names, duration=1.0, **start
+            system, drive, axes=axes, observables=names, duration=0.6, tolerance=1e-12, **start
         ).transpose("drive_amplitude", "drive_frequency", ...)
         assert float(result.slack_fraction.max()) > 0.0
-        for i, amplitude in enumerate(self.AXES["drive_amplitude"]):
-            for k, frequency in enumerate(self.AXES["drive_frequency"]):
+        for i, amplitude in enumerate(amplitudes):
+            for k, frequency in enumerate(axes["drive_frequency"]):
                 one = ll.Harmonic(drive_amplitude=amplitude, drive_frequency=frequency)
-                run = ll.simulate(system, one, duration=1.0, **start)
+                run = ll.simulate(system, one, duration=0.6, tolerance=1e-12, **start)
                 here = result.isel(drive_amplitude=i, drive_frequency=k)
-                # Lanes and single runs round differently; these motions last a second.
+                # Lanes and single runs round differently; these motions are short.
                 for name in names[:3]:
                     np.testing.assert_allclose(
                         here[name], run.attrs[name], rtol=0, atol=1e-9, err_msg=name
                     )
                 if "top_contacts" in names:
-                    assert int(here.top_contacts) == int((run.contact_kind == "top").sum())
+                    assert (here.top_contacts == int((run.contact_kind == "top").sum())).all()
 
     def test_slack_fraction_is_the_share_of_slack_time(self):
         motion, start = any_ball(np.random.default_rng(2))
@@ -312,18 +321,19 @@ class TestOrder:
         steps, errors = zip(*[error_of(tolerance) for tolerance in self.TOLERANCES], strict=True)
         return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
 
-    @pytest.mark.parametrize("drag", [{"C": 2e-3}, {"C": 1e-3, "C2": 1e-3}])
+    @pytest.mark.parametrize("drag", [{"C": 2e-2}, {"C": 1e-2, "C2": 0.1}])
     def test_of_the_slack_step(self, drag):
-        # Little gravity and a fast drive: many steps before the string is taut.
+        # Little gravity, a fast drive and a long string: many steps before it is taut. The ball is
+        # fast, as quadratic drag bends where it is at rest in the pivot's frame.
         motions = [
             Strings(
-                [Body(0.5, 0.05, **drag)], A0=0.01, w=25.0, phase=0.4 * k, Ax=0.007, phx=0.3,
-                g=0.2, lab=k % 2 == 0,
+                [Body(3.0, 0.05, **drag)], A0=0.01, w=25.0, phase=0.4 * k, Ax=0.007, phx=0.3,
+                g=0.2, lab=k % 2 == 0 and "C2" not in drag,
             )
             for k in range(12)
         ]  # fmt: skip
         times = np.linspace(0.2, 1.0, 17)
-        start = [(0.4, 0.8, 0.05)]
+        start = [(0.4, 3.0, 0.5)]
         exact = [motion.run(start, times).samples for motion in motions]
         assert all(samples["slack"].all() for samples in exact)
 
@@ -335,7 +345,7 @@ class TestOrder:
                 errors.append(float(np.sqrt((gap**2).mean())))
             return run.attrs["step"], np.exp(np.mean(np.log(errors)))
 
-        assert self.order(error_of) == pytest.approx(6.0, abs=0.3)
+        assert self.order(error_of) == pytest.approx(6.0, abs=0.1)
 
     def test_of_slack_and_taut(self):
         starts = [(1.0 + 0.05 * k, 7.0) for k in range(16)]

@@ -171,8 +171,7 @@ class Strings:
             found.append((root, kind, ball))
         return min(found, default=None)
 
-    def loosen(self, i, t):
-        self.log(t, "slack", i)
+    def loosen(self, i):
         x = self.placed(i, self.y)
         self.turned[i], self.modes[i] = self.y[4 * i], SLACK
         self.y[4 * i : 4 * i + 4] = x
@@ -213,7 +212,7 @@ class Strings:
             u += J * ((1 - 2 * i) * n[0] - shares[i] * x / b.l) / b.m
             v += J * ((1 - 2 * i) * n[1] - shares[i] * z / b.l) / b.m
             if self.modes[i] == TAUT and shares[i] == 0.0 and self.string:  # pushed inwards
-                self.loosen(i, t)
+                self.loosen(i)
             if self.modes[i] == TAUT:
                 self.y[4 * i + 1] = 0.0 if self.walls and e == 0.0 else (v * x - u * z) / b.l**2
             else:
@@ -228,7 +227,8 @@ class Strings:
         if released:
             self.modes[0] = TAUT
         elif fired and fired[0] == "slack":
-            self.loosen(fired[1], t)
+            self.loosen(fired[1])
+            self.log(t, "slack", fired[1])
         for _ in range(10_000):
             outwards = [
                 i
@@ -252,7 +252,8 @@ class Strings:
         for i in self.balls:
             # T = 0 is left to the guard: it goes either way from there.
             if self.string and self.modes[i] == TAUT and self.pulled(i, t, self.y)[1] < -STILL:
-                self.loosen(i, t)
+                self.loosen(i)
+                self.log(t, "slack", i)
 
     def speeds(self):
         return tuple(self.radial(i, self.y)[2:] for i in self.balls)
@@ -262,7 +263,7 @@ class Strings:
         self.events.append(Event(float(t), kind, ball, before or after, after))
 
     def run(self, start, times):
-        """Return the motion from angle, angular velocity and, if slack, distance of each ball.
+        """Return the motion from angle, angular velocity and perhaps distance of each ball.
 
         It has ``samples``, arrays (ball, time) or (time,) by name, ``events``, the time for which
         each ball was slack, and all impulses [N s] of strings that became taut (``snaps``) and of
@@ -274,7 +275,7 @@ class Strings:
         self.events, self.snaps, self.reactions = [], [], []
         for i, (th, w, *rest) in enumerate(start):
             self.y[4 * i : 4 * i + 2], self.turned[i] = (th, w), th
-            if rest:
+            if rest and rest[0] < self.bodies[i].l:
                 d, s, c = rest[0], math.sin(th), math.cos(th)
                 self.y[4 * i : 4 * i + 4] = d * s, -d * c, d * w * c, d * w * s
                 self.modes[i] = SLACK
