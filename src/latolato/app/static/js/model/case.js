@@ -1,7 +1,7 @@
 /** What is to be run, from its parameters, checked as `latolato.simulate` checks it. */
 
 import { loadKernels, moduleFor } from "../kernels/load.js";
-import { checkAcross, checkIncreasing, driveOf, isInPlane, systemOf } from "./laws.js";
+import { checkAcross, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
 import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
 
@@ -43,7 +43,9 @@ export async function specify(registry, request) {
   const drive = options.drive ?? "fixed_pivot";
   if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
   if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
-  const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, isInPlane(options)));
+  const planar = planarOption(options);
+  if (planar && registry.upright) throw new BeyondPageError(`a run with {parameter} ${options[planar]} is`, planar);
+  const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
   withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
