@@ -147,7 +147,7 @@ export const STRINGS = {
   impacts: "impacts",
   capture: "coming to rest",
   retension: "strings snapping taut",
-  hangsOn: "on a",
+  hangsOn: "Hung on a",
   left_over: "left at the end",
   angle: "angle",
   angularVelocity: "angular velocity",
