@@ -154,6 +154,8 @@ export const STRINGS = {
   kind: "kind",
   before: "before [rad/s]",
   after: "after [rad/s]",
+  outwardsBefore: "outwards before [m/s]",
+  outwardsAfter: "outwards after [m/s]",
   ball: "ball",
   right: "right ball",
   left: "left ball",
