@@ -215,7 +215,7 @@ export function ledgerRows(motion) {
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },
-    { name: "retension", energy: -last("retension_loss"), paint: "speed" },
+    { name: "retension", energy: -last("retension_loss"), paint: "flash" },
     { name: "left_over", energy: -end, paint: "right" },
   ];
   const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
