@@ -106,7 +106,7 @@ HUNG = {"suspension": "string", "drag_frame": "lab"}
 
 
 @pytest.mark.parametrize(
-    ("name", "options"),
+    "name, options",
     [
         ("fig12", {}), ("ballpair_asymmetric", {}), ("fig02", {}), ("fig02_mathieu", {}),
         ("fig12", HUNG), ("ballpair_asymmetric", HUNG),
