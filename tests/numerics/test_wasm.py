@@ -116,7 +116,7 @@ def random_runs():
 
 
 def plane_runs():
-    """Yield names and arguments of runs on strings, of a pivot moved sideways and of a room's air."""
+    """Yield names and arguments of runs on strings, of a pivot moved sideways and of still air."""
     toy, ball = {**TOY, "length": 0.5, "radius": 0.05}, {"length": 0.5, "mass": 0.2, "radius": 0.06}
     string = {"suspension": "string"}
     balls = {"right": ll.Ball(**ball, damping=0.01), "left": ll.Ball(**{**ball, "length": 0.53})}
@@ -186,8 +186,8 @@ def resting_runs():
 # What rounding does is judged by a run with gravity changed by this share. In the 168 runs of this
 # file Node.js moves half as far at most; where energies reach 1e300, 1.5 times.
 SHIFT, FACTOR = 1e-13, 2.0
-# A motion is regular as long as that moves it by less [rad]; there angles agree to `CLOSE` [rad], or
-# where strings bounce, which adds up like contacts below, as far as that moves them.
+# A motion is regular as long as that moves it by less [rad]; there angles agree to `CLOSE` [rad],
+# or, where strings bounce, which adds up like contacts below, as far as that moves them.
 REGULAR, CLOSE = 1e-11, 1e-12
 # An angle's last digit, 1e-16 rad, is 1e-10 s at the speed of 1e-6 rad/s at which bounces come to
 # rest. The times of bounces add up, of two balls to 1e-9 s and rad/s here, of a ball on a string to

@@ -18,7 +18,7 @@ export const MOST_SECONDS = 300;
 export const SAME = 1e-6; // rad
 // What is known of a run that was computed in one go, but not of a recording.
 const OF_RUNS = ["scenario", "energy_residual", "step", "step_halvings", "grazing_contacts",
-  "compression_time", "compression_fraction"];
+  "compression_time", "compression_fraction", "first_slack", "slack_fraction", "largest_string_impulse"];
 
 /** Rows of numbers, as many as come. */
 class Table {

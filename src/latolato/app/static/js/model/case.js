@@ -1,7 +1,7 @@
 /** What is to be run, from its parameters, checked as `latolato.simulate` checks it. */
 
 import { loadKernels, moduleFor } from "../kernels/load.js";
-import { checkAcross, checkIncreasing, driveOf, isInPlane, systemOf } from "./laws.js";
+import { checkAcross, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
 import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
 
@@ -24,6 +24,8 @@ import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, sug
 // A start this close to a wall is on it [rad].
 const ON_WALL = 1e-12;
 const SEPARATION = "the separation {parameter}[0] - {parameter}[1]";
+const SPAN_OF_ONE = "{parameter} must lie in [0, pi] rad";
+const SPAN_OF_TWO = `${SEPARATION} must lie in [0, 2 pi] rad`;
 
 /**
  * Return what a request asks for, checked.
@@ -43,7 +45,9 @@ export async function specify(registry, request) {
   const drive = options.drive ?? "fixed_pivot";
   if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
   if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
-  const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, isInPlane(options)));
+  const planar = planarOption(options);
+  if (planar && registry.upright) throw new BeyondPageError(`a run with {parameter} ${options[planar]} is`, planar);
+  const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
   withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
@@ -286,9 +290,8 @@ function checkApart({ balls }, angles, distances) {
   const mirrored = angles.length === 1;
   const gap = mirrored ? 2 * angles[0] : angles[0] - angles[1];
   if (!(gap >= 0 && gap <= 2 * Math.PI))
-    throw new InputError(`${mirrored ? "{parameter}" : SEPARATION} must lie in [0, ${mirrored ? "" : "2 "}pi] rad`,
-      { parameter: "initial_angle", value: mirrored ? angles[0] : gap,
-        wayOut: "give one at which the balls do not overlap" });
+    throw new InputError(mirrored ? SPAN_OF_ONE : SPAN_OF_TWO, { parameter: "initial_angle",
+      value: mirrored ? angles[0] : gap, wayOut: "give one at which the balls do not overlap" });
   const [right, left] = [distances[0], distances[distances.length - 1]];
   const apart = Math.sqrt((right - left) ** 2 + 4 * right * left * Math.sin(0.5 * gap) ** 2);
   const reach = balls[0].radius + balls[balls.length - 1].radius;

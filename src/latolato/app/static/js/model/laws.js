@@ -144,11 +144,13 @@ function checkHanging({ suspension, string_restitution: value, drag_frame: frame
 }
 
 /**
- * Return whether a motion needs the modules of the plane.
- * @param {Record<string, any>} options all, or those of a system with the drive's
+ * Return the option for which a motion needs the modules of the plane, null if it does not.
+ * @param {Record<string, any>} options
  */
-export function isInPlane({ suspension, drag_frame: frame, drive, horizontal_amplitude: across }) {
-  return suspension === "string" || frame === "lab" || (drive === "planar_harmonic" && across > 0);
+export function planarOption({ suspension, drag_frame: frame, drive, horizontal_amplitude: across }) {
+  if (suspension === "string") return "suspension";
+  if (frame === "lab") return "drag_frame";
+  return drive === "planar_harmonic" && across > 0 ? "horizontal_amplitude" : null;
 }
 
 /**
@@ -158,7 +160,7 @@ export function isInPlane({ suspension, drag_frame: frame, drive, horizontal_amp
  * @param {Drive} drive
  */
 export function checkAcross(registry, { kind, linear, contacts, angles }, drive) {
-  if (!isInPlane({ drive: drive.kind, ...drive.parameters })) return;
+  if (!planarOption({ drive: drive.kind, ...drive.parameters })) return;
   const { title } = registry.systems[kind];
   const value = registry.drives[drive.kind].title;
   const parameter = "drive";

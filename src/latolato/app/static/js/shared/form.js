@@ -260,10 +260,11 @@ export class Form {
   choiceField(name, option, choices) {
     const id = freshId();
     const take = () => {
-      // What only strings have goes with them.
+      // What only strings have goes with them; a preset's own value is replaced.
+      const own = this.store.state.options.string_restitution !== undefined;
       /** @type {Record<string, string | null>} */
-      const others = select.value === "rod"
-        ? { string_restitution: this.resolved.string_restitution ? "0" : null, initial_distance: null } : {};
+      const others = select.value === "rod" ? { initial_distance: null,
+        string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
       this.giveAll({ ...others, [name]: select.value });
     };
     const select = el("select", { id, on: { change: take } },

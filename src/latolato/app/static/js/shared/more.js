@@ -15,6 +15,9 @@ import { short } from "./units.js";
 
 const DEGREES = 180 / Math.PI;
 const MOST_ROWS = 200;
+/** What the table of contacts says of velocities, and its heads. @type {Record<string, string>} */
+const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_after: "after",
+  radial_velocity_before: "outwardsBefore", radial_velocity_after: "outwardsAfter" };
 // Sections begin with this share of the run left out, which remembers the start.
 const SETTLED = 0.2;
 
@@ -139,6 +142,7 @@ export class MoreCurves {
     const two = motion.block.shapes.angular_velocity_before[0];
     const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
       Array.from({ length: two }, (_, k) => short(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
+    const columns = Object.keys(CONTACT_COLUMNS).filter((name) => name in motion.block.arrays);
     const rows = [];
     for (let i = 0; i < Math.min(count, MOST_ROWS); i += 1) {
       const at = motion.contacts[i];
@@ -146,13 +150,12 @@ export class MoreCurves {
         el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
           short(at, 6))),
         el("td", {}, kindOf(motion, i)),
-        el("td", {}, cells("angular_velocity_before", i)),
-        el("td", {}, cells("angular_velocity_after", i))));
+        ...columns.map((name) => el("td", {}, cells(name, i)))));
     }
     this.contacts.replaceChildren(
       count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "",
-      el("table", {}, el("thead", {}, el("tr", {}, ...[t("time"), t("kind"), t("before"), t("after")]
-        .map((name) => el("th", { scope: "col" }, name)))), el("tbody", {}, ...rows)));
+      el("table", {}, el("thead", {}, el("tr", {}, ...["time", "kind", ...columns.map((name) => CONTACT_COLUMNS[name])]
+        .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)));
   }
 
   /** @param {Motion} motion */
@@ -212,7 +215,7 @@ export function ledgerRows(motion) {
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },
-    { name: "retension", energy: -last("retension_loss"), paint: "speed" },
+    { name: "retension", energy: -last("retension_loss"), paint: "flash" },
     { name: "left_over", energy: -end, paint: "right" },
   ];
   const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);

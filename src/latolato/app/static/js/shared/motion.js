@@ -16,6 +16,9 @@ const BOX_SAMPLES = 4000;
 const STRETCH = 4;
 // Kinds of contact above this one are those of strings.
 const RELEASE = 3;
+const SLACK = 4;
+// A ball that tightens its string at less than this share of a swing's speed is not marked.
+const TUG = 0.1;
 
 /**
  * Return the last index whose value does not exceed `x`, 0 if there is none.
@@ -260,6 +263,16 @@ export class Motion {
   ballsAt(k) {
     const number = this.values("contact_ball")?.[k] ?? 0;
     return number > 0 ? [this.balls[number - 1]] : this.balls;
+  }
+
+  /**
+   * Return whether a string goes slack at a contact, or tightens with a tug that can be felt.
+   * @param {Ball} ball
+   * @param {number} k
+   */
+  pullsAt(ball, k) {
+    if (this.block.arrays.contact_kind[k] === SLACK) return true;
+    return Math.abs(this.values("radial_velocity_before", ball.row)?.[k] ?? 0) > TUG * this.naturalFrequency * ball.length;
   }
 
   /**

@@ -111,7 +111,8 @@ export class Scene {
     if (kind <= TOP) this.flash(pose, motion.closingSpeed(k));
     else
       for (const { ball, x, y } of pose.balls)
-        if (motion.ballsAt(k).includes(ball)) this.flashes.ring({ x, y }, motion.radius(ball));
+        if (motion.ballsAt(k).includes(ball) && motion.pullsAt(ball, k))
+          this.flashes.ring({ x, y }, motion.radius(ball));
     return kind <= TOP;
   }
 
