@@ -223,9 +223,7 @@ class Scene:
         middle = 0.5 * (low + high)
         axes.set_xlim(-0.5 * scale * box.width, 0.5 * scale * box.width)
         axes.set_ylim(middle - 0.5 * scale * box.height, middle + 0.5 * scale * box.height)
-        axes.plot(
-            self._across, self._pivot, color=style.PALE_GREY, lw=6.0, solid_capstyle="round"
-        )
+        axes.plot(self._across, self._pivot, color=style.PALE_GREY, lw=6.0, solid_capstyle="round")
         width, height = 0.10 * longest, 0.05 * longest
         block = Rectangle((-0.5 * width, 0.0), width, height, fc=style.GREY, ec=style.INK)
         self._rods: dict[str, Any] = {}

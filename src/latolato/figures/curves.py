@@ -119,9 +119,7 @@ def _at_contacts(run: xr.Dataset, place: NDArray[np.int64], name: str, rate: str
     return np.stack(result)
 
 
-def _on_walls(
-    system: System, angles: Floats, distances: Floats, kinds: NDArray[np.str_]
-) -> Floats:
+def _on_walls(system: System, angles: Floats, distances: Floats, kinds: NDArray[np.str_]) -> Floats:
     """Return the angles at exact contacts moved onto the walls, both balls by as much.
 
     The walls of slack balls depend on their distances from the pivot.

@@ -99,7 +99,7 @@ def plot(
         from latolato.figures.run import draw_variable
 
         _check_over_time(run, variable)
-        return draw_variable(run[variable])
+        return draw_variable(run[[variable]])
     if variable or log or curves or select or overlays or points:
         article = "an" if kind == "analysis" else "a"
         raise InputError(

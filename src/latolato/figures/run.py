@@ -124,8 +124,9 @@ def draw_run(run: xr.Dataset) -> Figure:
 
 
 @style.styled
-def draw_variable(values: xr.DataArray) -> Figure:
-    """Return a figure of one variable of a run over time; tensions are those of rod or string."""
+def draw_variable(run: xr.Dataset) -> Figure:
+    """Return a figure of the only variable over time; tensions are those of rod or string."""
+    (values,) = run.data_vars.values()
     figure, panels = style.new_figure(1)
     axes = panels[0, 0]
     balls = [str(ball) for ball in values["ball"].values] if "ball" in values.dims else ["ball"]
