@@ -17,7 +17,7 @@ import latolato.figures
 from latolato.core.registry import suggest
 from latolato.figures import chain_table
 from latolato.figures.claim import FILE, Evidence, Statement, read_statements
-from latolato.figures.result import Result
+from latolato.figures.finding import Finding
 
 _MODULE = re.compile(r"fig\d\d\w*|text_\w+")
 _RESULT = re.compile(r"strings_\w+")
@@ -44,7 +44,7 @@ def figures() -> dict[str, Evidence]:
     return {name: each for name, each in evidence().items() if each.draw}
 
 
-def results() -> dict[str, Result]:
+def results() -> dict[str, Finding]:
     """Return the results beyond the paper, by name."""
     return {name: _result(name) for name in _modules(_RESULT)}
 
@@ -67,10 +67,10 @@ def _modules(pattern: re.Pattern[str]) -> list[str]:
     return sorted(filter(pattern.fullmatch, modules))
 
 
-def _result(name: str) -> Result:
+def _result(name: str) -> Finding:
     """Return the result of a module of this package."""
     module = importlib.import_module(f"latolato.figures.{name}")
-    return Result(
+    return Finding(
         title=module.TITLE,
         caption=module.CAPTION,
         finding=module.FINDING,
