@@ -53,7 +53,7 @@ def data(quick: bool = False) -> xr.Dataset:
         _RODS: on_one_engine(fig05.TOY),
         _STRINGS: replace(fig05.TOY, suspension="string"),
     }
-    maps = {}
+    maps: dict[str, xr.Dataset] = {}
     for start, offset in STARTS.items():
         for name, system in systems.items():
             pushed_or_slack = "compression_fraction" if name == _RODS else "slack_fraction"
@@ -78,7 +78,8 @@ def _pair(dataset: xr.Dataset, start: str) -> tuple[xr.Dataset, xr.Dataset]:
 def _differ(dataset: xr.Dataset, start: str) -> grids.Mask:
     """Return where any number of the two motions differs."""
     rods, strings = _pair(dataset, start)
-    return np.any([rods[name].values != strings[name].values for name in OBSERVABLES], axis=0)
+    different = [rods[name].values != strings[name].values for name in OBSERVABLES]
+    return np.logical_or.reduce(different)
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:

@@ -46,7 +46,8 @@ CAPTION = (
     "the second half, for runs that begin in the settled mirror motion; dotted: twice the angle of "
     "a hand that moves on a tilted line. Crosses: the strings tangle before the end. (b) Hits "
     "above the pivot per period on the tilted line. (c) When strings tangle on the tilted "
-    f"line, if they do, for runs that begin in the settled motion (full) and {PUSH:g} rad above contact (open)."
+    f"line, if they do, for runs that begin in the settled motion (full) and {PUSH:g} rad above "
+    "contact (open)."
 )
 FINDING = (
     "The settled mirror motion survives a small motion of the hand sideways: its axis leans by "
@@ -72,7 +73,7 @@ def _cycle() -> tuple[float, float, xr.Dataset]:
         CORD_TOY,
         Harmonic(drive_amplitude=AMPLITUDE, drive_frequency=FREQUENCY),
         initial_offset=PUSH,
-        times=PERIOD * np.arange(SETTLING + 1),
+        times=np.linspace(0.0, SETTLING * PERIOD, SETTLING + 1),
     )
     return float(run.angle[-1]), float(run.angular_velocity[-1]), run
 

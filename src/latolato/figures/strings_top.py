@@ -48,8 +48,8 @@ FINDING = (
 CHECK = (
     "Rods would be pushed for some of the time at {pushed_rest:.0%} of the points of the map from "
     "rest and at {pushed_push:.0%} with a push, {quiet_rest:.0%} and {quiet_push:.0%} of those "
-    "that stay below 90°. A MATLAB toolkit whose runs end at 90° gives up to 51 % for this toy over "
-    "a map of unknown range, on which the share depends. From rest nothing reaches the top below "
+    "that stay below 90°. A MATLAB toolkit whose runs end at 90° gives up to 51 % for this toy "
+    "over a map of unknown range, on which the share depends. From rest nothing reaches the top below "
     "the onset on any suspension ({early:.0f} points)."
 )
 _PUSHED = "compression_fraction"
@@ -60,7 +60,7 @@ def data(quick: bool = False) -> xr.Dataset:
     """Return maps of contacts above the pivot for each suspension and start."""
     from latolato.sweeps import sweep
 
-    maps = {}
+    maps: dict[str, xr.Dataset] = {}
     for start, offset in STARTS.items():
         for name, toy in on_each(CORD_TOY).items():
             grid = sweep(
