@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -171,6 +172,17 @@ def test_a_scenario_file_hangs_balls_on_strings(tmp_path):
     again = json.loads(json.dumps(result.to_dict()))
     assert Scenario.from_dict(again) == result
     assert again["system"]["suspension"] == "string"
+
+
+def test_the_toy_of_the_how_to_is_that_of_the_published_toolkit(tmp_path):
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "strings.md"
+    path = tmp_path / "toy_strings.toml"
+    path.write_text(page.read_text(encoding="utf-8").partition("```toml")[2].partition("```")[0])
+    toy = load_scenario(path).system
+    assert (toy.length, toy.radius, toy.restitution) == (0.186, 0.012, 0.822)
+    assert (toy.suspension, toy.string_restitution) == ("string", 0.9)
+    # Linear drag of 0.16 1/s; the four digits of the file hold it whole.
+    assert toy.damping / (toy.mass * toy.length) == pytest.approx(0.16, rel=1e-15)
 
 
 def test_a_scenario_of_rods_says_nothing_of_strings():

@@ -112,6 +112,8 @@ SIDEWAYS = Sideways(drive_amplitude=0.01, drive_frequency=5.0)
 def test_a_sideways_drive_needs_a_system_that_it_can_move(system, message):
     with pytest.raises(ll.InputError, match=message):
         checked_drive(SIDEWAYS, system)
+    with pytest.raises(ll.InputError, match=message):
+        ll.sweep(system, SIDEWAYS, axes={"gravity": [9.8]}, initial_angle=0.5, duration=1.0)
 
 
 @pytest.mark.parametrize("system", [ONE, PAIR])

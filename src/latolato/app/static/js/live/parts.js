@@ -1,11 +1,12 @@
 /** What stands on the page of a live toy. */
 
 import { el, freshId } from "../shared/dom.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void, shake: () => void}} Actions
+ *   low: () => void, speed: (times: number) => void, shake: () => void,
+ *   hang: (suspension: string) => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -36,6 +37,9 @@ export function makeParts(ratios, actions) {
       actions.speed(Number(/** @type {HTMLSelectElement} */ (event.target).value)) } },
     ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 },
       t("speedText", { speed })))),
+    hang: el("select", { id: freshId(), on: { change: (/** @type {Event} */ event) =>
+      actions.hang(/** @type {HTMLSelectElement} */ (event.target).value) } },
+    ...["rod", "string"].map((each) => el("option", { value: each }, tr(each)))),
     status: el("p", { class: "readout" }),
     angle,
     energy,
@@ -60,6 +64,7 @@ export function layOut(parts, keeper, preset, knobs, senses) {
         el("div", { class: "stage-messages" })),
       el("div", { class: "panel" }, parts.angle.figure,
         el("div", { class: "transport row" }, parts.toggle, parts.push, parts.restart, parts.shake, keeper.button,
+          el("span", { class: "check hanging" }, el("label", { for: parts.hang.id }, t("hangsOn")), parts.hang),
           el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses.root),
       keeper.result),
     el("aside", { class: "side" },

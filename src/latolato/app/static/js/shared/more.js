@@ -4,7 +4,7 @@ import { t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "./dom.js";
 import { Later } from "./later.js";
-import { ENERGY_PANELS, whose } from "./panels.js";
+import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
 import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
@@ -74,6 +74,7 @@ export class MoreCurves {
     const { motion, pinned } = this;
     if (!this.root.open || !motion || this.drawn === motion) return;
     this.drawn = motion;
+    this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
     this.later.run([
       ...this.curves.show(motion, pinned),
       () => this.showPhase(motion),
@@ -135,7 +136,6 @@ export class MoreCurves {
       this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")));
       return;
     }
-    const kinds = motion.block.arrays.contact_kind;
     const two = motion.block.shapes.angular_velocity_before[0];
     const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
       Array.from({ length: two }, (_, k) => short(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
@@ -145,7 +145,7 @@ export class MoreCurves {
       rows.push(el("tr", {},
         el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
           short(at, 6))),
-        el("td", {}, t(KINDS[kinds[i]])),
+        el("td", {}, kindOf(motion, i)),
         el("td", {}, cells("angular_velocity_before", i)),
         el("td", {}, cells("angular_velocity_after", i))));
     }
@@ -178,6 +178,17 @@ export class MoreCurves {
   }
 }
 
+/**
+ * Return what happens at a contact, and to which ball if not to both.
+ * @param {Motion} motion
+ * @param {number} i
+ */
+function kindOf(motion, i) {
+  const kind = t(KINDS[motion.block.arrays.contact_kind[i]]);
+  const own = motion.ballsAt(i);
+  return own.length < motion.balls.length ? `${kind}, ${t(own[0].name)}` : kind;
+}
+
 /** How many balls one row of the ledger stands for. */
 function ballsPerLedger(/** @type {Motion} */ motion) {
   return motion.balls.length > 1 && motion.balls.every((b) => b.row === 0) ? 2 : 1;
@@ -201,6 +212,7 @@ export function ledgerRows(motion) {
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },
+    { name: "retension", energy: -last("retension_loss"), paint: "speed" },
     { name: "left_over", energy: -end, paint: "right" },
   ];
   const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
