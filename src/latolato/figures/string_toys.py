@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from latolato.figures import paper_systems as paper
 from latolato.figures import style
 from latolato.physics.pendulum import Ball, BallPair, LatoLato
-
-if TYPE_CHECKING:
-    from latolato.physics.pendulum import System
 
 # The toy of a MATLAB toolkit whose cords go slack; its mass changes no angle and is assumed.
 MASS = 0.05  # kg
@@ -31,7 +27,7 @@ PAPER_TOY = replace(paper.TOY, restitution=0.8)
 
 RODS, INELASTIC, ELASTIC = "rods", "strings, e_s = 0", "strings, e_s = 0.9"
 COLOURS = {RODS: style.GREY, INELASTIC: style.BLUE, ELASTIC: style.RED}
-S = TypeVar("S", bound="System")
+Toy = TypeVar("Toy", LatoLato, BallPair)
 
 
 def label_of(case: str) -> str:
@@ -39,7 +35,7 @@ def label_of(case: str) -> str:
     return case.replace("e_s", "$e_s$")
 
 
-def on_each(system: S) -> dict[str, S]:
+def on_each(system: Toy) -> dict[str, Toy]:
     """Return a system on rods, on strings that snap taut, and on strings that bounce."""
     return {
         RODS: system,
@@ -48,12 +44,12 @@ def on_each(system: S) -> dict[str, S]:
     }
 
 
-def on_one_engine(system: S) -> S:
+def on_one_engine(system: LatoLato) -> LatoLato:
     """Return an undamped system on rods, run by the program that runs strings.
 
     Without drag it does not matter where the air rests, but runs with drag relative to the room use
     the same steps as strings. So equal motions are equal to the last digit.
     """
-    if not math.isclose(sum(ball.damping for ball in system.balls), 0.0):
+    if system.damping > 0.0:
         raise ValueError("only without damping are both frames the same")
     return replace(system, drag_frame="lab")

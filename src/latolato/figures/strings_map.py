@@ -79,7 +79,8 @@ def _differ(dataset: xr.Dataset, start: str) -> grids.Mask:
     """Return where any number of the two motions differs."""
     rods, strings = _pair(dataset, start)
     different = [rods[name].values != strings[name].values for name in OBSERVABLES]
-    return np.logical_or.reduce(different)
+    mask: grids.Mask = np.logical_or.reduce(different)
+    return mask
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:

@@ -49,8 +49,8 @@ CHECK = (
     "Rods would be pushed for some of the time at {pushed_rest:.0%} of the points of the map from "
     "rest and at {pushed_push:.0%} with a push, {quiet_rest:.0%} and {quiet_push:.0%} of those "
     "that stay below 90°. A MATLAB toolkit whose runs end at 90° gives up to 51 % for this toy "
-    "over a map of unknown range, on which the share depends. From rest nothing reaches the top below "
-    "the onset on any suspension ({early:.0f} points)."
+    "over a map of unknown range, on which the share depends. From rest nothing reaches the top "
+    "below the onset on any suspension ({early:.0f} points)."
 )
 _PUSHED = "compression_fraction"
 KEPT = ("top_contacts", "largest_angle", _PUSHED)
