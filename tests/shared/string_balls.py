@@ -208,11 +208,13 @@ class Strings:
         J = -(1.0 + e) * rate / mobility
         self.losses[1 if slow else 0] += 0.5 * (1.0 - e * e) * rate**2 / mobility
         self.reactions.append(J * max(shares))
+        pushed = []
         for i, (b, (x, z, u, v)) in enumerate(zip(self.bodies, states, strict=True)):
             u += J * ((1 - 2 * i) * n[0] - shares[i] * x / b.l) / b.m
             v += J * ((1 - 2 * i) * n[1] - shares[i] * z / b.l) / b.m
-            if self.modes[i] == TAUT and shares[i] == 0.0 and self.string:  # pushed inwards
+            if self.modes[i] == TAUT and shares[i] == 0.0 and self.string:  # inwards
                 self.loosen(i)
+                pushed.append(i)
             if self.modes[i] == TAUT:
                 self.y[4 * i + 1] = 0.0 if self.walls and e == 0.0 else (v * x - u * z) / b.l**2
             else:
@@ -220,6 +222,8 @@ class Strings:
         th = [self.radial(i, self.y)[0] for i in self.balls]
         apart = 2.0 * th[0] if self.walls else th[0] - th[1]
         self.log(t, "bottom" if apart % (2.0 * math.pi) < math.pi else "top", -1, before)
+        for i in pushed:
+            self.log(t, "slack", i)
 
     def settle(self, t, fired=None):
         """Let everything happen that happens at this instant, ``fired`` for certain."""
