@@ -65,6 +65,8 @@ export const STRINGS = {
   reset: "Reset",
   moreParameters: "More parameters",
   knobAmplitude: "How far the hand moves",
+  knobVertical: "How far up and down",
+  knobHorizontal: "How far to the side",
   knobFrequency: "How often",
   knobRestitution: "Bounciness",
   knobDamping: "Friction",

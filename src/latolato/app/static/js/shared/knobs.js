@@ -15,10 +15,12 @@ import { short, shownUnit } from "./units.js";
 
 /** Names that need no physics. */
 const NAMES = /** @type {Record<string, string>} */ ({
-  drive_amplitude: "knobAmplitude", drive_frequency: "knobFrequency", restitution: "knobRestitution",
+  drive_amplitude: "knobAmplitude", vertical_amplitude: "knobVertical",
+  horizontal_amplitude: "knobHorizontal", drive_frequency: "knobFrequency", restitution: "knobRestitution",
   damping: "knobDamping", initial_angle: "knobAngle", initial_offset: "knobOffset",
   length: "knobLength", right_length: "knobLengthRight", left_length: "knobLengthLeft",
 });
+const AMPLITUDES = ["drive_amplitude", "vertical_amplitude", "horizontal_amplitude"];
 const COUNT = 3;
 const DIGITS = 4;
 
@@ -34,7 +36,7 @@ export function tellingOptions(registry, { system, drive, initial_offset: offset
   const first = registry.systems[system].angles === 2 ? [] : [start];
   const rest = registry.systems[system].contacts || drive === "fixed_pivot"
     ? [...first, "damping"] : ["damping", ...first];
-  return ["drive_amplitude", "drive_frequency", "restitution", ...rest, "length", "right_length",
+  return [...AMPLITUDES, "drive_frequency", "restitution", ...rest, "length", "right_length",
     "left_length"].filter((name) => known.includes(name) || name === start).slice(0, COUNT);
 }
 
@@ -46,7 +48,8 @@ export function tellingOptions(registry, { system, drive, initial_offset: offset
 export function spansOf({ length, mass, naturalFrequency, low = -Math.PI, high = Math.PI, values }) {
   const beyond = (/** @type {string} */ name, /** @type {number} */ times) => times * (values[name] ?? 0);
   return {
-    drive_amplitude: [0, Math.max(0.25 * length, beyond("drive_amplitude", 1.5))],
+    ...Object.fromEntries(AMPLITUDES.map((name) =>
+      [name, [0, Math.max(0.25 * length, beyond(name, 1.5))]])),
     drive_frequency: [0, Math.max(5 * naturalFrequency, beyond("drive_frequency", 1.25))],
     damping: [0, Math.max(0.1 * naturalFrequency * mass * length, beyond("damping", 4))],
     initial_angle: [low, high],
