@@ -31,7 +31,7 @@ from latolato.numerics.recipes import Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.simulation.record import LEDGER
+from latolato.simulation.record import LEDGER, ON_STRINGS
 from latolato.sweeps.plan import make_plan
 from latolato.sweeps.points import LAST_PERIOD
 
@@ -291,9 +291,21 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "shared_needs": SHARED,
         "occasions": watch.OCCASIONS,
         "sample_rows": {**LEDGER, "mode": records.S_MODE},  # behind two for each of two balls
-        "sample_rows_count": records.SAMPLE_ROWS,
-        "pivot_rows": observe.PIVOT_ROWS,
+        "rows": {
+            "upright": _rows(records.SAMPLE_ROWS, loop.SPARE_ROWS, observe.PIVOT_ROWS),
+            "plane": _rows(
+                records.PLANE_ROWS,
+                loop.SPARE_IN_PLANE,
+                (*observe.PIVOT_ROWS, *observe.ACROSS_ROWS),
+            ),
+        },
+        "string_rows": {name: records.S_DISTANCE + k for k, name in enumerate(ON_STRINGS)},
         "ball_rows": observe.BALL_ROWS,
+        "contact_rows": {
+            "count": records.CONTACT_ROWS,
+            "radial": records.C_RADIAL,
+            "ball": records.C_BALL,
+        },
         "contact_kinds": CONTACT_KINDS,
         "statuses": records.STATUS_NAMES,
         "problems": prepare.PROBLEMS,
@@ -314,6 +326,11 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "most_halvings": book.MOST_HALVINGS,
         "most_steps_to_repeat": book.MOST_STEPS_TO_REPEAT,
     }
+
+
+def _rows(samples: int, spare: int, pivot: Sequence[str]) -> dict[str, Any]:
+    """Return how many rows samples have and contacts to spare, and what those of the pivot are."""
+    return {"samples": samples, "spare": spare, "pivot": pivot}
 
 
 def _stepper(stepper: Stepper) -> dict[str, Any]:

@@ -28,6 +28,10 @@ GAP = re.compile(r"\{(\w+)\}")
 TOLD = ("title", "summary", "text", "question", "answer", "label")
 # Stands for what a refusal has in a gap.
 FILLED = "7"
+TANGLED = (
+    "a string ran into a ball, or balls rested on each other on a slack string, which is not "
+    "described"
+)
 # What refusals are put together from.
 CLAUSES = [
     "7 and 7", "7, both balls", "7, per ball", "7 and 7 set the same thing: choose another axis",
@@ -37,6 +41,9 @@ CLAUSES = [
     "give 7", "got", "in 7 (or a unit that converts to it)", "known are 7", "larger",
     "leave it out", "left", "longer", "must be 7", "observable", "option", "parameter", "right",
     "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
+    "{parameter} must lie in [0, pi] rad",
+    "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
+    f"stopped at t = 7 s: {TANGLED}", TANGLED,
     "the contact law 7", "the run 7; later samples are NaN", "use 7",
 ]  # fmt: skip
 # Return the texts of a language that are not translated, and its texts that nothing needs.

@@ -38,6 +38,12 @@ CHIRP = {
     "sweep_time": 1,
 }  # fmt: skip
 RATIO = {"drive": "harmonic", "drive_amplitude": 0.1, "frequency_ratio": 2}
+STRING = {"suspension": "string", "string_restitution": 0.4}
+PLANAR = {
+    "drive": "planar_harmonic", "vertical_amplitude": 0.1, "horizontal_amplitude": 0.05,
+    "drive_frequency": 8, "horizontal_phase": 1,
+}  # fmt: skip
+FAST = {"initial_angular_velocity": 5}
 LIFTED = {name: value for name, value in TOY.items() if name != "initial_angle"}
 UNITS = {
     "length": "24.5 cm", "mass": "3 oz", "initial_angle": "20 deg", "duration": "0.1 min",
@@ -65,6 +71,13 @@ RUNS = [
     {**TOY, "noise_strength": 0.1, "noise_stream": 7, "noise_interval": "20 ms"},
     {**PENDULUM, "gravity": "0.5 g_0"}, {**PENDULUM, "duration": "0.023435 min"},
     {**PENDULUM, "length": "1.1 metres", "duration": "2 seconds"}, {**PENDULUM, "times": 1.5},
+    {**PENDULUM, **FAST, **STRING}, {**TOY, **FAST, **STRING, **HARMONIC, "drive_frequency": 9},
+    {**PAIR, **STRING, **PLANAR}, {**PENDULUM, **PLANAR, "damping": 0.1, "drag_frame": "lab"},
+    {**PENDULUM, **STRING, "initial_distance": "40 cm"}, {**TOY, **STRING, "initial_distance": 0.5},
+    {**PAIR, **STRING, "initial_distance": [0.9, 1.0]}, {**TOY, "suspension": "string"},
+    {**TOY, "damping": 0.1, "drag_frame": "lab", **HARMONIC, "frame": "both"},
+    {**PENDULUM, **PLANAR, "horizontal_amplitude": 0}, {**TOY, **STRING, "contact": "none"},
+    {**PENDULUM, **FAST, **STRING, "contact_limit": 1, "duration": 20},
 ]  # fmt: skip
 CHANGED = [
     {"length": 0.3}, {"drive": "crank_slider", "connecting_rod_length": "10 cm"},
@@ -96,7 +109,11 @@ WRONG = [
         {"frequency_ratio": 2, "drive": "fixed_pivot"},
         {**CRANK, "connecting_rod_length": 0.05}, {**CRANK, "guide": "left"},
         {**CRANK, "guide": "belw"}, {"suspension": "sting"}, {"drag_frame": 1},
-        {"suspension": "string", "string_restitution": 2},
+        {"suspension": "string", "string_restitution": 2}, {"string_restitution": 0.9},
+        {"drag_frame": "lab", "quadratic_damping": 0.1}, {"initial_distance": 0.5},
+        {**STRING, "initial_distance": 1.5}, {**STRING, "initial_distance": 0},
+        {"system": "mathieu", **PLANAR},
+        {**PLANAR, "vertical_amplitude": -1}, {**PLANAR, "drive_phase": 1},
         {"system": "mathieu", "suspension": "rod"},
         without(CRANK, "connecting_rod_length"), {**SCHEDULE, "drive_times": [1, 2]},
         {**SCHEDULE, "drive_times": [0, 0]}, {**SCHEDULE, "drive_times": [0]},
@@ -110,24 +127,21 @@ WRONG = [
         {"radius": 1}, {"radius": 2}, {"initial_angle": 0.01}, {"initial_angle": 3.1},
         {"initial_offset": 0.1}, {"restitution": 1.5}, {"restitution": -1},
         {"contact": "clamp", "clamp_step": 0}, {"contact": "clamp", "clamp_step": 5},
-        {"clamp_step": 0.1},
+        {"clamp_step": 0.1}, PLANAR, {"contact": "clamp", "suspension": "string"},
+        {"contact": "clamp", "drag_frame": "lab"}, {**STRING, "initial_distance": 0.15},
+        {**STRING, "initial_distance": 0.5, "initial_angle": 4},
     )),
     {**LIFTED, "initial_offset": -1}, {**LIFTED, "initial_offset": 4},
     *({**PAIR, **wrong} for wrong in (
         {"right_length": 3}, {"right_radius": 0.99, "left_radius": 0.99}, {"right_radius": 1.5},
         {"right_radius": 0.4, "left_length": 0.95, "left_radius": 0.001},
         {"initial_angle": 0.3}, {"initial_angle": [0.1, 0.1]}, {"contact": "clamp"},
-        {"length": 1}, {"left_mass": -1},
+        {"length": 1}, {"left_mass": -1}, {**STRING, "initial_distance": [0.1, 1.1]},
+        {**STRING, "initial_distance": 0.5},
+        {**STRING, "initial_distance": [0.5, 0.5], "initial_angle": [-1, 1]},
     )),
     without(PAIR, "right_mass"), without(PAIR, "right_mass", "right_length", "right_radius"),
 ]  # fmt: skip
-# What pages leave to the program, and the option that each is about.
-BEYOND = {
-    "suspension": {**TOY, "suspension": "string"},
-    "string_restitution": {**TOY, "string_restitution": 0.9},
-    "drag_frame": {**TOY, "drag_frame": "lab"},
-    "initial_distance": {**PENDULUM, "initial_distance": 0.5},
-}
 PRESETS = list(registry()["scenarios"])
 
 
@@ -172,17 +186,6 @@ def test_runs_and_refusals_are_those_of_python(answers):
         assert answer["status"] == run.attrs["status"]
         check_same(run, answer, name, options)
     assert not wrong
-
-
-def test_strings_are_left_to_the_program_and_never_run_as_rods(site, tmp_path):
-    requests = [{"scenario": None, "options": options} for options in BEYOND.values()]
-    program = Path(__file__).with_name("latolato_in_node.mjs")
-    read = answers_in_node(program, site, requests, tmp_path)
-    for name, options, answer in zip(BEYOND, BEYOND.values(), read, strict=True):
-        assert answer["parameter"] == name
-        assert answer["error"] == (
-            f"a run with {name} {options[name]} is computed by the installed program, not in a page"
-        )
 
 
 def test_all_presets_and_cases_are_asked(answers):

@@ -13,6 +13,7 @@ from latolato.simulation.start import DEFAULT_REST_SPEED
 from toys import TICKS_PER_SECOND, Job, move_toys
 
 RECORD = (0, "record", None)
+STRING = {"suspension": "string", "drive_amplitude": "60 mm"}
 STILL = {"drive": "harmonic", "drive_amplitude": "0 m", "drive_frequency": "6 rad/s"}
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 
@@ -31,6 +32,7 @@ def scenario_of(job):
         Job("toy", 200, options={"initial_angular_velocity": "25 rad/s"}),
         Job("ballpair_asymmetric", 120, options={"initial_angular_velocity": "9 rad/s, -9 rad/s"}),
         Job("fig02", 300, [(50, "push", 1.0), (200, "push", -2.0)], options=STILL),
+        Job("toy", 120, options=STRING),
     ],
     ids=lambda job: f"{job.scenario}, {len(job.options)} options, {len(job.actions)} pushes",
 )
@@ -80,6 +82,7 @@ CHANGES = [
         Job("fig02", 720, [RECORD]),
         Job("ballpair_asymmetric", 180, [RECORD]),  # it is chaotic
         Job("fig12", 720, CHANGES, options={"drive_amplitude": "34 mm"}),
+        Job("toy", 180, [RECORD], options=STRING),
     ],
     ids=lambda job: f"{job.scenario}, {len(job.actions)} actions",
 )
@@ -99,9 +102,18 @@ def test_a_recording_is_the_run_of_its_options(tmp_path, job):
         np.testing.assert_allclose(dataset[part], run[part], rtol=0, atol=1e-6 * scale)
 
 
-@pytest.mark.parametrize("name", ["fig12", "ballpair_asymmetric", "fig02", "fig02_mathieu"])
-def test_a_file_of_a_recording_has_the_columns_of_python(tmp_path, name):
-    (done,) = move_toys(tmp_path, Job(name, 60, [RECORD]))
+HUNG = {"suspension": "string", "drag_frame": "lab"}
+
+
+@pytest.mark.parametrize(
+    "name, options",
+    [
+        ("fig12", {}), ("ballpair_asymmetric", {}), ("fig02", {}), ("fig02_mathieu", {}),
+        ("fig12", HUNG), ("ballpair_asymmetric", HUNG),
+    ],
+)  # fmt: skip
+def test_a_file_of_a_recording_has_the_columns_of_python(tmp_path, name, options):
+    (done,) = move_toys(tmp_path, Job(name, 60, [RECORD], options))
     dataset = done["dataset"]
     run = RunRequest(None, done["recording"]["options"]).to_scenario().simulate(
         times=dataset["time"].values

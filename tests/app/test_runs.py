@@ -23,6 +23,25 @@ from site_in_node import answers_in_node
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 SHORT = {"duration": "5 s"}
+STRINGS = {
+    "duration": "2.5 s", "suspension": "string", "string_restitution": "0.3",
+    "initial_angular_velocity": "5 rad/s",
+}  # fmt: skip
+PLANAR = {"drive": "planar_harmonic", "vertical_amplitude": "5 cm", "horizontal_amplitude": "2 cm"}
+# Scenarios and what is changed of them; the first ones as they are.
+REQUESTS = {name: (name, SHORT) for name in RUNS} | {
+    "strings": ("fig04a_push", STRINGS),
+    "two strings": (
+        "ballpair_asymmetric",
+        {
+            **STRINGS,
+            **PLANAR,
+            "drive_frequency": "2 Hz",
+            "initial_angular_velocity": "5 rad/s, 0 rad/s",
+        },
+    ),
+    "lab": ("fig04a_push", {**SHORT, "drag_frame": "lab", "damping": "20 g*m/s"}),
+}
 
 
 @pytest.fixture(scope="module")
@@ -30,42 +49,42 @@ def of_pages(tmp_path_factory):
     """What pages say of every scenario, and write of it; Node.js is started once."""
     site = tmp_path_factory.mktemp("site")
     write_site(site)
-    requests = [{"scenario": name, "options": SHORT} for name in RUNS]
+    requests = [{"scenario": name, "options": options} for name, options in REQUESTS.values()]
     program = Path(__file__).with_name("runs_in_node.mjs")
     answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
-    return dict(zip(RUNS, answers, strict=True))
+    return dict(zip(REQUESTS, answers, strict=True))
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", REQUESTS)
 def test_pages_and_python_say_the_same_of_a_run(of_pages, name):
-    scenario, said = RunRequest(name, SHORT).to_scenario(), of_pages[name]
+    scenario, said = RunRequest(*REQUESTS[name]).to_scenario(), of_pages[name]
     assert said["balls"] == balls_of(scenario)
     wanted = options_of(scenario)
     assert {key: said["options"][key] for key in wanted} == wanted
-    strobes = strobes_of(scenario.drive, 5.0)
+    strobes = strobes_of(scenario.drive, scenario.run["duration"])
     np.testing.assert_allclose(said["strobe"], strobes, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", REQUESTS)
 def test_the_python_lines_of_a_page_make_the_same_run(of_pages, name):
     names: dict = {}
     exec(of_pages[name]["python"], names)
-    run = RunRequest(name, SHORT).to_scenario().record()
+    run = RunRequest(*REQUESTS[name]).to_scenario().record()
     last = names["run"]["angle"].values[..., -1]
     np.testing.assert_allclose(last, run["angle"][..., -1], rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", REQUESTS)
 def test_the_command_of_a_page_asks_for_the_same_run(of_pages, name):
     words = shlex.split(of_pages[name]["command"])[2:]
     given = {w[2:].replace("-", "_"): v for w, v in zip(words[::2], words[1::2], strict=True)}
-    assert_same(RunRequest(None, given).to_scenario(), RunRequest(name, SHORT).to_scenario())
+    assert_same(RunRequest(None, given).to_scenario(), RunRequest(*REQUESTS[name]).to_scenario())
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", REQUESTS)
 def test_the_toml_file_of_a_page_is_the_same_scenario(of_pages, name):
     again = Scenario.from_dict(tomllib.loads(of_pages[name]["toml"]))
-    assert_same(again, RunRequest(name, SHORT).to_scenario())
+    assert_same(again, RunRequest(*REQUESTS[name]).to_scenario())
 
 
 def assert_same(*pair):
@@ -82,17 +101,32 @@ def assert_same(*pair):
     assert one == other
 
 
-@pytest.mark.parametrize("name", ["fig04a_push", "ballpair_asymmetric", "fig02"])
+@pytest.mark.parametrize(
+    "name", ["fig04a_push", "ballpair_asymmetric", "fig02", "strings", "two strings"]
+)
 def test_the_csv_files_of_a_page_hold_the_run(of_pages, name, tmp_path):
     for kind in ("csv", "contacts"):
         ending = {"csv": "csv", "contacts": "contacts.csv"}[kind]
         (tmp_path / f"run.{ending}").write_text(of_pages[name][kind])
     found = ll.load(tmp_path / "run.csv")
-    run = RunRequest(name, SHORT).to_scenario().simulate()
+    run = RunRequest(*REQUESTS[name]).to_scenario().simulate()
     assert set(found.variables) == set(run.variables)
     for variable in ("time", "angle", "total_energy", "contact_time"):
         np.testing.assert_allclose(found[variable], run[variable], rtol=0, atol=1e-10)
     assert list(found["contact_kind"].values) == list(run["contact_kind"].values)
+    if "distance" in run:
+        for variable in ("distance", "slack", "radial_velocity_after", "retension_loss"):
+            np.testing.assert_allclose(found[variable], run[variable], rtol=0, atol=1e-9)
+        assert found.attrs["slack_fraction"] == pytest.approx(run.attrs["slack_fraction"])
+
+
+def test_a_block_of_the_program_holds_what_is_known_of_strings():
+    run = RunRequest("fig04a_push", STRINGS).to_scenario().simulate()
+    about, arrays = unpack(compute(RunRequest("fig04a_push", STRINGS)))
+    for name in ("distance", "radial_velocity", "slack", "radial_velocity_before"):
+        np.testing.assert_array_equal(arrays[name][0], run[name])
+    assert {"slack", "taut"} <= {about["contact_kinds"][kind] for kind in arrays["contact_kind"]}
+    assert about["ledger"]["retension_loss"] > 0.0
 
 
 def test_a_block_of_the_program_holds_what_the_run_holds():

@@ -38,17 +38,17 @@ ELLIPSE = ll.PlanarHarmonic(
     vertical_amplitude=0.03, horizontal_amplitude=0.005, drive_frequency=10.09,
     vertical_phase=1.0, horizontal_phase=2.2,
 )  # fmt: skip
-SIDEWAYS = ("horizontal_amplitude", "horizontal_phase")
+HORIZONTAL = ("horizontal_amplitude", "horizontal_phase")
 
 
 def with_across(amplitude):
-    """The ellipse with another amplitude sideways."""
+    """The ellipse with another horizontal amplitude."""
     return dataclasses.replace(ELLIPSE, horizontal_amplitude=amplitude)
 
 
 @pytest.mark.parametrize("amplitude,correlation", [(0.005, 0.0), (0.03, 0.7)])
 def test_both_directions_of_an_ellipse_are_found_within_their_sigma(amplitude, correlation):
-    drive, misses = with_across(amplitude), {name: [] for name in SIDEWAYS}
+    drive, misses = with_across(amplitude), {name: [] for name in HORIZONTAL}
     for seed in range(50):
         fit = fit_drive(planar_table(drive, seed=seed, correlation=correlation), profile=False)
         assert isinstance(fit.drive, ll.PlanarHarmonic)
@@ -64,7 +64,7 @@ def test_both_directions_of_an_ellipse_are_found_within_their_sigma(amplitude, c
         assert 0.7 < np.sqrt(np.mean(np.square(errors))) < 1.35
 
 
-def test_the_phase_sideways_far_from_time_zero_has_the_frequencys_uncertainty():
+def test_the_horizontal_phase_far_from_time_zero_has_the_frequencys_uncertainty():
     misses = []
     for seed in range(30):
         table = planar_table(with_across(0.03), duration=80.0, seed=seed)
@@ -77,19 +77,19 @@ def test_the_phase_sideways_far_from_time_zero_has_the_frequencys_uncertainty():
     assert 0.6 < np.sqrt(np.mean(np.square(misses))) < 1.45
 
 
-def test_without_a_motion_sideways_the_drive_is_harmonic_and_the_fit_says_so():
+def test_without_a_horizontal_motion_the_drive_is_harmonic_and_the_fit_says_so():
     seen = 0
     for seed in range(30):
         fit = fit_drive(planar_table(with_across(0.0), seed=seed), profile=False)
         seen += not isinstance(fit.drive, ll.Harmonic)
         assert fit["horizontal_amplitude"].low >= 0.0
-        assert "No motion sideways is seen (0.0" in fit.verdict
+        assert "No horizontal motion is seen (0.0" in fit.verdict
         # A phase of nothing may be any.
         assert fit["horizontal_phase"].sigma > 0.25
     assert seen == 0
 
 
-def test_a_tilt_that_the_table_allows_is_no_motion_sideways():
+def test_a_tilt_that_the_table_allows_is_no_horizontal_motion():
     # 0.3 mm in step with 30 mm: the direction of gravity is wrong by 10 mrad.
     drive = dataclasses.replace(with_across(3e-4), horizontal_phase=1.0)
     assert isinstance(fit_drive(planar_table(drive), profile=False).drive, ll.PlanarHarmonic)
@@ -124,16 +124,16 @@ def test_a_stepped_drive_says_what_it_leaves_out():
 
 
 @pytest.mark.parametrize("values", [0.0, np.nan])
-def test_a_table_without_a_way_sideways_has_no_numbers_of_it(values):
+def test_a_table_without_horizontal_positions_has_no_numbers_of_them(values):
     table = planar_table(ELLIPSE)
     table["pivot_x"].values[:] = values
     fit = fit_drive(table, profile=False)
     assert isinstance(fit.drive, ll.Harmonic)
     assert not [name for name in fit.dataset if "horizontal" in name or "across" in name]
-    assert "ideways" not in fit.verdict
+    assert "orizontal" not in fit.verdict
 
 
-def test_samples_that_are_not_known_sideways_are_left_out():
+def test_samples_without_a_horizontal_position_are_left_out():
     table = planar_table(ELLIPSE)
     table["pivot_x"].values[200:500] = np.nan
     fit = fit_drive(table, profile=False)
@@ -157,7 +157,7 @@ def test_a_fitted_pivot_moves_sideways_only_where_it_may():
     assert {"drive_frequency", "vertical_phase", "horizontal_phase"} in varied
     one = pivot_for(None, table, 0.3, 0.0, 19.0)
     assert isinstance(one.drive, ll.Harmonic)
-    assert one.words == "the pivot's fitted drive without its way sideways"
+    assert one.words == "the pivot's fitted drive without its horizontal part"
 
 
 def test_a_spline_of_the_track_follows_both_directions_where_it_may():
@@ -168,6 +168,24 @@ def test_a_spline_of_the_track_follows_both_directions_where_it_may():
     assert not pivot_for("measured", table, 0.3, 0.0, 19.0).drive.moves_across
     still = planar_table(with_across(0.0))
     assert not pivot_for("measured", still, 0.3, 0.0, 19.0, across=True).drive.moves_across
+    # A swing at another frequency, in step with nothing, and one that no cosine describes.
+    time = table["time"].values
+    for swing in (
+        0.01 * np.cos(5.0 * time),
+        0.005 * np.cos(10.09 * time) + 2e-3 * np.cos(7.0 * time),
+    ):
+        other = planar_table(with_across(0.0)).copy(deep=True)
+        other["pivot_x"].values[:] += swing
+        assert isinstance(
+            pivot_for(None, other, 0.3, 0.0, 19.0, across=True).drive, ll.MeasuredPivot
+        )
+        assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0).drive, ll.Harmonic)
+    # A crank has no horizontal part.
+    crank = ll.CrankSlider(drive_amplitude=0.03, drive_frequency=12.0, connecting_rod_length=0.3)
+    other = drive_table(crank, duration=20.0)
+    other["pivot_x"].values[:] = 0.01 * np.cos(12.0 * time) + noise(len(time), 5, 0.0, 2e-4)
+    assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0, across=True).drive, ll.MeasuredPivot)
+    assert isinstance(pivot_for(None, other, 0.3, 0.0, 19.0).drive, ll.CrankSlider)
     aside = planar_table(dataclasses.replace(with_across(0.02), vertical_amplitude=0.0))
     assert pivot_for(None, aside, 0.3, 0.0, 19.0, across=True).drive.moves_across
 

@@ -18,8 +18,8 @@ from latolato.core.scalar import formula
 from latolato.numerics.engine.balls import GAP
 from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
+from latolato.numerics.engine.pull import tension_at
 from latolato.numerics.engine.record import CONTACT, FLIGHT, RELEASE, SETTLE
-from latolato.numerics.engine.swing import tension_at
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.numerics.trajectory import MOTIONS
 from latolato.physics.contacts import ContactLaw, contact_laws

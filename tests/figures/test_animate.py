@@ -6,12 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 
 import latolato as ll
 from latolato.core.errors import InputError
 from latolato.figures import style
-from latolato.figures.animate import MOST_FRAMES, SIZES, Scene, animate
+from latolato.figures.animate import MOST_FRAMES, SIZES, Scene, animate, string_points
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
 DRIVE = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
@@ -102,6 +104,44 @@ def test_two_different_balls_have_their_own_sizes():
 def test_a_pendulum_without_a_radius_is_shown_with_a_ball(system):
     run = ll.simulate(system, initial_angle=0.5, duration=1.0)
     assert blob(scene(run).picture(0.0), style.BLUE).width > 5
+
+
+@given(share=st.floats(0.0, 1.0 - 2e-6), angle=st.floats(0.0, 6.3), length=st.floats(0.05, 2.0))
+def test_a_slack_string_is_drawn_with_its_own_length(share, angle, length):
+    x, y = share * length * math.sin(angle), -share * length * math.cos(angle)
+    points = string_points(x, y, length)
+    np.testing.assert_allclose(points[:, [0, -1]], [[0.0, x], [0.0, y]], atol=1e-15 * length)
+    drawn = np.hypot(*np.diff(points)).sum()
+    # 32 chords: a parabola folded back on itself lacks 1/32^2 of its length at its bend.
+    assert drawn == pytest.approx(length, rel=1e-3)
+    assert (points[1] <= max(0.0, y) + 1e-15).all()  # it hangs
+
+
+def test_a_taut_string_is_a_straight_line():
+    np.testing.assert_array_equal(string_points(0.6, -0.8, 1.0), [[0.0, 0.6], [0.0, -0.8]])
+
+
+def test_slack_balls_under_a_pivot_that_moves_sideways_are_drawn_where_they_are():
+    pair = ll.BallPair(right=BALL, left=BALL, suspension="string")
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.2, horizontal_amplitude=0.3, drive_frequency=9.0, horizontal_phase=1.0
+    )
+    start = {"initial_angle": (0.6, -0.5), "initial_distance": (0.6, 0.8)}
+    run = ll.simulate(pair, drive, **start, duration=1.0)
+    moving, places, drawn = scene(run), [], []
+    for at in (0, 30, -1):
+        now, picture = run.isel(time=at), moving.picture(float(run.time[at]))
+        for ball, colour in (("right", style.BLUE), ("left", style.RED)):
+            there, of_ball = blob(picture, colour), now.sel(ball=ball)
+            distance, angle = float(of_ball.distance), float(of_ball.angle)
+            across = float(now.pivot_across) + distance * math.sin(angle)
+            up = float(now.pivot_height) - distance * math.cos(angle)
+            places.append((across, up))
+            drawn.append((there.x.mean(), -there.y.mean()))
+    apart, seen = (np.array(each) - each[0] for each in (places, drawn))
+    scale = (there.width + OUTLINE) / (2.0 * BALL.radius)
+    # one pixel of either centre, and one in the width of 20 of a ball
+    np.testing.assert_allclose(seen / scale, apart, rtol=0.05, atol=2.0 / scale)
 
 
 def test_an_mp4_has_the_asked_frames_and_duration(run, tmp_path):

@@ -227,3 +227,29 @@ def test_pictures_are_the_same_files_each_time(holed, tmp_path, suffix):
     for name in names:
         style.save_figure(ll.plot(holed), name)
     assert names[0].read_bytes() == names[1].read_bytes()
+
+
+def test_maps_of_strings_name_them_their_units_and_what_tangled():
+    strings = ll.LatoLato(
+        length=1.0, mass=0.8, radius=0.1, suspension="string", string_restitution=0.5
+    )
+    wanted = ("slack_fraction", "largest_string_impulse")
+    grid = sweep(strings, observables=wanted, initial_angle=0.3)
+    grid.slack_fraction[0, 0] = np.nan
+    grid.status[0, 0] = 6
+    figure = ll.plot(grid, "slack_fraction")
+    assert "latolato on strings" in figure.axes[0].get_title(loc="left")
+    assert "$e_s$ = 0.5" in figure.axes[0].get_title(loc="left")
+    (legend,) = figure.legends
+    assert "no answer (1 tangled)" in [text.get_text() for text in legend.get_texts()]
+    bar = ll.plot(grid, "largest_string_impulse").axes[-1]
+    assert bar.get_ylabel() == "largest impulse of a string $J_{max}$ [N s]"
+    assert len(ll.plot(grid, "status").axes[0].collections) > 0
+
+
+def test_overlays_over_drag_relative_to_the_room_are_refused():
+    room = ll.Pendulum(length=0.5, mass=0.8, damping=0.05, drag_frame="lab")
+    grid = sweep(room)
+    assert "air at rest in the room" in ll.plot(grid).axes[0].get_title(loc="left")
+    with pytest.raises(ValueError, match="overlays are computed for drag relative to the pivot"):
+        ll.plot(grid, overlays=["tongue"])

@@ -149,3 +149,93 @@ def test_a_dataset_that_is_no_run_is_refused():
 def test_what_is_no_dataset_is_refused():
     with pytest.raises(InputError, match=r"plot needs a run: .*, got 3"):
         ll.plot(3)
+
+
+HUNG = ll.LatoLato(
+    length=1.0, mass=0.8, radius=0.1, damping=0.05, restitution=0.9, suspension="string",
+    string_restitution=0.3,
+)  # fmt: skip
+STRONG = ll.Harmonic(drive_amplitude=0.3, drive_frequency=9.0)
+
+
+@pytest.fixture(scope="module")
+def hung():
+    return ll.simulate(HUNG, STRONG, initial_angle=0.5, duration=3.0)
+
+
+def test_a_run_with_slack_strings_shows_distances_and_when_strings_go_slack_and_taut(hung):
+    figure = ll.plot(hung)
+    assert len(figure.axes) == 5
+    distance = figure.axes[1].get_lines()[0]
+    np.testing.assert_array_equal(samples(hung, distance), hung.distance)
+    assert np.max(distance.get_ydata()) == 1.0
+    counts = dict(zip(*np.unique(hung.contact_kind, return_counts=True), strict=True))
+    marks = {c.get_label(): c for c in figure.axes[0].collections}
+    for kind in ("slack", "taut", "bottom"):
+        assert counts[kind] > 0
+        assert len(marks[f"{kind} ({counts[kind]})"].get_offsets()) == counts[kind]
+    assert "Distance" in figure.axes[1].get_title(loc="left") + str(
+        [text.get_text() for text in figure.axes[1].texts]
+    )
+
+
+def test_strings_that_stay_taut_are_drawn_as_rods_are():
+    taut = ll.simulate(ll.LatoLato(**vars(TOY) | {"suspension": "string"}), initial_angle=1.0,
+                       duration=7.0)  # fmt: skip
+    strings, rods = ll.plot(taut), ll.plot(toy())
+    assert len(strings.axes) == len(rods.axes) == 4
+    for one, other in zip(strings.axes, rods.axes, strict=True):
+        for name, line in lines(one).items():
+            # strings equal rods to rounding
+            np.testing.assert_allclose(line.get_ydata(), lines(other)[name].get_ydata(), atol=1e-9)
+
+
+def test_the_drawn_ledger_of_strings_closes_with_the_loss_of_tightening(hung):
+    drawn = {name: line.get_ydata() for name, line in lines(ll.plot(hung).axes[3]).items()}
+    losses = [values for name, values in drawn.items() if "loss" in name]
+    assert "retension loss $D_s$" in drawn
+    balance = drawn["drive work $W_{in}$"] - sum(losses) - drawn["energy gained"]
+    # losses below 1e-9 of the largest energy are not drawn
+    assert np.abs(balance).max() < 2e-9 * float(hung.total_energy.max())
+
+
+def test_slack_balls_touch_at_the_drawn_hit(hung):
+    from latolato.figures.curves import with_contacts
+
+    curves = with_contacts(hung)
+    at = np.flatnonzero(curves.contact_kind.values == "bottom")
+    angle = curves.contact_angle.values[at]
+    distance = np.interp(curves.contact_time.values[at], hung.time, hung.distance)
+    assert (distance < 0.999).any()
+    # Distances are third order between samples 0.007 s apart, straight here: second order.
+    np.testing.assert_allclose(np.sin(angle) * distance, 0.1, atol=1e-4)
+
+
+def test_one_variable_of_a_run_is_drawn_by_its_name(hung):
+    axes = ll.plot(hung, "tension").axes[0]
+    assert axes.get_title(loc="left") == "Tension of the string, per ball"
+    assert np.min(axes.get_lines()[0].get_ydata()) >= 0.0
+    pair = ll.simulate(ll.BallPair(right=BALL, left=BALL), initial_angle=(0.5, -0.4), duration=1.0)
+    assert {"right ball", "left ball"} <= set(lines(ll.plot(pair, "angle").axes[0]))
+
+
+def test_the_tension_of_a_rod_is_never_drawn_as_that_of_a_string():
+    rod = ll.simulate(TOY, STRONG, initial_angle=0.5, duration=3.0)
+    assert float(rod.tension.min()) < 0.0
+    title = ll.plot(rod, "tension").axes[0].get_title(loc="left")
+    assert title.startswith("Tension of the rod, per ball (negative: the rod is pushed")
+    for name in ("slack", "distance", "radial_velocity", "retension_loss"):
+        with pytest.raises(InputError, match="of balls on strings, and this run is of rods"):
+            ll.plot(rod, name)
+    with pytest.raises(InputError, match="unknown variable 'tensoin' of a run: did you mean"):
+        ll.plot(rod, "tensoin")
+
+
+def test_a_pivot_that_moves_sideways_is_drawn_both_ways():
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.05, horizontal_amplitude=0.02, drive_frequency=6.0
+    )
+    run = ll.simulate(PENDULUM, drive, initial_angle=0.3, duration=2.0)
+    drawn = lines(ll.plot(run).axes[-1])
+    np.testing.assert_array_equal(drawn["to the right"].get_ydata(), run.pivot_across)
+    np.testing.assert_array_equal(drawn["upwards"].get_ydata(), run.pivot_height)

@@ -23,6 +23,13 @@ from latolato.sweeps.plan import make_plan
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
+HUNG = ll.LatoLato(
+    length=1.0, mass=0.8, radius=0.1, restitution=0.9, suspension="string", string_restitution=0.5
+)
+SHAKE = ll.Harmonic(drive_amplitude=0.3, drive_frequency=9.0)
+PLANAR = ll.PlanarHarmonic(
+    vertical_amplitude=0.3, horizontal_amplitude=0.1, drive_frequency=9.0, horizontal_phase=1.0
+)
 SAMPLED = np.linspace(0.0, 6.0, 10_001)
 MEASURED = ll.MeasuredPivot(times=SAMPLED, pivot_heights=0.01 * np.cos(SAMPLED))
 SCHEDULE = ll.FrequencySchedule(
@@ -32,7 +39,10 @@ SCHEDULE = ll.FrequencySchedule(
 
 @pytest.fixture(
     scope="module",
-    params=["toy", "no contact yet", "pair", "pair without walls", "pendulum", "mathieu"],
+    params=[
+        *("toy", "no contact yet", "pair", "pair without walls", "pendulum", "mathieu"),
+        *("toy on strings", "pair on strings", "string"),
+    ],
 )
 def run(request):
     """Runs with and without walls, contacts, a second ball, noise, long sample lists."""
@@ -47,6 +57,15 @@ def run(request):
     if request.param == "pair without walls":
         pair = ll.BallPair(right=BALL, left=BALL)
         return ll.simulate(pair, initial_angle=(0.5, -0.4), duration=3.0, contact=None)
+    if request.param == "toy on strings":
+        return ll.simulate(HUNG, SHAKE, initial_angle=0.5, duration=3.0)
+    if request.param == "pair on strings":
+        pair = ll.BallPair(right=BALL, left=BALL, suspension="string", drag_frame="lab")
+        return ll.simulate(pair, PLANAR, initial_angle=(0.5, -0.4), duration=1.0)
+    if request.param == "string":  # slack and taut without walls
+        string = ll.Pendulum(length=1.0, mass=1.0, suspension="string")
+        start = {"initial_angle": 0.5, "initial_distance": 0.9}
+        return ll.simulate(string, **start, duration=1.0)
     if request.param == "pendulum":
         return ll.simulate(
             ll.Pendulum(length=1.0, mass=1.0), MEASURED, initial_angle=0.5, duration=3.0
@@ -74,12 +93,13 @@ def test_a_saved_run_comes_back_to_the_last_bit(run, tmp_path, suffix):
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".csv"])
-@pytest.mark.parametrize("kind", ["toy", "pair", "pendulum"])
+@pytest.mark.parametrize("kind", ["toy", "pair", "pendulum", "string"])
 def test_a_record_is_written_as_its_dataset_is(tmp_path, kind, suffix):
     system = {
         "toy": TOY,
         "pair": ll.BallPair(right=BALL, left=BALL),
         "pendulum": ll.Pendulum(length=1.0, mass=1.0),
+        "string": ll.Pendulum(length=1.0, mass=1.0, suspension="string"),
     }[kind]
     start = (0.5, -0.4) if kind == "pair" else 0.5
     found = record(system, SCHEDULE, initial_angle=start, duration=3.0)
@@ -124,6 +144,18 @@ def test_contacts_are_a_second_file_for_systems_with_walls_only(tmp_path, suffix
     save(free, tmp_path / f"free{suffix}")
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {f"toy{suffix}", f"toy.contacts{suffix}", f"free{suffix}"}
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_string_without_walls_keeps_when_it_is_slack_and_taut(tmp_path, suffix):
+    need(suffix)
+    string = ll.Pendulum(length=1.0, mass=1.0, suspension="string")
+    run = ll.simulate(string, initial_angle=0.5, initial_distance=0.9, duration=1.0)
+    found = load(save(run, tmp_path / f"run{suffix}"))
+    assert list(found.contact_kind.values) == ["taut"]
+    assert found.radial_velocity_before.item() > 0.0
+    assert found.slack.dtype == np.int8
+    assert found.tension.attrs["long_name"] == "tension of the string"
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -389,6 +421,17 @@ def sweeps():
     pair = ll.BallPair(right=BALL, left=BALL)
     yield filled(make_plan(pair, drive, axes=both, initial_angle=(0.3, -0.2), duration=2.0))
     case = {"length": [0.9, 1.0], "radius": [0.1, 0.2]}
+    plan = make_plan(
+        ll.BallPair(right=BALL, left=BALL, suspension="string"),
+        PLANAR,
+        axes={"string_restitution": [0.0, 0.5], "horizontal_amplitude": [0.0, 0.1]},
+        initial_angle=(0.3, -0.2),
+        duration=2.0,
+        observables=["slack_fraction", "first_slack", "largest_string_impulse", "retension_loss"],
+    )
+    grid = filled(plan)
+    grid.status[0, 1] = 6  # tangled
+    yield grid
     yield filled(
         make_plan(
             TOY,
@@ -403,7 +446,7 @@ def sweeps():
     )
 
 
-@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("number", [0, 1, 2])
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_a_sweep_is_a_table_of_points_and_comes_back(tmp_path, number, suffix):
     if suffix == ".parquet":

@@ -34,6 +34,8 @@ def recomputed(run):
     if "ball" in total.dims:
         total = total.sum("ball")
     balance = total - run.drive_work + run.damping_loss + run.impact_loss + run.capture_loss
+    if "retension_loss" in run:
+        balance = balance + run.retension_loss
     if "noise_work" in run:
         balance = balance - run.noise_work
     return float(np.abs(balance - balance[0]).max() / total.max())
@@ -54,7 +56,14 @@ class TestEverySystemDriveAndDamping:
         assert recomputed(run) <= 1e-9
         assert residual(run) <= 1e-9
         assert np.all(np.isfinite(run.angle.values))
-        if system.angles == 2:
+        if system.suspension == "string":
+            x, y = run.distance * np.sin(run.angle), -run.distance * np.cos(run.angle)
+            assert float(run.distance.max()) <= 0.9 + 1e-12
+            if system.angles == 2:
+                assert float(np.hypot(x[0] - x[1], y[0] - y[1]).min()) >= 0.18 - 1e-12
+            elif system.has_contacts:
+                assert float(x.min()) >= system.radius - 1e-12
+        elif system.angles == 2:
             gap = (run.angle[0] - run.angle[1]).values
             assert gap.min() >= system.contact_separation - 1e-12
             assert gap.max() <= 2.0 * math.pi - system.contact_separation + 1e-12
@@ -62,7 +71,7 @@ class TestEverySystemDriveAndDamping:
             assert run.angle.values.min() >= system.contact_angle_low
             assert run.angle.values.max() <= system.contact_angle_high
         scale = float(run.total_energy.max())
-        for name in ("damping_loss", "impact_loss", "capture_loss"):
+        for name in {"damping_loss", "impact_loss", "capture_loss", "retension_loss"} & {*run}:
             assert np.all(np.diff(run[name].values) >= -1e-14 * scale)
         assert np.all(run.damping_power.values >= 0.0)
         if not damping_law:

@@ -276,6 +276,8 @@ def test_variables_of_two_balls_are_the_same_compiled():
 def test_every_registered_observable_is_held_against_a_dense_run():
     output = set(by_hand("bouncing toy", 0.0)) | set(PoincareSection.variables)
     output |= set(ResponseSamples.variables)  # in tests/analysis/test_periods.py
+    # Those of strings are in tests/numerics/test_strings.py.
+    output |= {name for kind in observables.values() if kind.of_strings for name in kind.variables}
     for name, kind in observables.items():
         # What becomes of deviations is held against differences, in tests/analysis/test_flow.py.
         assert kind.tangent is not None or set(kind.variables) <= output, name

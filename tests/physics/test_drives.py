@@ -189,7 +189,7 @@ class TestPlanarHarmonic:
         )
         assert drive.largest_acceleration == pytest.approx(largest, rel=1e-5)
 
-    def test_without_a_way_sideways_it_is_the_harmonic_drive(self):
+    def test_without_a_horizontal_amplitude_it_is_the_harmonic_drive(self):
         drive = self.ellipse(horizontal_amplitude=0.0)
         same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=6.26, drive_phase=0.7)
         assert drive.stretches(END) == same.stretches(END)
@@ -510,7 +510,7 @@ class TestMeasuredPivot:
         assert not drive.moves_across
         assert not self.sampled_cosine(60.0, pivot_across=np.zeros(301)).moves_across
 
-    def test_ways_sideways_of_another_length_are_refused(self):
+    def test_horizontal_positions_of_another_length_are_refused(self):
         with pytest.raises(ValueError, match="times and pivot_across must be of one length, got"):
             self.sampled_cosine(60.0, pivot_across=np.zeros(300))
 

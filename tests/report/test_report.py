@@ -17,7 +17,7 @@ from latolato.figures import catalogue, style
 from latolato.figures.claim import Verdict
 from latolato.io.files import load
 from latolato.report import page
-from quick_figures import EVIDENCE, picture_of, quick_data
+from quick_figures import EVIDENCE, RESULTS, picture_of, quick_data
 
 VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}
 
@@ -69,7 +69,11 @@ def made(tmp_path_factory):
     fractions = []
     folder = tmp_path_factory.mktemp("report") / "out"
     everything = {name: shared(name, each) for name, each in EVIDENCE.items()}
-    with mock.patch.object(catalogue, "evidence", return_value=everything):
+    results = {name: shared(name, each) for name, each in RESULTS.items()}
+    with (
+        mock.patch.object(catalogue, "evidence", return_value=everything),
+        mock.patch.object(catalogue, "results", return_value=results),
+    ):
         result = report.reproduce(folder, quick=True, progress=fractions.append)
     return result, fractions
 
@@ -87,15 +91,26 @@ def one_figure(monkeypatch):
     """Only the drawing of the model, which needs no run."""
     only = {"fig01": catalogue.figures()["fig01"]}
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
+    monkeypatch.setattr(catalogue, "results", dict)
     return only
 
 
 def test_all_files_are_written(made):
     folder = made[0].index.parent
-    expected = {"index.html"} | {f"{name}.nc" for name in catalogue.evidence()}
-    expected |= {f"{name}{s}" for name in catalogue.figures() for s in (".png", ".svg")}
+    expected = {"index.html"} | {f"{name}.nc" for name in (*catalogue.evidence(), *RESULTS)}
+    pictures = (*catalogue.figures(), *RESULTS)
+    expected |= {f"{name}{s}" for name in pictures for s in (".png", ".svg")}
     assert {path.name for path in folder.iterdir()} == expected
     assert {path.name for path in folder.parent.iterdir()} == {folder.name}
+
+
+def test_results_say_what_was_found_and_how_it_was_checked(made, read):
+    text = re.sub(r"\s+", " ", " ".join(read.text))
+    for name, each in RESULTS.items():
+        assert name in read.ids
+        part = text.split(f" {each.title} ")[1]
+        assert part.index(each.finding.split("{")[0][:30]) < part.index("Checked:")
+    assert "Claims: none." not in text.split("Beyond the paper")[1].split("Errata")[0]
 
 
 def test_the_result_holds_index_and_claims(made):
@@ -233,6 +248,7 @@ def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch):
 
     only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
     monkeypatch.setattr(catalogue, "evidence", lambda: only)
+    monkeypatch.setattr(catalogue, "results", dict)
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     result = report.reproduce(tmp_path / "out", quick=True)
     (text,) = result.left_out

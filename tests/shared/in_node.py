@@ -92,7 +92,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
         result = carry(system, drive, start, times, end, **named)
         is_clamped = named["law"].motion == "clamp"
         case.options = {
-            "module": "one" if system.angles == 1 else "two",
+            "module": module_of(system, drive),
             "how": {
                 "balls": system.angles,
                 "duration": end,
@@ -110,6 +110,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
             "gravity": observation.gravity,
             "with_lab": bool(observation.with_lab),
             "is_linear": bool(observation.is_linear),
+            "in_lab": bool(observation.in_lab),
         }
         case.expected = {**case.expected, "pivot": observation.pivot, "out": observation.out}
 
@@ -120,6 +121,12 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
     ):
         ll.simulate(system, drive, **options)
     return case
+
+
+def module_of(system: Any, drive: Any) -> str:
+    """Return the module that runs a system."""
+    in_plane = "plane_" if integrate.moves_in_plane(system, drive) else ""
+    return in_plane + ("one" if system.angles == 1 else "two")
 
 
 def from_parameters(case: Case, system: Any, drive: Any, **arguments: Any) -> Case:
@@ -313,5 +320,5 @@ def _like(name: str, data: bytes, case: Case) -> Any:
     is_float = name.startswith("contact") or "question" in case.options
     numbers = np.frombuffer(data, np.float64 if is_float else like.dtype)
     if name == "contact_values":
-        return numbers.reshape(4, -1)
+        return numbers.reshape(records.CONTACT_ROWS, -1)
     return numbers if name.startswith("contact") else numbers.reshape(like.shape)

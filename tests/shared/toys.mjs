@@ -10,7 +10,7 @@ import { Toy } from "../../src/latolato/app/static/js/live/toy.js";
 
 const [folder] = process.argv.slice(2);
 const { registry, toys } = JSON.parse(readFileSync(join(folder, "toys.json"), "utf8"));
-const modules = { 1: await startKernels("one"), 2: await startKernels("two") };
+const modules = {};
 const done = [];
 
 /** What shakes a pivot with this amplitude and frequency. */
@@ -21,7 +21,8 @@ function leadOf({ amplitude, frequency }) {
 
 for (const [number, { request, ticks, actions }] of toys.entries()) {
   const each = await specify(registry, request);
-  const kernels = modules[each.system.angles];
+  const { name } = each.kernels;
+  const kernels = (modules[name] ??= await startKernels(name));
   const toy = new Toy(kernels, each, cosineOf(each));
   const steps = [];
   const angles = [];

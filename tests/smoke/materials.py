@@ -153,7 +153,10 @@ def short_run(path):
 def report(path):
     """A report of one figure."""
     only = {"fig01": catalogue.figures()["fig01"]}
-    with mock.patch.object(catalogue, "evidence", return_value=only):
+    with (
+        mock.patch.object(catalogue, "evidence", return_value=only),
+        mock.patch.object(catalogue, "results", return_value={}),
+    ):
         reproduce(path, quick=True)
 
 

@@ -156,7 +156,7 @@ class TestDataset:
 
     def test_status_is_explained(self):
         attrs = self.found().status.attrs
-        assert len(attrs["flag_values"]) == len(attrs["flag_meanings"].split()) == 6
+        assert len(attrs["flag_values"]) == len(attrs["flag_meanings"].split()) == 7
 
     def test_attributes_hold_every_parameter_that_does_not_vary(self):
         result = self.found(transient=0.1, rest_speed=1e-6)

@@ -13,6 +13,7 @@ from latolato.analysis.checks import (
     AngleTolerance,
     LongestPeriod,
     TransientPeriods,
+    check_rods,
     check_span,
     checked_periodic,
 )
@@ -127,6 +128,7 @@ def bifurcation_diagram(
     array(['rest', 'periodic'], dtype='<U12')
     """
     drive = checked_periodic(system, drive)
+    check_rods(system)
     known = {n: p for n, p in parameters_of(system, drive).items() if p.owner != "run"}
     known.pop("drive_phase", None)
     if parameter not in known:

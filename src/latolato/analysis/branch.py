@@ -18,7 +18,7 @@ from latolato.physics.pendulum import BallPair
 
 KINDS = (
     "fold", "period_doubling", "symmetry_breaking", "branch_point", "torus", "grazing", "lift_off",
-    "rest_ends",
+    "rest_ends", "slackens",
 )  # fmt: skip
 _TESTS = ("fold", "period_doubling", "crossing", "torus")
 _MARKS = ("grazing", "lift_off", "rest_ends")
@@ -72,6 +72,11 @@ class Place:
             "crossing": float(np.linalg.det(matrix - unit)),
             "torus": float(np.max(np.where(turning, moduli, 0.0), initial=0.0)) - 1.0,
         }
+
+    def step_from(self, other: Place, scale: Floats) -> float:
+        """Return how far this point lies along the tangent of another one, in a branch's units."""
+        gap = np.append(self.orbit.start - other.orbit.start, self.value - other.value)
+        return float(other.tangent @ (gap / scale))
 
     @property
     def marks(self) -> dict[str, float]:
@@ -246,6 +251,10 @@ class Branch:
             for kind in _MARKS
             if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
         ]
+
+    def until_slack(self, old: Place, new: Place, length: float) -> Place:
+        """Return the point between two neighbours beyond which a string goes slack."""
+        return self._locate(old, new, length, lambda place: not place.orbit.slackens)
 
     def _images(self, orbit: Orbit) -> Iterator[tuple[str, Floats, Floats]]:
         """Yield the kind, the state and the linearised map of each image of an orbit.

@@ -11,10 +11,10 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import checked_number
 from latolato.observables.period import LONGEST
-from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
 from latolato.physics.drives.base import check_increasing
 from latolato.physics.pendulum import System
-from latolato.simulation.start import checked_periodic_drive, checked_system
+from latolato.simulation.start import checked_drive, checked_periodic_drive, checked_system
 
 Floats = NDArray[np.float64]
 
@@ -41,9 +41,69 @@ def checked_nonlinear(system: System) -> System:
 def checked_periodic(system: System, drive: Drive | None) -> PeriodicDrive:
     """Return a drive with a period, under which the motion of a system settles."""
     checked_nonlinear(system)
-    result = checked_periodic_drive(drive)
+    result = checked_vertical(drive)
     checked_number("drive_frequency", result.drive_frequency, POSITIVE, "rad/s")
     return result
+
+
+def checked_vertical(drive: Drive | None) -> PeriodicDrive:
+    """Return a drive that repeats itself and moves the pivot up and down only."""
+    check_vertical(drive)
+    return checked_periodic_drive(drive)
+
+
+def check_vertical(drive: Drive | None) -> None:
+    """Raise InputError for a drive that moves the pivot sideways."""
+    if checked_drive(drive).moves_across:
+        raise InputError(
+            "moves the pivot sideways, which this analysis does not describe: {parameter} must be "
+            "vertical",
+            parameter="drive",
+            value=type(drive).__name__,
+            way_out="use Harmonic, or simulate and sweep",
+        )
+
+
+def checked_repeating(system: System, drive: Drive | None) -> PeriodicDrive | PlanarHarmonic:
+    """Return a drive that repeats itself and suits a system."""
+    if isinstance(drive, PlanarHarmonic):
+        checked_drive(drive, checked_system(system))
+        return drive
+    return checked_periodic_drive(drive)
+
+
+def check_rods(system: System) -> None:
+    """Raise InputError for strings where a motion is carried on by its angle and velocity."""
+    if checked_system(system).suspension == "string":
+        raise InputError(
+            "must be 'rod' here: each motion goes on from an angle and an angular velocity, and a "
+            "slack ball has a distance and a radial velocity too",
+            parameter="suspension",
+            value=system.suspension,
+            way_out="sweep starts instead, or give suspension='rod'",
+        )
+
+
+def check_drag(system: System) -> None:
+    """Raise InputError for drag relative to the room, which closed forms leave out."""
+    if checked_system(system).drag_frame == "lab" and any(ball.damping for ball in system.balls):
+        raise InputError(
+            "must be 'pivot' here: this is computed for drag relative to the pivot",
+            parameter="drag_frame",
+            value=system.drag_frame,
+            way_out="use floquet or a sweep, or give damping=0",
+        )
+
+
+def hits_pull(system: System) -> bool:
+    """Return whether a hit pulls at the strings of both balls, or at none.
+
+    The ball on the shorter string is driven inwards if ``|l1^2 - l2^2| > (r1 + r2)^2``.
+    """
+    right, left = system.balls[0], system.balls[-1]
+    return abs(right.length**2 - left.length**2) < (right.radius + left.radius) ** 2 or (
+        right.length == left.length
+    )
 
 
 def check_span(name: str, low: float, high: float) -> None:

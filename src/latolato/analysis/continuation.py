@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
+from latolato.analysis.checks import check_vertical
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.multipliers import shorter_period, smallest_period
-from latolato.analysis.orbits import CLOSED, PERIODS, checked_guess, find_orbit
+from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
@@ -85,10 +86,12 @@ def continue_orbit(
         the way: ``special_kind`` (``fold``, ``period_doubling``, ``symmetry_breaking``: a
         multiplier is one without a fold, ``torus``: a complex pair crosses the unit circle,
         ``grazing``: an impact appears or vanishes, ``lift_off``: what was at rest all the time
-        begins to move, ``rest_ends``: the last phase at rest appears or vanishes),
-        ``special_value`` in the parameter's unit and ``special_angle``. ``status``: ``end of
-        range``, ``points`` (more would follow), ``closed`` (the branch is a loop), ``lost`` (it
-        ends here, as at grazing, or its steps became too short) or ``not found``.
+        begins to move, ``rest_ends``: the last phase at rest appears or vanishes, ``slackens``: the
+        least tension of a string along the orbit falls through zero), ``special_value`` in the
+        parameter's unit and ``special_angle``. ``status``: ``end of range``, ``points`` (more would
+        follow), ``closed`` (the branch is a loop), ``slackens`` (it ends there: slack balls move
+        differently), ``lost`` (it ends here, as at grazing, or its steps became too short) or ``not
+        found``.
 
     Raises
     ------
@@ -118,6 +121,7 @@ def continue_orbit(
     >>> print(branch.special_kind.values, branch.special_value.values.round(6))
     ['period_doubling'] [1.909946]
     """
+    check_vertical(drive)
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     drive = flow.drive
     begun = value_of(system, drive, parameter)
@@ -138,6 +142,7 @@ def continue_orbit(
     specials: list[tuple[str, Place]] = []
     status, message = "not found", None
     if first.defect <= CLOSED:
+        check_taut(first)
         message = shorter_period(smallest_period(first), period)
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
@@ -190,7 +195,15 @@ def _follow(
                 places[-1] = restarted = moved
                 length = _FIRST
             continue
-        specials += branch.specials(place, new, length)
+        passed = branch.specials(place, new, length)
+        slack = branch.until_slack(place, new, length) if new.orbit.slackens else None
+        if slack is not None and low <= slack.value <= high:
+            reach = slack.step_from(place, branch.scale)
+            specials += [s for s in passed if s[1].step_from(place, branch.scale) <= reach]
+            specials.append(("slackens", slack))
+            places.append(slack)
+            return "slackens"
+        specials += passed
         places.append(new)
         stepped, length = length, min(1.5 * length, LONGEST_STEP)
         if not low <= new.value <= high:

@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_repeating, hits_pull
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
-from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.numerics.integrate import Start, Trajectory, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
 from latolato.physics.contacts import REST
-from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
 from latolato.physics.pendulum import System
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
-    checked_periodic_drive,
     checked_system,
     walls_of,
 )
 from latolato.sweeps.axes import DERIVED, parameters_of, replaced
 
 Floats = NDArray[np.float64]
+# Drives under which orbits are followed.
+Repeating = PeriodicDrive | PlanarHarmonic
 
 # Orbits of slower drives last thousands of steps and more.
 SLOWEST_RATIO = 0.01
@@ -59,6 +61,9 @@ class Passage:
         Contacts that were nearly missed, or nearly happened.
     is_complete : bool
         False where the numbers or the contacts overflowed.
+    slack_time : float
+        When a string first goes slack, so that the balls leave this motion [s]; infinite if none
+        does, and for rods.
     """
 
     end: Floats
@@ -70,6 +75,7 @@ class Passage:
     contact_values: Floats
     grazes: int
     is_complete: bool
+    slack_time: float
 
     @property
     def impacts(self) -> int:
@@ -81,10 +87,12 @@ class Passage:
 class Flow:
     """The motion of a system under a drive, ready to be followed from many starts.
 
+    Strings are followed as rods, which they are until the first rod would push.
+
     Parameters
     ----------
     system, drive : System, Drive
-        The drive is given, a pivot at rest is `FixedPivot`.
+        The drive is given, one that repeats itself.
     contact, tolerance, rest_speed
         As of `latolato.simulate`; without clamped contact.
     speed : float
@@ -94,7 +102,7 @@ class Flow:
     """
 
     system: System
-    drive: Drive
+    drive: Repeating
     contact: Any = "exact"
     tolerance: float = 1e-12
     rest_speed: float = DEFAULT_REST_SPEED
@@ -110,6 +118,11 @@ class Flow:
                 parameter="contact",
             )
         object.__setattr__(self, "contact", law)
+
+    @property
+    def is_string(self) -> bool:
+        """Whether the balls hang on strings."""
+        return self.system.suspension == "string"
 
     @property
     def size(self) -> int:
@@ -135,14 +148,17 @@ class Flow:
         angles, velocities = numbers[0::2], numbers[1::2]
         fast = max(self.speed, *(abs(v) for v in velocities))
         bound = Start(tuple(angles), (fast,) * len(angles))
+        rods: Any = self.system
+        if self.is_string:
+            rods = replace(rods, suspension="rod", string_restitution=0.0)
         result = integrate(
-            self.system,
+            rods,
             self.drive,
             Start(tuple(angles), tuple(velocities)),
             np.zeros(0),
             duration,
             step=choose_step(
-                self.system, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
+                rods, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
             ),
             rest_speed=self.rest_speed,
             contact_limit=_MOST_CONTACTS,
@@ -162,7 +178,15 @@ class Flow:
             result.contact_values,
             int(result.state.grazes),
             result.status == "complete",
+            self._slack_time(result) if self.is_string else math.inf,
         )
+
+    def _slack_time(self, result: Trajectory) -> float:
+        """Return when a rod is first pushed [s], in flight or by a hit."""
+        times = result.state.compression_start[: self.system.angles]
+        if not hits_pull(self.system):
+            times = np.append(times, result.contact_times[result.contact_kinds < REST])
+        return float(np.nanmin(times, initial=math.inf))
 
 
 def checked_flow(
@@ -179,21 +203,20 @@ def checked_flow(
     )
 
 
-def drive_period(drive: Drive) -> float:
+def drive_period(drive: Repeating) -> float:
     """Return the period of a periodic drive [s].
 
     Raises
     ------
     InputError
-        For a drive that does not repeat itself, which one of frequency zero does not.
+        For a drive of frequency zero, which does not repeat itself.
     """
-    frequency = checked_periodic_drive(drive).drive_frequency
-    return math.tau / checked_number("drive_frequency", frequency, POSITIVE, "rad/s")
+    return math.tau / checked_number("drive_frequency", drive.drive_frequency, POSITIVE, "rad/s")
 
 
-def periodic_drive(system: System, drive: Drive | None) -> PeriodicDrive:
+def periodic_drive(system: System, drive: Drive | None) -> Repeating:
     """Return a checked drive that has a period, and one that can be followed in a short time."""
-    result = checked_periodic_drive(drive)
+    result = checked_repeating(system, drive)
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
         raise InputError(

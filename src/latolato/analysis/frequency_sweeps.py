@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_nonlinear, increasing
+from latolato.analysis.checks import (
+    check_rods,
+    checked_nonlinear,
+    checked_vertical,
+    increasing,
+)
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import settled_cases
@@ -19,7 +24,7 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import OneBall, System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -139,8 +144,8 @@ def hysteresis(
     >>> result.status.values.tolist(), result.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
-    checked_nonlinear(system)
-    drive = checked_periodic_drive(drive)
+    check_rods(checked_nonlinear(system))
+    drive = checked_vertical(drive)
     ratios = increasing("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2:
         raise InputError("must hold at least 2 values", parameter="frequency_ratio", value=ratios)

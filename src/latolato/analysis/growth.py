@@ -50,7 +50,8 @@ def growth_rate(
     Raises
     ------
     InputError
-        As `tongue_edges`; also for a drive slower than a hundredth of w0.
+        As `tongue_edges`; also for a drive slower than a hundredth of w0, and where the string of a
+        ball that hangs still goes slack.
 
     Notes
     -----
@@ -83,6 +84,14 @@ def growth_rate(
             f"must be at least {SLOWEST:g} of the natural frequency {w0:g} rad/s",
             parameter="drive_frequency",
             value=w,
+        )
+    elif problem.slackens(w, amplitude):
+        raise InputError(
+            f"must be smaller for a ball that hangs still on a taut string: at {w:g} rad/s the "
+            "pivot falls faster than the ball",
+            parameter="drive_amplitude",
+            value=amplitude,
+            way_out="lower it or give suspension='rod'",
         )
     elif problem.is_plain and method == "determinant":
         rate = float(

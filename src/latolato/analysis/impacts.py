@@ -70,7 +70,8 @@ def impact_map(
     -----
     Impact times are located on the solution, within its error. A cascade that ends at rest has
     infinitely many impacts; those down to `rest_speed` are listed, and their number grows with
-    its logarithm. Grazing shows as points that come near velocity 0 without rest.
+    its logarithm. Grazing shows as points that come near velocity 0 without rest. On strings balls
+    may meet while slack, nearer to the pivot: phase and velocity do not tell the whole state then.
 
     Examples
     --------

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import check_drag, checked_vertical
 from latolato.analysis.hill import find_peak, find_root, first_rise
 from latolato.analysis.waveform import (
     Complexes,
@@ -30,7 +31,7 @@ from latolato.core.quantities import Range
 from latolato.core.registry import describe
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.pendulum import BallPair, LatoLato, System
-from latolato.simulation.start import checked_periodic_drive, checked_system
+from latolato.simulation.start import checked_system
 
 # What an analysis varies of a drive.
 _SOUGHT = ("drive_amplitude", "drive_frequency")
@@ -39,6 +40,8 @@ SLOWEST = 0.01
 RATIOS = Range(low=SLOWEST)
 # A crank closer to its connecting rod than this has too many overtones.
 LARGEST_CRANK = 0.95
+# Phases at which an acceleration is sampled before its peak is followed.
+_PHASES = 360
 # A stiffness this close to a tongue's tip lies on it.
 _ON_TIP = 1e-14
 
@@ -53,6 +56,7 @@ class Linear:
     damping: float
     side: float
     template: PeriodicDrive
+    is_string: bool
 
     @property
     def natural_frequency(self) -> float:
@@ -79,6 +83,15 @@ class Linear:
     def largest_amplitude(self) -> float:
         """The largest drive amplitude [m] that the drive and this analysis allow."""
         return LARGEST_CRANK * self.template.largest_amplitude
+
+    def slackens(self, drive_frequency: float, amplitude: float) -> bool:
+        """Return whether the string of a ball that hangs still goes slack: where ``g + y'' < 0``.
+
+        A string that does not is a rod.
+        """
+        if not (self.is_string and math.isfinite(drive_frequency)):
+            return False
+        return drive_frequency**2 * peak(self.template, amplitude) > self.gravity
 
     def waveform(self, amplitude: float) -> Callable[[float], float]:
         """Return ``s y''/l`` at w = 1 as a function of the phase."""
@@ -156,6 +169,24 @@ def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[floa
     return lambda phase: formula(phase, stretch)
 
 
+def peak(template: PeriodicDrive, amplitude: float) -> float:
+    """Return the largest -y'' [m] at w = 1."""
+    if amplitude == 0.0:
+        return 0.0
+    acceleration = acceleration_at(template, amplitude)
+    return -acceleration(phase_of_peak(template, amplitude))
+
+
+def phase_of_peak(template: PeriodicDrive, amplitude: float) -> float:
+    """Return the phase [rad] of the largest -y''."""
+    acceleration = acceleration_at(template, amplitude)
+    phases = [math.tau * i / _PHASES for i in range(_PHASES)]
+    best = min(phases, key=acceleration)
+    step = math.tau / _PHASES
+    near = find_peak(lambda phase: -acceleration(phase), best - step, best + step)
+    return min((best, near), key=acceleration)
+
+
 def waveform_of(template: PeriodicDrive) -> dict[str, Any]:
     """Return the attributes of a drive without its amplitude and frequency."""
     about = {k: v for k, v in describe(template).items() if k not in _SOUGHT}
@@ -172,7 +203,7 @@ def checked_template(drive: Drive | None) -> PeriodicDrive:
     """
     if drive is None:
         return Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    return checked_periodic_drive(drive)
+    return checked_vertical(drive)
 
 
 def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
@@ -181,9 +212,18 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     Raises
     ------
     InputError
-        Where there is no linear stability: a wall or friction at the position.
+        Where there is no linear stability: a wall or friction at the position, a string that would
+        have to push; for drag relative to the room.
     """
     checked_system(system)
+    check_drag(system)
+    if position == "inverted" and system.suspension == "string":
+        raise InputError(
+            "must be 'rod' for a ball that stands upright: a string does not push",
+            parameter="suspension",
+            value=system.suspension,
+            way_out="give suspension='rod'",
+        )
     if position == "inverted" and system.is_linear:
         raise InputError(
             "a Mathieu system is linearised about hanging and has no inverted position; use "
@@ -208,6 +248,7 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
         damping=ball.damping,
         side=1.0 if position == "hanging" else -1.0,
         template=checked_template(drive),
+        is_string=system.suspension == "string",
     )
 
 

@@ -15,6 +15,7 @@ from latolato.analysis.orbits import (
     GRAZING_SPEED,
     PERIODS,
     Orbit,
+    check_taut,
     checked_guess,
     find_orbit,
     multipliers_of,
@@ -74,7 +75,7 @@ def floquet(
     ----------
     system : System
         Any system.
-    drive : PeriodicDrive
+    drive : PeriodicDrive or PlanarHarmonic
         A drive that repeats itself.
     initial_angle, initial_angular_velocity : float or pair of float
         Guess of the state at time zero [rad], [rad/s], (right, left) for a `BallPair`; refined by
@@ -106,7 +107,7 @@ def floquet(
     ------
     InputError
         For a drive that does not repeat itself, a start inside a wall, no start where there are
-        walls, clamped contact.
+        walls, clamped contact, and an orbit on which a string goes slack.
 
     Notes
     -----
@@ -115,7 +116,7 @@ def floquet(
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
     found, not always the nearest. It may have a shorter period that fits into `period`:
     ``response_period`` and the attribute ``message`` show it, and the multipliers are still those
-    over `period`.
+    over `period`. Taut strings are followed as the rods that they are.
 
     Examples
     --------
@@ -131,6 +132,8 @@ def floquet(
     drive = flow.drive
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, period)
+    if orbit.defect <= CLOSED:
+        check_taut(orbit)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
         warn(

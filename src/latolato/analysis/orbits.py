@@ -59,6 +59,11 @@ class Orbit:
         return REST in self.passage.contact_kinds or not self.passage.matrix.any()
 
     @property
+    def slackens(self) -> bool:
+        """Whether a string goes slack on the way, so that this is a motion of rods only."""
+        return math.isfinite(self.passage.slack_time)
+
+    @property
     def stays(self) -> bool:
         """Whether balls rest on each other all the time."""
         low, high = self.flow.walls
@@ -78,6 +83,19 @@ class Orbit:
     def multipliers(self) -> Floats:
         """Floquet multipliers, largest modulus first."""
         return multipliers_of(self.passage.matrix)
+
+
+def check_taut(orbit: Orbit) -> None:
+    """Raise InputError for an orbit on strings on which one goes slack."""
+    if orbit.slackens:
+        raise InputError(
+            "must be 'rod' for this orbit: a string goes slack "
+            f"{orbit.passage.slack_time:.6g} s after time zero, and orbits are followed on taut "
+            "strings only",
+            parameter="suspension",
+            value="string",
+            way_out="shake less, begin at another orbit, or give suspension='rod'",
+        )
 
 
 def multipliers_of(matrix: Floats) -> Floats:

@@ -70,9 +70,10 @@ def response_period_map(
     xarray.Dataset
         ``response_period``, ``rotation_number``, ``mirror_residual``, ``largest_angle_watched``
         and ``status`` over (drive_amplitude, frequency_ratio), as in `response_period`.
-        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic", "not settled"): the
-        number of ``cells``, their ``share`` of all cells with an answer and ``active_share`` of
-        those not at rest, with the ends of 95 % intervals, ``share_low`` and so on.
+        Over ``motion`` ("rest", "period 1", ... , "grazing", "aperiodic", "not settled", and
+        "slackens" where it occurs): the number of ``cells``, their ``share`` of all cells with an
+        answer and ``active_share`` of those not at rest, with the ends of 95 % intervals,
+        ``share_low`` and so on.
 
     Raises
     ------
@@ -146,7 +147,9 @@ def shares_of(
     masks = {"rest": status == "rest"}
     for p in range(1, longest + 1):
         masks[f"period {p}"] = (status == "periodic") & (period == p)
-    masks |= {name: status == name for name in ("grazing", "aperiodic", "not settled")}
+    others = ["grazing", "aperiodic", "not settled"]
+    others += ["slackens"] if (status == "slackens").any() else []  # on strings only
+    masks |= {name: status == name for name in others}
     cells = np.array([int(mask.sum()) for mask in masks.values()])
     shares: dict[str, NDArray[Any]] = {"cells": cells}
     active = np.where(np.arange(len(cells)) == 0, 0, cells)

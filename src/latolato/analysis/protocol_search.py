@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import checked_nonlinear, increasing
+from latolato.analysis.checks import check_rods, check_vertical, checked_nonlinear, increasing
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_columns, start_options
@@ -168,7 +168,8 @@ def shortest_protocol(
     >>> result.status.item(), f"{np.rad2deg(result.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
     """
-    checked_nonlinear(system)
+    check_rods(checked_nonlinear(system))
+    check_vertical(drive)
     w0 = system.natural_frequency
     amplitude, target = _drive_of(system, drive, frequency_ratio)
     low, high, count = _DEFAULT_FIRST

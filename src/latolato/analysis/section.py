@@ -15,6 +15,7 @@ from latolato.core.quantities import Quantity, Range
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
+from latolato.simulation.record import ON_STRINGS
 from latolato.simulation.run import simulate
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
@@ -59,7 +60,8 @@ def poincare_section(
     -------
     xarray.Dataset
         ``angle`` modulo 2 pi, in [-pi, pi), and ``angular_velocity`` over ``time`` (and ``ball``),
-        with ``status``, that of the run; points after its end are NaN.
+        with ``status``, that of the run; points after its end are NaN. On strings also
+        ``distance``, ``radial_velocity`` and ``slack``, without which a slack ball is not known.
 
     Raises
     ------
@@ -105,6 +107,7 @@ def poincare_section(
         {
             "angle": (dims, wrapped(run["angle"].values)),
             "angular_velocity": (dims, run["angular_velocity"].values),
+            **{name: (dims, run[name].values) for name in ON_STRINGS if name in run},
             "status": str(run.attrs["status"]),
         },
         locals(),

@@ -20,6 +20,7 @@ from latolato.observables.period import (
     find_mirror,
     find_period,
 )
+from latolato.observables.strings import SlackFraction
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import LatoLato, System
 from latolato.sweeps import sweep
@@ -66,7 +67,9 @@ def run_samples(
     slowest = slowest_frequency or drive.drive_frequency  # type: ignore[attr-defined]
     # A little longer, so that the last mark is inside for every rounding.
     duration = math.tau / slowest * (transient_periods + watched.marks - 1) * (1.0 + 1e-12)
-    return sweep(system, drive, axes=axes, duration=duration, observables=[watched], **options)
+    strings = [SlackFraction()] if system.suspension == "string" else []
+    wanted = [watched, *strings]
+    return sweep(system, drive, axes=axes, duration=duration, observables=wanted, **options)
 
 
 def settled_motion(
@@ -194,7 +197,8 @@ def motion_of(
     """Return period, rotation number, symmetry, samples and status of the points of `run_samples`.
 
     Arrays of shape (point,), of samples (point, [ball,] sample), points in C order; `frequency`
-    is that of the drive [rad/s], of the same shape or one number.
+    is that of the drive [rad/s], of the same shape or one number. A ball that hangs on its string
+    and hops straight up and down has the status "slackens" instead of "rest".
     """
     two = system.angles == 2
     codes = np.asarray(grid["status"].values).ravel()
@@ -255,6 +259,9 @@ def motion_of(
     status = np.array(["failed"] * count, dtype="<U12")
     for number, name in enumerate(PERIODICITY):
         status[kind == number] = name
+    if "slack_fraction" in grid:  # a ball that hops straight up and down, which angles do not show
+        hops = (status == PERIODICITY[0]) & (either("slack_fraction") > 0.0)
+        status[hops], period[hops], rotation[hops] = "slackens", math.nan, math.nan
     for number, name in enumerate(STATUS_NAMES):
         if number >= EVENT_LIMIT:
             status[failed & (codes == number)] = name

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.checks import checked_vertical
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
@@ -19,7 +20,7 @@ from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
 from latolato.physics.noise import STREAMS, VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_periodic_drive, checked_system
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -261,7 +262,7 @@ def time_crystal(
     ('locked', '0.500')
     """
     checked_system(system)
-    drive = checked_periodic_drive(drive)
+    drive = checked_vertical(drive)
     ratios = np.array([drive.drive_frequency / system.natural_frequency])
     ratios = ratios if frequency_ratio is None else np.array(frequency_ratio)
     amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -32,7 +33,8 @@ _FACTOR = np.exp(2.0)
 def as_pair(system: LatoLato) -> BallPair:
     """Return the two balls that a mirror-symmetric pair stands for."""
     ball = system.balls[0]
-    return BallPair(right=ball, left=ball, restitution=system.restitution, gravity=system.gravity)
+    shared = {f.name: getattr(system, f.name) for f in fields(BallPair) if hasattr(system, f.name)}
+    return BallPair(right=ball, left=ball, **shared)
 
 
 @analyses.register("pair_symmetry")
@@ -110,7 +112,7 @@ def pair_symmetry(
             parameter="system",
             value=system,
         )
-    driven = checked_drive(drive)
+    driven = checked_drive(drive, system)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]
     optional = {"drive_amplitude": drive_amplitude, "frequency_ratio": frequency_ratio}

@@ -46,7 +46,8 @@ def threshold_amplitude(
     Returns
     -------
     xarray.Dataset
-        ``drive_amplitude`` [m] and ``status``: "found" or "none" (NaN).
+        ``drive_amplitude`` [m] and ``status``: "found", "none" (NaN), or "slackens" (NaN: the
+        string of a ball that hangs still goes slack at a weaker drive).
 
     Raises
     ------
@@ -78,6 +79,12 @@ def threshold_amplitude(
         largest = min(largest_amplitude_ratio * problem.length, problem.largest_amplitude)
         amplitude = threshold(problem, frequency_ratio, largest, order)
     status = "none" if math.isnan(amplitude) else "found"
+    if problem.slackens(frequency_ratio * problem.natural_frequency, amplitude):
+        amplitude, status = math.nan, "slackens"
+        warn(
+            f"at frequency_ratio {frequency_ratio:g} the string goes slack at a drive that leaves "
+            "hanging stable; choose a slower one or give suspension='rod'"
+        )
     if status == "none":
         warn(
             f"no drive up to {largest_amplitude_ratio:g} length makes hanging unstable at "

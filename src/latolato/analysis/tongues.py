@@ -59,14 +59,15 @@ def tongue_edges(
     -------
     xarray.Dataset
         ``low`` and ``high`` [1] and ``status``: "found", "no upper edge" (high is infinite: no
-        fast drive is stable), or "closed" (both NaN: the drag keeps the tongue closed at this
-        amplitude, or the tongue holds no pendulum in this position).
+        fast drive is stable), "closed" (both NaN: the drag keeps the tongue closed at this
+        amplitude, or the tongue holds no pendulum in this position), or "slackens" (a ball that
+        hangs still on its string falls behind the pivot before this edge, which is NaN).
 
     Raises
     ------
     InputError
-        For bad input, balls with a radius or a restitution below 1, and Coulomb friction, which
-        holds every ball near the position.
+        For bad input, balls with a radius or a restitution below 1, Coulomb friction, which holds
+        every ball near the position, drag relative to the room, and balls that stand on strings.
 
     Notes
     -----
@@ -74,7 +75,8 @@ def tongue_edges(
     (anti)periodic Fourier system with drag, whose harmonics are doubled until nothing changes by
     more than 1e-12; the monodromy agrees to 1e-12 where the tongue is wider than 1e-3, and loses
     as the width shrinks, for it sees its square. Quadratic drag has no linear part and does not
-    matter here.
+    matter here. A string is a rod as long as the downward acceleration of the pivot stays below
+    gravity.
 
     Examples
     --------
@@ -104,6 +106,14 @@ def tongue_edges(
     else:
         low, high = tongue(problem, drive_amplitude, order, method)
     status = "closed" if math.isnan(low) else "no upper edge" if math.isinf(high) else "found"
+    w0 = problem.natural_frequency
+    if any(problem.slackens(edge * w0, drive_amplitude) for edge in (low, high)):
+        low = math.nan if problem.slackens(low * w0, drive_amplitude) else low
+        high, status = math.nan, "slackens"
+        warn(
+            f"at drive_amplitude {drive_amplitude:g} m the pivot falls faster than a ball on a "
+            "slack string before the tongue ends; lower it or give suspension='rod'"
+        )
     if status == "closed":
         warn(
             f"the tongue of order {order} is closed at drive_amplitude {drive_amplitude:g} m; "

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.app import STATIC
-from latolato.app.run_request import BEYOND_PAGES, flat_options, options_of
+from latolato.app.run_request import BEYOND_MAPS, flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.versions import FORMAT, version_of
@@ -121,7 +121,7 @@ def _varied(system: Any, drive: Any, *owners: str) -> Iterator[Parameter]:
     yield from (
         parameter
         for parameter in known.values()
-        if parameter.owner in owners and not parameter.name.startswith(BEYOND_PAGES)
+        if parameter.owner in owners and not parameter.name.startswith(BEYOND_MAPS)
     )
 
 
@@ -184,7 +184,7 @@ def shown_option(option: Parameter) -> dict[str, Any]:
         "path": option.path,
         "suggested": option.suggested,
         "is_later": option.is_later,
-        "compiled": option.name not in BEYOND_PAGES,
+        "in_maps": option.name not in BEYOND_MAPS,
     }
 
 

@@ -32,6 +32,11 @@ if TYPE_CHECKING:
 # Samples of a run that is shown: by default as many as files have, up to this number.
 USUAL_SAMPLES = 30_000
 MOST_STROBES = 20_000
+# What is known of contacts beside time and kind; the last three on strings only.
+CONTACT_COLUMNS = (
+    "angular_velocity_before", "angular_velocity_after", "radial_velocity_before",
+    "radial_velocity_after", "contact_ball",
+)  # fmt: skip
 
 
 def compute(request: RunRequest, most_samples: int = USUAL_SAMPLES) -> bytes:
@@ -144,6 +149,7 @@ def arrays_of(
     kinds = np.asarray(run["contact_kind"])
     result["contact_time"] = np.asarray(run["contact_time"], dtype=np.float64)
     result["contact_kind"] = np.array([CONTACT_KINDS.index(str(k)) for k in kinds], dtype=np.uint8)
-    for name in ("angular_velocity_before", "angular_velocity_after"):
-        result[name] = np.atleast_2d(np.asarray(run[name], dtype=dtype))
+    for name in CONTACT_COLUMNS:
+        if name in run:
+            result[name] = np.atleast_2d(np.asarray(run[name], dtype=dtype))
     return result

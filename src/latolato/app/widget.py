@@ -37,7 +37,8 @@ PICTURE_DPI = 100
 # What the player draws.
 _COLUMNS = (
     "angle", "angular_velocity", "pivot_height", "kinetic_energy", "potential_energy",
-    "total_energy", "drive_power", "damping_power", "tension", "pivot_velocity",
+    "total_energy", "drive_power", "damping_power", "tension", "pivot_velocity", "distance",
+    "radial_velocity", "slack", "pivot_across", "pivot_across_velocity",
 )  # fmt: skip
 _ATTRIBUTES = ("natural_frequency", "contact_angle_low", "contact_angle_high")
 # Every way in which a module of the pages names another one.
@@ -214,7 +215,8 @@ def _content() -> str:
     """Return the module that holds the files of the player.
 
     Bytes are letters of the same number. The compiled code is the one without vectors, which runs
-    everywhere and is as fast for single runs.
+    everywhere and is as fast for single runs. That for strings and other motions in the plane would
+    add 75 kB, so a cell only plays these.
     """
     kernels = STATIC / "kernels"
     files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}
@@ -243,4 +245,5 @@ def _registry() -> dict[str, Any]:
     }
     names = ("version", "options", "ratios", "alternatives", "units", "prefixes")
     empty: dict[str, Any] = {"axes": {}, "observables": {}, "scenarios": {}}
-    return {**{name: whole[name] for name in names}, **laws, **empty, "server": False}
+    own = {"server": False, "upright": True}
+    return {**{name: whole[name] for name in names}, **laws, **empty, **own}

@@ -184,13 +184,13 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "drive_phase": Quantity("rad", r"\varphi", "driving phase at time zero"),
     "vertical_amplitude": Quantity(
-        "m", "A_y", "driving amplitude up and down", usual=0.02, first_unit="mm"
+        "m", "A_y", "vertical driving amplitude", usual=0.02, first_unit="mm"
     ),
     "horizontal_amplitude": Quantity(
-        "m", "A_x", "driving amplitude sideways", usual=0.005, first_unit="mm"
+        "m", "A_x", "horizontal driving amplitude", usual=0.005, first_unit="mm"
     ),
-    "vertical_phase": Quantity("rad", r"\varphi_y", "phase up and down at time zero"),
-    "horizontal_phase": Quantity("rad", r"\varphi_x", "phase sideways at time zero"),
+    "vertical_phase": Quantity("rad", r"\varphi_y", "vertical driving phase at time zero"),
+    "horizontal_phase": Quantity("rad", r"\varphi_x", "horizontal driving phase at time zero"),
     "times": Quantity("s", "t_k", "instants", usual=(0.0, 4.0)),
     "ramp": Quantity("s", r"\tau", "time in which the frequency moves to a new stage"),
     "ramps": Quantity("s", r"\tau_k", "time of the change into each stage", usual=(0.1, 0.5)),
@@ -199,10 +199,10 @@ QUANTITIES: dict[str, Quantity] = {
     "pivot_height": Quantity("m", "y_0", "height of the pivot", first_unit="mm"),
     "pivot_velocity": Quantity("m/s", r"\dot y_0", "velocity of the pivot"),
     "pivot_acceleration": Quantity("m/s^2", r"\ddot y_0", "acceleration of the pivot"),
-    "pivot_across": Quantity("m", "x_0", "way of the pivot to the right", first_unit="mm"),
-    "pivot_across_velocity": Quantity("m/s", r"\dot x_0", "velocity of the pivot to the right"),
+    "pivot_across": Quantity("m", "x_0", "horizontal position of the pivot", first_unit="mm"),
+    "pivot_across_velocity": Quantity("m/s", r"\dot x_0", "horizontal velocity of the pivot"),
     "pivot_across_acceleration": Quantity(
-        "m/s^2", r"\ddot x_0", "acceleration of the pivot to the right"
+        "m/s^2", r"\ddot x_0", "horizontal acceleration of the pivot"
     ),
     "frequency_ratio": Quantity("1", r"\omega/\omega_0", "driving over natural frequency"),
     "amplitude_ratio": Quantity("1", "A_0/l", "driving amplitude over length"),
@@ -313,7 +313,7 @@ QUANTITIES: dict[str, Quantity] = {
         "m", r"\sigma_{A_n}", "standard deviation of the amplitude of a multiple"
     ),
     "pivot_height_fit": Quantity("m", r"y_{0,fit}", "fitted height of the pivot"),
-    "pivot_across_fit": Quantity("m", r"x_{0,fit}", "fitted way of the pivot to the right"),
+    "pivot_across_fit": Quantity("m", r"x_{0,fit}", "fitted horizontal position of the pivot"),
     "pivot_height_residual": Quantity("m", r"\Delta y_0", "measured minus fitted height"),
     "ball_number": Quantity("1", "", "ball, 1 is the right one"),
     "window_start": Quantity("s", "t_w", "start of a window"),

@@ -1,4 +1,4 @@
-"""Animations of a run: pivot, rods and balls to scale, beside the curves with a moving cursor."""
+"""Animations of a run: pivot, rods or strings and balls to scale, beside curves with a cursor."""
 
 from __future__ import annotations
 
@@ -37,6 +37,8 @@ _ALMOST_WHITE = 246
 _UNCHANGED = 255
 # A ball of unknown or zero radius is drawn with this share of the length.
 _SHOWN_RADIUS = 0.04
+# A string is slack below this share of its length, and drawn with so many points.
+_TAUT, _POINTS = 1.0 - 1e-6, 33
 # Length of the zoomed curve, in natural periods.
 _WINDOW = 8.0
 
@@ -151,7 +153,10 @@ class Scene:
         self._time = run["time"].values
         self._angles = ball_angles(run)
         self._pivot = run["pivot_height"].values
+        in_plane = "pivot_across" in run
+        self._across = run["pivot_across"].values if in_plane else np.zeros_like(self._pivot)
         self._lengths, self._radii = _sizes(run)
+        self._distances = _distances(run, self._lengths)
         width, height = size
         dpi = width / style.PAGE
         figure = Figure(figsize=(style.PAGE, height / dpi), dpi=dpi)
@@ -165,13 +170,19 @@ class Scene:
 
     def picture(self, instant: float) -> Pixels:
         """Return the picture at an instant [s], shape (height, width, 4)."""
-        height = float(np.interp(instant, self._time, self._pivot))
+
+        def now(values: Floats) -> float:
+            return float(np.interp(instant, self._time, values))
+
+        across, height = now(self._across), now(self._pivot)
+        self._block.set_x(across - 0.5 * self._block.get_width())
         self._block.set_y(height - 0.5 * self._block.get_height())
         for name, angle in self._angles.items():
-            now, length = float(np.interp(instant, self._time, angle)), self._lengths[name]
-            x, y = length * math.sin(now), height - length * math.cos(now)
-            self._rods[name].set_data([0.0, x], [height, y])
-            self._balls[name].set_center((x, y))
+            turned, distance = now(angle), now(self._distances[name])
+            x, y = distance * math.sin(turned), -distance * math.cos(turned)
+            string = string_points(x, y, self._lengths[name])
+            self._rods[name].set_data(across + string[0], height + string[1])
+            self._balls[name].set_center((across + x, height + y))
         self._clock.set_text(f"t = {instant:.2f} s")
         self._cursor.set_xdata([instant, instant])
         half = 0.5 * self._window
@@ -199,9 +210,10 @@ class Scene:
         longest = max(self._lengths.values())
         reach, low, high = 0.0, self._pivot.min(), self._pivot.max()
         for name, angle in self._angles.items():
-            length, radius = self._lengths[name], self._radii[name]
-            heights = self._pivot - length * np.cos(angle)
-            reach = max(reach, length * float(np.abs(np.sin(angle)).max()) + radius)
+            distance, radius = self._distances[name], self._radii[name]
+            heights = self._pivot - distance * np.cos(angle)
+            ways = self._across + distance * np.sin(angle)
+            reach = max(reach, float(np.abs(ways).max()) + radius)
             low = min(low, float(heights.min()) - radius)
             high = max(high, float(heights.max()) + radius)
         # Both directions get the scale at which the motion fits with a margin.
@@ -211,8 +223,7 @@ class Scene:
         middle = 0.5 * (low + high)
         axes.set_xlim(-0.5 * scale * box.width, 0.5 * scale * box.width)
         axes.set_ylim(middle - 0.5 * scale * box.height, middle + 0.5 * scale * box.height)
-        guide = [float(self._pivot.min()), float(self._pivot.max())]
-        axes.plot([0.0, 0.0], guide, color=style.PALE_GREY, lw=6.0, solid_capstyle="round")
+        axes.plot(self._across, self._pivot, color=style.PALE_GREY, lw=6.0, solid_capstyle="round")
         width, height = 0.10 * longest, 0.05 * longest
         block = Rectangle((-0.5 * width, 0.0), width, height, fc=style.GREY, ec=style.INK)
         self._rods: dict[str, Any] = {}
@@ -254,6 +265,39 @@ class Scene:
         for name in self._angles:
             (line,) = part.plot([], [], color=colours[name])
             self._zoomed[name] = self._add(part, line)
+
+
+def string_points(x: float, y: float, length: float) -> Floats:
+    """Return a string from the pivot to a ball at (x, y) [m], shape (2, point).
+
+    A slack one is the arc of a parabola, ``u (x, y) - (0, 4 sag u (1 - u))``, of its own length.
+    """
+    from scipy.optimize import brentq
+
+    if math.hypot(x, y) >= _TAUT * length:
+        return np.array([[0.0, x], [0.0, y]])
+    h = max(abs(x), 1e-9 * length)
+
+    def area(rise: float) -> float:
+        return 0.5 * (rise * math.hypot(h, rise) + h * h * math.asinh(rise / h))
+
+    def excess(sag: float) -> float:  # the slope changes steadily along the arc
+        return (area(y + 4.0 * sag) - area(y - 4.0 * sag)) / (8.0 * sag) - length
+
+    sag = brentq(excess, 1e-6 * length, length)
+    u = np.linspace(0.0, 1.0, _POINTS)
+    return np.array([u * x, u * y - 4.0 * sag * u * (1.0 - u)])
+
+
+def _distances(run: xr.Dataset, lengths: dict[str, float]) -> dict[str, Floats]:
+    """Return how far every ball is from the pivot [m], shape (time,)."""
+    if "distance" not in run:
+        return {name: np.full(run.sizes["time"], length) for name, length in lengths.items()}
+    by_ball = "ball" in run["distance"].dims
+    return {
+        name: run["distance"].sel(ball=name).values if by_ball else run["distance"].values
+        for name in lengths
+    }
 
 
 def _sizes(run: xr.Dataset) -> tuple[dict[str, float], dict[str, float]]:

@@ -17,8 +17,10 @@ import latolato.figures
 from latolato.core.registry import suggest
 from latolato.figures import chain_table
 from latolato.figures.claim import FILE, Evidence, Statement, read_statements
+from latolato.figures.finding import Finding
 
 _MODULE = re.compile(r"fig\d\d\w*|text_\w+")
+_RESULT = re.compile(r"strings_\w+")
 
 
 def evidence() -> dict[str, Evidence]:
@@ -29,8 +31,7 @@ def evidence() -> dict[str, Evidence]:
     ValueError
         If ``claims.toml`` holds claims of something that does not exist.
     """
-    modules = [module.name for module in pkgutil.iter_modules(latolato.figures.__path__)]
-    names = sorted([*filter(_MODULE.fullmatch, modules), *chain_table.FIGURES])
+    names = sorted([*_modules(_MODULE), *chain_table.FIGURES])
     statements = read_statements(FILE)
     for name in statements:
         if name not in names:
@@ -43,6 +44,11 @@ def figures() -> dict[str, Evidence]:
     return {name: each for name, each in evidence().items() if each.draw}
 
 
+def results() -> dict[str, Finding]:
+    """Return the results beyond the paper, by name."""
+    return {name: _result(name) for name in _modules(_RESULT)}
+
+
 def title_of(name: str) -> str:
     """Return what a figure is called in the report.
 
@@ -53,6 +59,26 @@ def title_of(name: str) -> str:
     """
     number, _, way = name.removeprefix("fig").lstrip("0").partition("_")
     return f"Figure {number}" + (" through the chain" if way == "chain" else "")
+
+
+def _modules(pattern: re.Pattern[str]) -> list[str]:
+    """Return the modules of this package whose whole name matches, sorted."""
+    modules = (module.name for module in pkgutil.iter_modules(latolato.figures.__path__))
+    return sorted(filter(pattern.fullmatch, modules))
+
+
+def _result(name: str) -> Finding:
+    """Return the result of a module of this package."""
+    module = importlib.import_module(f"latolato.figures.{name}")
+    return Finding(
+        title=module.TITLE,
+        caption=module.CAPTION,
+        finding=module.FINDING,
+        check=module.CHECK,
+        data=module.data,
+        numbers=module.numbers,
+        draw=module.draw,
+    )
 
 
 def _evidence(name: str, statements: tuple[Statement, ...]) -> Evidence:

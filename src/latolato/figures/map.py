@@ -35,7 +35,10 @@ CLASSES: dict[str, dict[str, str]] = {
     "status": dict(
         zip(
             (name.replace("_", " ") for name in STATUS_NAMES),
-            (style.PALE_BLUE, style.ORANGE, style.BLUE, style.RED, style.INK, style.GREEN),
+            (
+                *(style.PALE_BLUE, style.ORANGE, style.BLUE, style.RED, style.INK, style.GREEN),
+                style.SKY,
+            ),
             strict=True,
         )
     ),

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 # Parameters that the lines name.
 _PARAMETERS = (
-    *("length", "mass", "radius", "restitution", "damping", "quadratic_damping"),
-    *("coulomb_damping", "initial_angle", "initial_offset", "drive_amplitude", "frequency_ratio"),
-    *("drive_frequency", "duration", "transient"),
+    *("length", "mass", "radius", "restitution", "string_restitution", "damping"),
+    *("quadratic_damping", "coulomb_damping", "initial_angle", "initial_offset"),
+    *("initial_distance", "drive_amplitude", "vertical_amplitude", "horizontal_amplitude"),
+    *("frequency_ratio", "drive_frequency", "duration", "transient"),
 )
 # Parameters of observables, which the lines name with these only.
 _OF_VARIABLE = {
@@ -34,6 +35,10 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
     varied = {str(name) for name, c in grid.coords.items() if c.dims}
     varied.add(attributes.get("parameter", ""))  # that a branch is followed along
     words = [f"{attributes.get('system', 'sweep')}"]
+    if attributes.get("suspension") == "string":
+        words[0] += " on strings"
+    if attributes.get("drag_frame") == "lab":
+        words.append("in air at rest in the room")
     targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
     others = []
     for name in (*_PARAMETERS, *_OF_VARIABLE.get(variable, ())):

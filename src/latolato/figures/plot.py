@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
+from latolato.core.registry import suggest
 from latolato.figures import style
+from latolato.simulation.record import ON_STRINGS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,8 +34,9 @@ def plot(
 ) -> Figure:
     """Return a figure of a run, of an analysis, or of one variable of a sweep over parameters.
 
-    A run shows its angles, its energies, where these came from and went, and the pivot; an analysis
-    its result. The further arguments belong to sweeps over one or two parameters.
+    A run shows its angles, its energies, where these came from and went, and the pivot, and where
+    strings go slack the distances of the balls; an analysis shows its result. The arguments after
+    `variable` belong to sweeps over one or two parameters.
 
     Parameters
     ----------
@@ -41,7 +44,8 @@ def plot(
         What `latolato.simulate`, `latolato.sweep`, `latolato.load` or a function of
         `latolato.analysis` returned.
     variable : str, optional
-        What to draw; by default the first.
+        What to draw of a sweep, by default the first; of a run the only thing to draw, over time,
+        such as ``"tension"``.
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
@@ -60,7 +64,8 @@ def plot(
     ------
     InputError
         If `run` holds no run, sweep or analysis that can be drawn; for unknown names, too
-        many dimensions left and overlays that the axes cannot carry.
+        many dimensions left, overlays that the axes cannot carry, and what only strings have where
+        balls hang on rods.
 
     Notes
     -----
@@ -90,10 +95,17 @@ def plot(
         return drawing.curves()
     if kind == "run" and ("angle" not in run or "time" not in run.dims):
         raise InputError("plot needs a run: a dataset with angle over time, a sweep or an analysis")
+    if kind == "run" and variable and not (log or curves or select or overlays or points):
+        from latolato.figures.run import draw_variable
+
+        _check_over_time(run, variable)
+        return draw_variable(run[[variable]])
     if variable or log or curves or select or overlays or points:
         article = "an" if kind == "analysis" else "a"
         raise InputError(
             f"{article} {kind} is drawn whole: variable, log and the like belong to sweeps"
+            if kind != "run"
+            else "of a run one variable can be drawn: log and the like belong to sweeps"
         )
     if kind == "run":
         from latolato.figures.run import draw_run
@@ -103,6 +115,22 @@ def plot(
         figure: Figure = module_of(kind, run.attrs[kind]).draw(run)
         return figure
     return _draw_with_verdict(run)
+
+
+def _check_over_time(run: xr.Dataset, name: str) -> None:
+    """Raise InputError unless a run has such a variable over time."""
+    if name in run and "time" in run[name].dims and name != "time":
+        return
+    if name in (*ON_STRINGS, "retension_loss"):
+        raise InputError(
+            "is known of balls on strings, and this run is of rods: the tension of a rod, where it "
+            "is negative, is no string that is slack",
+            parameter="variable",
+            value=name,
+            way_out="simulate with suspension='string', or draw 'tension' as that of the rod",
+        )
+    known = [str(each) for each in run.data_vars if "time" in run[each].dims]
+    raise InputError(f"unknown variable '{name}' of a run: {suggest(name, known)}")
 
 
 @style.styled

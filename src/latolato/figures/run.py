@@ -8,7 +8,7 @@ import numpy as np
 
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
-from latolato.figures.curves import with_contacts
+from latolato.figures.curves import OF_STRINGS, with_contacts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +28,7 @@ LEDGER = {
     "damping_loss": style.GREY,
     "impact_loss": style.RED,
     "capture_loss": style.ORANGE,
+    "retension_loss": style.SKY,
     "noise_work": style.BLUE,
 }
 # Marker and colour of every kind of contact.
@@ -36,10 +37,14 @@ MARKS = {
     "top": ("^", style.GREEN),
     "rest": ("s", style.RED),
     "release": ("o", style.ORANGE),
+    "slack": ("<", style.SKY),
+    "taut": (">", style.BLUE),
 }
 _MARK_SIZE = 7.0  # points squared
 # Works and losses below this share of the largest energy are rounding.
 _INVISIBLE = 1e-9
+# Entries of a legend that have room beside a title.
+_MOST = 4
 
 
 def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
@@ -52,6 +57,11 @@ def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
     return {"ball": angle}
 
 
+def _words(ball: str) -> str:
+    """Return what a ball is called in a legend."""
+    return ball if ball == "ball" else f"{ball} ball"
+
+
 def draw_angles(axes: Axes, run: xr.Dataset) -> None:
     """Draw the angle of every ball over time."""
     balls = ball_angles(run)
@@ -62,7 +72,7 @@ def draw_angles(axes: Axes, run: xr.Dataset) -> None:
             angle,
             color=colours.get(name, style.BLUE),
             lw=style.THIN,
-            label=f"{name} ball",
+            label=_words(name),
         )
     style.show_unit(axes.yaxis, run["angle"], short=True)
     if len(balls) > 1:
@@ -82,27 +92,89 @@ def draw_angle_strip(run: xr.Dataset) -> Figure:
 @style.styled
 def draw_run(run: xr.Dataset) -> Figure:
     """Return the figure of a run."""
+    goes_slack = "slack" in run and bool(run["slack"].any())
+    rows = {"angles": 1.5, "distances": 0.8, "energies": 1.0, "ledger": 1.0, "pivot": 0.6}
+    if not goes_slack:
+        del rows["distances"]
+    heights = list(rows.values())
     figure, panels = style.new_figure(
-        4, sharex=True, height=1.15 * style.PAGE, height_ratios=[1.5, 1.0, 1.0, 0.6]
+        len(rows), sharex=True, height=0.28 * style.PAGE * sum(heights), height_ratios=heights
     )
-    angles, energies, ledger, pivot = panels[:, 0]
+    axes = dict(zip(rows, panels[:, 0], strict=True))
     curves = with_contacts(run)
-    draw_angles(angles, curves)
-    _draw_contacts(angles, curves)
-    _draw_curves(energies, curves, ENERGIES)
-    _draw_curves(ledger, curves, LEDGER)
-    _draw_balance(ledger, curves)
-    pivot.plot(run["time"], run["pivot_height"], color=style.INK)
-    style.show_unit(pivot.yaxis, run["pivot_height"], short=True)
-    pivot.set_xlabel(style.label(run["time"]))
-    for axes, letter, text in zip(
-        panels[:, 0],
-        "abcd",
-        (_angles_title(run), f"Energies{_whose(run)}", f"Ledger{_whose(run)}", "Pivot"),
-        strict=True,
-    ):
-        style.panel_title(axes, letter, text)
+    draw_angles(axes["angles"], curves)
+    _draw_contacts(axes["angles"], curves)
+    if goes_slack:
+        _draw_distances(axes["distances"], run, curves)
+    _draw_curves(axes["energies"], curves, ENERGIES)
+    _draw_curves(axes["ledger"], curves, LEDGER)
+    _draw_balance(axes["ledger"], curves)
+    _draw_pivot(axes["pivot"], run)
+    axes["pivot"].set_xlabel(style.label(run["time"]))
+    titles = {
+        "angles": _angles_title(run),
+        "distances": "Distance from the pivot (shaded while the string is slack)",
+        "energies": f"Energies{_whose(run)}",
+        "ledger": f"Ledger{_whose(run)}",
+        "pivot": "Pivot",
+    }
+    for letter, name in zip("abcde", rows, strict=False):
+        style.panel_title(axes[name], letter, titles[name])
     return figure
+
+
+@style.styled
+def draw_variable(run: xr.Dataset) -> Figure:
+    """Return a figure of the only variable over time; tensions are those of rod or string."""
+    (values,) = run.data_vars.values()
+    figure, panels = style.new_figure(1)
+    axes = panels[0, 0]
+    balls = [str(ball) for ball in values["ball"].values] if "ball" in values.dims else ["ball"]
+    for ball, row in zip(balls, np.atleast_2d(values.values), strict=True):
+        colour = style.RED if ball == "left" else style.BLUE
+        axes.plot(values["time"], row, color=colour, lw=style.THIN, label=_words(ball))
+    if len(balls) > 1:
+        _legend(axes)
+    if float(values.min()) < 0.0 < float(values.max()):
+        axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
+    style.show_unit(axes.yaxis, values, short=True)
+    axes.set_xlabel(style.label(values["time"]))
+    text = str(values.attrs.get("long_name", values.name))
+    if "tension of the rod" in text:
+        text += " (negative: the rod is pushed, and a string would be slack)"
+    axes.set_title(f"{text[:1].upper()}{text[1:]}", loc="left", fontsize=style.SMALL)
+    return figure
+
+
+def _draw_distances(axes: Axes, run: xr.Dataset, curves: xr.Dataset) -> None:
+    """Draw the distance of every ball over time, shaded where its string is slack."""
+    distances = np.atleast_2d(curves["distance"].values)
+    for i, slack in enumerate(np.atleast_2d(run["slack"].values)):
+        colour, pale = (style.RED, style.PALE_RED) if i else (style.BLUE, style.PALE_BLUE)
+        axes.plot(curves["time"], distances[i], color=colour, lw=style.THIN)
+        axes.fill_between(
+            run["time"],
+            0.0,
+            1.0,
+            where=slack == 1,
+            transform=axes.get_xaxis_transform(),
+            color=pale,
+            alpha=0.6,
+            lw=0.0,
+            zorder=0,
+        )
+    style.show_unit(axes.yaxis, run["distance"], short=True)
+
+
+def _draw_pivot(axes: Axes, run: xr.Dataset) -> None:
+    """Draw the pivot's height over time, and its way to the right if it has one."""
+    axes.plot(run["time"], run["pivot_height"], color=style.INK, label="upwards")
+    style.show_unit(axes.yaxis, run["pivot_height"], short=True)
+    if "pivot_across" in run and np.nanmax(np.abs(run["pivot_across"].values), initial=0.0) > 0.0:
+        axes.plot(run["time"], run["pivot_across"], color=style.GREEN, label="to the right")
+        axes.set_ylabel("")
+        style.show_unit(axes.yaxis, run["pivot_height"].assign_attrs(symbol="x_0, y_0"), short=True)
+        _legend(axes)
 
 
 def _draw_contacts(axes: Axes, run: xr.Dataset) -> None:
@@ -111,16 +183,19 @@ def _draw_contacts(axes: Axes, run: xr.Dataset) -> None:
         return
     kinds = run["contact_kind"].values
     for kind, (marker, colour) in MARKS.items():
-        times = run["contact_time"].values[kinds == kind]
+        count = int((kinds == kind).sum())
         for i, angle in enumerate(ball_angles(run, "contact_angle").values()):
-            if times.size:
+            these = kinds == kind
+            if kind in OF_STRINGS and "contact_ball" in run:
+                these &= run["contact_ball"].values == i + 1
+            if count:
                 axes.scatter(
-                    times,
-                    angle[kinds == kind],
+                    run["contact_time"].values[these],
+                    angle[these],
                     s=_MARK_SIZE,
                     linewidths=0.0,
                     zorder=3,
-                    label=None if i else f"{kind} ({times.size})",
+                    label=None if i else f"{kind} ({count})",
                     marker=marker,
                     color=colour,
                 )
@@ -184,12 +259,15 @@ def _legend(axes: Axes) -> None:
     """Put the legend above the panel, where it hides nothing."""
     handles, texts = axes.get_legend_handles_labels()
     if handles:
+        is_long = len(handles) > _MOST
         legend = axes.legend(
             handles,
             texts,
             **style.ABOVE,
             ncols=len(handles),
-            columnspacing=1.2,
+            columnspacing=0.8 if is_long else 1.2,
+            handlelength=1.0 if is_long else None,
+            handletextpad=0.4 if is_long else None,
             borderpad=0.0,
         )
         for line in legend.get_lines():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -116,7 +116,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
         raise InputError(
             f"{suffix} files hold runs and sweeps", way_out="use .nc for other datasets"
         )
-    if dataset.attrs.get("contact", "none") != "none":
+    if _has_contacts(dataset.attrs):
         # The inner one is put in place first: the file that is asked for appears with its contacts.
         with atomic_path(path) as first, atomic_path(_contacts_path(path)) as second:
             write(dataset, "time", first)
@@ -184,7 +184,7 @@ def _read_tables(path: Path, suffix: str) -> xr.Dataset:
 
         return from_table({name: values for name, (values, _) in columns.items()}, attributes)
     contacts: Columns = {}
-    if attributes.get("contact", "none") != "none":
+    if _has_contacts(attributes):
         contacts, _ = _read(_contacts_path(path), suffix)
     return _assembled(columns, contacts, attributes)
 
@@ -241,6 +241,12 @@ def reading(path: Path) -> Iterator[None]:
             f"'{path}' is damaged or was not written by latolato ({error})",
             way_out="compute it again or take a copy",
         ) from error
+
+
+def _has_contacts(attributes: Mapping[Any, Any]) -> bool:
+    """Return whether a run may have contacts: of balls, or of a string that becomes taut."""
+    meets = attributes.get("contact", "none") != "none"
+    return meets or attributes.get("suspension") == "string"
 
 
 def _contacts_path(path: Path) -> Path:
@@ -398,4 +404,6 @@ def _base(name: str) -> str:
 
 def _kind(name: str) -> type:
     """Return the type of a column's values."""
-    return str if name in ("contact_kind", "direction") else float
+    if name in ("contact_kind", "direction"):
+        return str
+    return np.int8 if _base(name) in ("slack", "contact_ball") else float

@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from latolato.core.errors import InputError
-from latolato.figures.claim import Claim, Verdict
+from latolato.figures.claim import Claim, Evidence, Verdict
 from latolato.report.powers import rewritten_powers
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from latolato.figures.finding import Finding
 
 # Shapes beside the words, so that no verdict depends on colour alone.
 SHAPES = {
@@ -99,8 +101,9 @@ def reproduce(
     Notes
     -----
     Written are ``index.html`` (self-contained: it shows without a network and without the other
-    files), for each figure ``figNN.png``, ``figNN.svg`` and ``figNN.nc``, and a ``text_*.nc`` for
-    each set of runs behind claims without a figure. An interrupted call leaves an earlier report
+    files), for each figure ``figNN.png``, ``figNN.svg`` and ``figNN.nc``, the same for each result
+    on strings (``strings_*``), and a ``text_*.nc`` for each set of runs behind claims without a
+    figure. An interrupted call leaves an earlier report
     as it was. Figures that go through a synthetic video are left out without the extra `video`,
     which the page and the result say.
     """
@@ -155,13 +158,14 @@ def _write(
         films = [name for name, entry in entries.items() if entry.needs_video]
         left_out = tuple(f"{catalogue.title_of(name)}: {chain.MISSING}" for name in films)
         entries = {name: entry for name, entry in entries.items() if name not in films}
+    everything: dict[str, Evidence | Finding] = {**entries, **catalogue.results()}
     parts = []
-    for done, (name, entry) in enumerate(entries.items()):
+    for done, (name, entry) in enumerate(everything.items()):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)
-            more = {"full": True} if full and entry.needs_video else {}
+            more = {"full": True} if full and getattr(entry, "needs_video", False) else {}
             dataset = entry.data(quick=quick, **more)
-        tell((done + _COMPUTED) / len(entries))
+        tell((done + _COMPUTED) / len(everything))
         if entry.draw:
             figure = entry.draw(dataset)
             for suffix in (".png", ".svg"):
@@ -174,11 +178,12 @@ def _write(
                 title=entry.title,
                 caption=entry.caption if entry.draw else None,
                 dataset=dataset,
-                claims=tuple(entry.judge(dataset)),
+                claims=tuple(entry.judge(dataset)) if isinstance(entry, Evidence) else (),
+                words=None if isinstance(entry, Evidence) else entry.words(dataset),
                 warnings=tuple(dict.fromkeys(str(warning.message) for warning in caught)),
             )
         )
-        tell((done + 1.0) / len(entries))
+        tell((done + 1.0) / len(everything))
     page = render(parts, folder, quick=quick, left_out=left_out)
     with atomic_path(folder / INDEX) as unfinished:  # an error then names the file
         unfinished.write_text(page, encoding="utf-8")

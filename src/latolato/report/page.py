@@ -88,7 +88,10 @@ ERRATA = (
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """One module's share of the report; `caption` is None for text without a picture."""
+    """One module's share of the report; `caption` is None for text without a picture.
+
+    A result beyond the paper has `words` instead of claims: what was found, how it was checked.
+    """
 
     name: str
     title: str
@@ -96,6 +99,7 @@ class Part:
     dataset: xr.Dataset
     claims: tuple[Claim, ...]
     warnings: tuple[str, ...]
+    words: tuple[str, str] | None = None
 
 
 def render(
@@ -106,8 +110,17 @@ def render(
 
     claims = [claim for part in parts for claim in part.claims]
     template = Template(files("latolato.report").joinpath("report.html").read_text("utf-8"))
-    sections = ("claims", "later", "figures", "errata", "method", "rerun", "cite")
-    names = ("Claims", "Still open", "Figures", "Errata", "Method", "Compute again", "Cite")
+    sections = ("claims", "later", "figures", "strings", "errata", "method", "rerun", "cite")
+    names = (
+        "Claims",
+        "Still open",
+        "Figures",
+        "Strings",
+        "Errata",
+        "Method",
+        "Compute again",
+        "Cite",
+    )
     contents = "".join(
         f'<li><a href="#{section}">{name}</a></li>'
         for section, name in zip(sections, names, strict=True)
@@ -138,7 +151,10 @@ def render(
         ),
         claims=_claims(claims),
         deferred=_left_out(left_out) + _deferred({claim.name for claim in claims}),
-        figures="".join(_figure(part, folder) for part in parts if part.caption is not None),
+        figures="".join(
+            _figure(part, folder) for part in parts if part.caption is not None and not part.words
+        ),
+        strings="".join(_figure(part, folder) for part in parts if part.words),
         errata=_list(ERRATA),
         method=_method(parts),
         rerun=_rerun(parts),
@@ -257,7 +273,7 @@ def _left_out(texts: Sequence[str]) -> str:
 def _figure(part: Part, folder: Path) -> str:
     """Return one figure with its caption, parameters and files."""
     picture = base64.b64encode((folder / f"{part.name}.png").read_bytes()).decode("ascii")
-    name = title_of(part.name)
+    name = "" if part.words else f"{title_of(part.name)}: "
     source = f"data:image/png;base64,{picture}"
     links = ", ".join(
         f'<a href="{part.name}{suffix}">{part.name}{suffix}</a>'
@@ -268,16 +284,26 @@ def _figure(part: Part, folder: Path) -> str:
         f"({escape(claim.verdict.value)})"
         for claim in part.claims
     )
+    claims = "" if part.words else f"Claims: {judged or 'none'}. "
     pieces = (
         f'<figure class="plate" id="{part.name}"><div class="paper">',
-        f'<img alt="{name}: {escape(part.title)}" src="{source}"></div><figcaption>',
-        f"<h3>{name}. {_text(part.title)}</h3><p>{_text(part.caption or '')}</p>",
+        f'<img alt="{name}{escape(part.title)}" src="{source}"></div><figcaption>',
+        f"<h3>{name.replace(': ', '. ')}{_text(part.title)}</h3><p>{_text(part.caption or '')}</p>",
         _assumed(claim.assumption for claim in part.claims),
-        f'<p class="meta">Claims: {judged or "none"}. {_ledger_sentence(part.dataset)}</p>',
+        _words(part.words),
+        f'<p class="meta">{claims}{_ledger_sentence(part.dataset)}</p>',
         f"<details><summary>Parameters</summary>{_parameters(part.dataset)}</details>",
         f'<p class="files">Files beside this page: {links}</p></figcaption></figure>',
     )
     return "".join(pieces)
+
+
+def _words(words: tuple[str, str] | None) -> str:
+    """Return what a result beyond the paper says."""
+    if words is None:
+        return ""
+    finding, check = words
+    return f"<p>{_text(finding)}</p><p><b>Checked:</b> {_text(check)}</p>"
 
 
 def _scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:

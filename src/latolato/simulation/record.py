@@ -88,6 +88,8 @@ class Record:
             coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
             attrs = (BALL if name == "ball" else QUANTITIES[name]).attributes
+            if name == "tension" and self.system.suspension == "string":
+                attrs["long_name"] = "tension of the string"
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
                 attrs["long_name"] += ", both balls" if of_both else ", per ball"

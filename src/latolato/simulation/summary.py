@@ -21,13 +21,18 @@ _COPIED = (
     "energy_residual",
     "compression_time",
     "compression_fraction",
+    "first_slack",
+    "slack_fraction",
+    "largest_string_impulse",
 )
 
 
 def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     """Return a run's largest angle, contacts by kind, energy residual, compression time and status.
 
-    Values are as JSON knows them: None for a compression time that never came, lists for two balls.
+    On strings the first time and the share of time of slackness and the largest impulse take the
+    place of compression. Values are as JSON knows them: None for a compression time that never
+    came, lists for two balls.
 
     Examples
     --------

@@ -14,7 +14,7 @@ const LAYOUT = {
   bundles: { task: [{ name: "order", type: "i8", dimensions: 1 },
     { name: "points.stops", type: "f8", dimensions: 2 }, { name: "gravity", type: "f8" },
     { name: "limit", type: "i8" }] },
-  modules: { small: ["engine", "angles.step"] },
+  modules: { small: ["engine", "angles.step"] }, rows: { upright: {}, plane: {} },
 };
 const PIECES = [3, 8];
 
@@ -25,7 +25,7 @@ function small() {
   const called = [];
   const engine = (at) => called.push([...new BigInt64Array(memory.buffer, at, 10)]);
   const exports = { memory, pieces: { value: 16 }, __heap_base: { value: 100 }, engine };
-  return { kernels: new Kernels(exports, LAYOUT.modules.small, LAYOUT), called };
+  return { kernels: new Kernels(exports, LAYOUT, "small"), called };
 }
 
 test("arrays lie one behind the other, aligned and zero, also where others lay before", () => {

@@ -61,7 +61,7 @@ test("a history leaves out what no picture can show", () => {
 
 test("a mirrored ball is drawn on the other side", () => {
   const ball = { length: 2, radius: 0.1, mass: 1 };
-  const motion = new LiveMotion({ time: 0, angles: [Math.PI / 2], velocities: [0],
+  const motion = new LiveMotion({ time: 0, distances: [2], angles: [Math.PI / 2], velocities: [0],
     controls: { drive_amplitude: 0.1 }, pivot: { height: 0.05, velocity: 0, acceleration: 0 },
     system: { gravity: 9.8, contacts: true, balls: [ball] } }, new History([]));
   const [right, left] = motion.pose().balls;
@@ -71,11 +71,11 @@ test("a mirrored ball is drawn on the other side", () => {
 });
 
 test("a trail goes through what the history has of the last moment", () => {
-  const history = new History(["right", "left", "pivot"]);
+  const history = new History(["right", "left", "far", "other", "pivot"]);
   for (let k = 0; k < 60; k += 1)
-    history.add(k / 60, { right: k, left: -k, pivot: 0.001 * k });
+    history.add(k / 60, { right: k, left: -k, far: 2, other: 2, pivot: 0.001 * k });
   const ball = { length: 2, radius: 0.1, mass: 1 };
-  const motion = new LiveMotion({ time: 1, angles: [Math.PI / 3], velocities: [0],
+  const motion = new LiveMotion({ time: 1, distances: [2], angles: [Math.PI / 3], velocities: [0],
     controls: { drive_amplitude: 0.1 }, pivot: { height: 0.06, velocity: 0, acceleration: 0 },
     system: { gravity: 9.8, contacts: true, balls: [ball] } }, history);
   const poses = motion.recent(1, 5.5 / 60);

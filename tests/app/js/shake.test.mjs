@@ -22,12 +22,12 @@ const LOST = ["damping_loss", "impact_loss", "capture_loss"];
 
 function latoLato(drive = COSINE) {
   const system = { kind: "latolato", angles: 1, contacts: true, linear: false, gravity: GRAVITY,
-    restitution: 0.9, balls: [BALL], naturalFrequency: Math.sqrt(GRAVITY / BALL.length), low: LOW,
+    restitution: 0.9, suspension: "rod", string_restitution: 0, drag_frame: "pivot", balls: [BALL], naturalFrequency: Math.sqrt(GRAVITY / BALL.length), low: LOW,
     high: Math.PI - LOW };
   const drives = { harmonic: { options: [] }, measured_pivot: { options: [] } };
   return new Toy(one, { kernels: shared, system, contact: "exact", restSpeed: 1e-7, frame: "pivot",
     registry: { systems: { latolato: { options: [] } }, drives, options: {}, ratios: {} },
-    contactLimit: 1e6, angles: [LOW], velocities: [0] }, drive);
+    contactLimit: 1e6, angles: [LOW], velocities: [0], distances: [] }, drive);
 }
 
 /** A phone that is shaken along the vertical, with events that do not keep step with the frames. */

@@ -8,9 +8,9 @@ import { SAME } from "../../../src/latolato/app/static/js/live/recording.js";
 import { MOST_BEHIND, Pace } from "../../../src/latolato/app/static/js/live/pace.js";
 import { Toy } from "../../../src/latolato/app/static/js/live/toy.js";
 
-const one = await startKernels("one");
-const two = await startKernels("two");
-const shared = await loadKernels("one"); // for runs
+const upright = [await startKernels("one"), await startKernels("two")];
+const inPlane = [await startKernels("plane_one"), await startKernels("plane_two")];
+const shared = { rod: await loadKernels("one"), string: await loadKernels("plane_one") }; // for runs
 const registry = { systems: { latolato: { options: [] }, pendulum: { options: [] } } };
 const DRAGS = { quadratic_damping: 0, coulomb_damping: 0 };
 const BALL = { length: 0.245, mass: 0.106, damping: 0.005, radius: 0.0196, ...DRAGS };
@@ -22,13 +22,15 @@ const LEDGER = { gained: ["drive_work", "noise_work"],
   lost: ["damping_loss", "impact_loss", "capture_loss"] };
 
 function toyOf({ balls = [BALL], contacts = true, restitution = 0.9, angles, velocities,
-  drive = COSINE, linear = false }) {
+  drive = COSINE, linear = false, suspension = "rod" }) {
   const system = { kind: balls.length > 1 ? "ballpair" : contacts ? "latolato" : "pendulum",
-    angles: balls.length, contacts, linear, gravity: 9.8, restitution, balls,
+    angles: balls.length, contacts, linear, gravity: 9.8, restitution, balls, suspension,
+    string_restitution: 0, drag_frame: "pivot",
     naturalFrequency: Math.sqrt(9.8 / balls[0].length), low: LOW, high: Math.PI - LOW };
-  const each = { kernels: shared, registry, system, contact: "exact", restSpeed: 1e-7, frame: "pivot",
-    contactLimit: 1e6, angles, velocities: velocities ?? angles.map(() => 0) };
-  return new Toy(balls.length > 1 ? two : one, each, drive);
+  const each = { kernels: shared[suspension], registry, system, contact: "exact", restSpeed: 1e-7, frame: "pivot",
+    contactLimit: 1e6, angles, velocities: velocities ?? angles.map(() => 0), distances: [] };
+  const modules = suspension === "string" ? inPlane : upright;
+  return new Toy(modules[balls.length - 1], each, drive);
 }
 const pairOf = (more = {}) => toyOf({ balls: [BALL, OTHER], angles: [0.5, -0.4], ...more });
 const latoLato = (more = {}) => toyOf({ angles: [LOW], ...more });
@@ -259,12 +261,34 @@ test("memory does not grow while a toy moves, is steered and recorded", () => {
   const toy = latoLato();
   toy.record();
   runOn(toy, 1);
-  const { top } = one;
+  const { top } = upright[0];
   toy.set({ drive_frequency: 15.1, damping: 0.004 });
   toy.push(1);
   runOn(toy, 3);
   toy.finish().again();
-  assert.equal(one.top, top);
+  assert.equal(upright[0].top, top);
+});
+
+test("a toy on strings goes slack and taut, and moves as the run of its recording", () => {
+  const toy = latoLato({ suspension: "string", drive: { ...COSINE, amplitude: 0.05 } });
+  toy.record();
+  const far = [];
+  runOn(toy, 2, () => far.push(toy.distances[0]));
+  assert.ok(Math.min(...far) < 0.9 * BALL.length && Math.max(...far) <= BALL.length * (1 + 1e-12));
+  const recording = toy.finish();
+  const { contact_kind: [kinds], radial_velocity_before: [before] } = recording.contactColumns();
+  for (const kind of [0, 4, 5]) assert.ok(kinds.includes(kind));
+  kinds.forEach((kind, i) => assert.ok(kind !== 5 || before[i] > 0));
+  const again = recording.again();
+  assert.ok(recording.deviation(again) < SAME);
+  const { distance: [seen], retension_loss: [lost] } = recording.columns();
+  seen.forEach((each, i) => assert.ok(Math.abs(each - again.columns.distance[0][i]) < SAME));
+  assert.ok(Math.abs(lost.at(-1) - again.columns.retension_loss[0].at(-1)) < 1e-9 && lost.at(-1) > 0);
+});
+
+test("balls on strings that are not described say so", () => {
+  const toy = pairOf({ suspension: "string", drive: { ...COSINE, amplitude: 0.06 } });
+  assert.throws(() => runOn(toy, 60), /is not described/);
 });
 
 test("a motion that cannot be followed says so", () => {

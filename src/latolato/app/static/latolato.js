@@ -21,14 +21,15 @@ export { InputError } from "./js/model/rules.js";
 /**
  * A run. Angles, velocities and energies are arrays over `time`; of a `ballpair` they are lists of
  * two, right then left. The ledger (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss`) is
- * per ball for one angle and the sum of both balls for a `ballpair`.
+ * per ball for one angle and the sum of both balls for a `ballpair`. On strings there are more:
+ * `distance`, `radial_velocity` and `slack` over time, `retension_loss` and others.
  *
  * @typedef {object} RunData
  * @property {Float64Array} time [s]
  * @property {Float64Array | Float64Array[]} angle [rad]
  * @property {Float64Array | Float64Array[]} angular_velocity [rad/s]
  * @property {Float64Array} contact_time [s]
- * @property {string[]} contact_kind bottom, top, rest or release
+ * @property {string[]} contact_kind bottom, top, rest, release, slack or taut
  * @property {Float64Array | Float64Array[]} angular_velocity_before a contact [rad/s]
  * @property {Float64Array | Float64Array[]} angular_velocity_after a contact [rad/s]
  * @property {Float64Array} drive_work [J]
@@ -59,16 +60,16 @@ export async function simulate({ scenario = null, ...options }) {
   const each = (rows) => (rows.length === 1 ? rows[0] : rows);
   const arrays = Object.fromEntries(Object.entries(columns).map(([name, rows]) => [name, each(rows)]));
   const names = ["time", "contact_time", "angular_velocity_before", "angular_velocity_after",
-    "energy_residual", "compression_time", ...Object.keys(columns)];
+    "energy_residual", ...Object.keys(result.pulls), ...Object.keys(contacts.others), ...Object.keys(columns)];
   return /** @type {any} */ ({
     time: result.time, ...arrays,
     contact_time: contacts.time,
     contact_kind: Array.from(contacts.kind, (kind) => layout.contact_kinds[kind]),
     angular_velocity_before: each(contacts.before), angular_velocity_after: each(contacts.after),
+    ...Object.fromEntries(Object.entries(contacts.others).map(([name, rows]) => [name, each(rows)])),
     energy_residual: result.energyResidual, status: result.status, warnings: result.warnings,
     step: result.step, step_halvings: result.halvings, grazing_contacts: result.grazes,
-    ...(system.linear ? {} : { compression_time: single(result.compressionTime),
-      compression_fraction: single(result.compressionFraction) }),
+    ...Object.fromEntries(Object.entries(result.pulls).map(([name, values]) => [name, single(values)])),
     natural_frequency: system.naturalFrequency, parameters,
     units: Object.fromEntries(names.map((name) => [name, registry.quantities[name].unit])),
   });

@@ -60,7 +60,7 @@ def fit_drive(
 ) -> Fit:
     """Return amplitude, frequency and phase of the pivot's motion, its overtones and steps.
 
-    And amplitude and phase of its motion sideways, where the table tells.
+    With amplitude and phase of the horizontal motion where the table has it.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def fit_drive(
         steps `drive_frequency` is the first stage's, `drive_frequency_final` the last one's and
         `step_time` the last step; ``dataset`` has all of them on ``stage``. Where `pivot_x` is
         known and not one value, `horizontal_amplitude` [m] and `horizontal_phase` too. ``drive``
-        is a `Harmonic`, a `PlanarHarmonic` where a motion sideways is seen, a `CrankSlider` where
+        is a `Harmonic`, a `PlanarHarmonic` where a horizontal motion is seen, a `CrankSlider` where
         the second harmonic is that of a crank, or a `FrequencySchedule`.
 
     Raises
@@ -102,10 +102,11 @@ def fit_drive(
     tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
     not in phase, as an eccentric bearing makes, is reported but not part of ``drive``.
 
-    The way sideways is ``Ax cos(p + lead)`` about a mean, with the same phase p. It is seen where
-    Ax exceeds four standard deviations, to which a quarter of the tenth of a pixel and, in step
-    with the height, the table's ``angle_offset_sigma`` contribute. Only a drive of one cosine takes
-    it. Motion sideways with other frequencies, as the ball's reaction makes, is scatter.
+    The horizontal position is ``Ax cos(p + lead)`` about a mean, with the same phase p. The motion
+    is seen where Ax exceeds four standard deviations. These include a quarter of a tenth of a
+    pixel and, for the part in phase with the height, the table's ``angle_offset_sigma``: a tilted
+    camera shows such motion too. Only a `PlanarHarmonic` has it; the verdict names any other drive
+    that leaves it out. Horizontal motion at other frequencies counts as scatter.
     """
     lmfit_module()
     checked_table(table, "pivot_y")
@@ -127,15 +128,15 @@ def fit_drive(
             shape, solution = drifting, other
     estimates = _estimates(solution, shape) | drift
     overtones = _overtones(data, shape, solution, least)
-    drive, crank_words = _drive(solution, shape, overtones)
+    drive, drive_words = _drive(solution, shape, overtones)
     across = across_of(table, data.times, shape, solution, least)
     if across is not None:
-        drive, across_words = with_across(drive, across)
-        crank_words += f" {across_words}"
+        drive, more = with_across(drive, across)
+        drive_words += f" {more}"
         estimates |= {
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
-    words = [_main_words(estimates, solution, shape), crank_words]
+    words = [_main_words(estimates, solution, shape), drive_words]
     if unsteady:
         span = float(np.ptp(data.times))
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")

@@ -1,4 +1,4 @@
-"""How a driven pivot moves sideways: the part of its track that has the phase of the height."""
+"""Horizontal motion of a driven pivot at the frequency of its vertical motion."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic, drives
 if TYPE_CHECKING:
     import xarray as xr
 
-# Samples that the way sideways must be known in, and deviations above which it is seen to move.
-FEWEST, _SEEN = 16, 4.0
+# Samples that are needed, and standard deviations above which the motion is seen.
+_FEWEST, _SEEN = 16, 4.0
 # Standard deviation of a phase that may be any.
 _ANY_PHASE = math.pi / math.sqrt(3.0)
 
 
 @dataclass(frozen=True)
 class Across:
-    """The motion sideways, ``amplitude cos(q + lead)`` with the phase q of the height.
+    """The horizontal motion, ``amplitude cos(q + lead)`` with the phase q of the height.
 
     Attributes
     ----------
     lead : Estimate
-        Of the motion sideways before the height [rad].
+        Phase of the horizontal motion ahead of the height [rad].
     samples, curve : ndarray, shape (sample,)
         Measured, NaN where it is not known, and fitted [m].
     """
@@ -42,14 +42,14 @@ class Across:
 
     @property
     def is_seen(self) -> bool:
-        """Whether the pivot moves sideways by more than its track leaves open."""
+        """Whether the amplitude exceeds four standard deviations."""
         return self.amplitude.value > _SEEN * self.amplitude.sigma
 
 
 def across_of(
     table: xr.Dataset, times: Floats, shape: Shape, solution: Solution, least: float
 ) -> Across | None:
-    """Return the motion sideways, None where the table tells nothing of it.
+    """Return the horizontal motion, None where the table does not have it.
 
     Parameters
     ----------
@@ -64,16 +64,16 @@ def across_of(
 
     Notes
     -----
-    ``mean + a cos q + b sin q`` is fitted as the height is, at its phase q, whose deviation is
-    added. What all samples share is too: a quarter of `least`, and of a part in step with the
-    height the tilt ``angle_offset_sigma`` of the table.
+    Fitted is ``mean + a cos q + b sin q`` with the phase q of the height. The deviations of a and b
+    include a quarter of `least`, that of a the table's ``angle_offset_sigma`` times the vertical
+    amplitude; the deviation of the phase includes that of q.
     """
     if "pivot_x" not in table.variables:
         return None
-    ways = table["pivot_x"].values[np.searchsorted(table["time"].values, times)]
-    known = np.isfinite(ways)
+    positions = table["pivot_x"].values[np.searchsorted(table["time"].values, times)]
+    known = np.isfinite(positions)
     # A column of one value is no measurement.
-    if known.sum() < FEWEST or np.ptp(ways[known]) == 0.0:
+    if known.sum() < _FEWEST or np.ptp(positions[known]) == 0.0:
         return None
     phase = shape.phase(solution.values, times)
     columns = {"mean": np.ones(len(times)), "cosine": np.cos(phase), "sine": np.sin(phase)}
@@ -82,7 +82,7 @@ def across_of(
     found = solve(
         lambda p: sum((p[n] * column for n, column in design.items()), np.zeros(count)),
         dict.fromkeys(columns, Guess(0.0)),
-        Data(times[known], ways[known], np.ones(count), np.zeros(count, dtype=np.int64)),
+        Data(times[known], positions[known], np.ones(count), np.zeros(count, dtype=np.int64)),
         jacobian=lambda _, names: np.column_stack([design[n] for n in names]),
     )
     a, b = found.values["cosine"], found.values["sine"]
@@ -90,19 +90,18 @@ def across_of(
     tilt = float(table.attrs.get("angle_offset_sigma", 0.0)) * solution.values["drive_amplitude"]
     covariance = found.covariance[np.ix_(places, places)]
     covariance = covariance + np.diag([tilt**2, 0.0]) + (0.25 * least) ** 2 * np.eye(2)
-    size = math.hypot(a, b)
-    along = np.array([a, b]) / size
-    aside = np.array([-b, a]) / size
+    size, lead = math.hypot(a, b), math.atan2(-b, a)
+    along = np.array([math.cos(lead), -math.sin(lead)])
+    aside = np.array([math.sin(lead), math.cos(lead)])
     sigma = math.sqrt(along @ covariance @ along)
-    turned = math.sqrt(aside @ covariance @ aside) / size
-    lead = math.atan2(-b, a)
+    turned = math.sqrt(aside @ covariance @ aside) / max(size, 1e-300)
     own = math.hypot(turned, _phase_sigma(shape, solution, times[known]))
     start = math.remainder(solution.values["drive_phase"] + lead, math.tau)
     return Across(
         Estimate(size, sigma, "m", max(size - TWO_SIDED * sigma, 0.0)),
         Estimate(start, min(own, _ANY_PHASE), "rad"),
         Estimate(lead, min(turned, _ANY_PHASE), "rad"),
-        ways,
+        positions,
         sum((found.values[n] * column for n, column in columns.items()), np.zeros(len(times))),
     )
 
@@ -121,13 +120,13 @@ def _phase_sigma(shape: Shape, solution: Solution, times: Floats) -> float:
 
 
 def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
-    """Return a drive with the motion sideways, as far as it takes one, and a sentence on that."""
+    """Return a drive with the horizontal motion if it can have one, and a sentence on that."""
     size = across.amplitude.scaled(1e3, "mm")
     if not across.is_seen:
-        return drive, f"No motion sideways is seen ({size})."
+        return drive, f"No horizontal motion is seen ({size})."
     lead = across.lead.scaled(math.copysign(1.0, across.lead.value), "rad")
     order = "ahead of" if across.lead.value > 0.0 else "behind"
-    words = f"Sideways it moves with {size}, {lead} {order} the height"
+    words = f"Horizontally it moves with {size}, {lead} {order} the height"
     if not isinstance(drive, Harmonic):
         return drive, f"{words}, which the drive {drives.name_of(drive)} leaves out."
     planar = PlanarHarmonic(
@@ -141,7 +140,7 @@ def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
 
 
 def vertical_part(drive: Drive) -> Drive:
-    """Return a drive without the sideways part of a `PlanarHarmonic`."""
+    """Return a drive without the horizontal part of a `PlanarHarmonic`."""
     if not isinstance(drive, PlanarHarmonic):
         return drive
     return Harmonic(

@@ -13,7 +13,7 @@ from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.drive_across import vertical_part
 from latolato.experiment.fits.samples import is_driven, noise_of
 from latolato.experiment.fits.sight import stroke_error
-from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot
+from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, PlanarHarmonic
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def pivot_for(
     first, last : float
         What must be covered [s].
     across : bool
-        Whether the pivot may move sideways; without, its measured motion sideways is left out.
+        Whether the pivot may move sideways; without, its measured horizontal motion is left out.
     """
     if isinstance(drive, Drive):
         return Pivot(drive, 0.0, [], "the given drive")
@@ -87,15 +87,27 @@ def pivot_for(
             fit = fit_drive(table, profile=False)
         except InputError:
             fit = None
-        if fit is not None and fit.dataset.attrs["scatter"] < _GOOD * fit["drive_amplitude"].value:
+        if fit is not None and _is_good(fit, swings):
             assert fit.drive is not None
             moving = fit.drive if across else vertical_part(fit.drive)
             error = stroke_error(table, length, fit["drive_amplitude"].value)
             words = "the pivot's fitted drive"
             if moving != fit.drive:
-                words += " without its way sideways"
+                words += " without its horizontal part"
             return Pivot(moving, 0.0, _neighbours(fit, moving, error), words)
     return _spline(table, length, (first, last), swings)
+
+
+def _is_good(fit: Fit, swings: bool) -> bool:
+    """Return whether a fitted drive stands for the track, in both directions if it `swings`."""
+    limit = _GOOD * fit["drive_amplitude"].value
+    if not fit.dataset.attrs["scatter"] < limit:
+        return False
+    if not swings:
+        return True
+    if not isinstance(fit.drive, PlanarHarmonic):
+        return False
+    return float((fit.dataset["pivot_across"] - fit.dataset["pivot_across_fit"]).std()) < limit
 
 
 def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:
@@ -123,7 +135,7 @@ def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float
 def _spline(table: xr.Dataset, length: float, span: tuple[float, float], swings: bool) -> Pivot:
     """Return a smoothing spline of the heights, and splines of noisier copies.
 
-    Of the way sideways too if it `swings`.
+    With the horizontal positions if the pivot `swings`.
     """
     columns = {"pivot_y": ("pivot_heights", "height_sigma")}
     if swings:

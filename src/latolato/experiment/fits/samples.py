@@ -119,7 +119,7 @@ def noise_of(values: Floats) -> float:
 def pivot_swing(table: xr.Dataset, column: str = "pivot_y") -> float:
     """Return half the way that the pivot goes up and down [m], 0 where it is unknown.
 
-    `column` may be ``"pivot_x"`` for the way sideways.
+    `column` may be ``"pivot_x"``, for its horizontal swing.
     """
     places = table[column].values
     known = places[np.isfinite(places)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
+from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, on_rods, settles
 from latolato.figures.analyses.sentences import listed, percent, range_of, shakes, times
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ QUESTION = Question(
     "back down: where they differ, the past decides.",
     first=("parameter", "low", "high", "points"),
     quick={"points": "41", "parameter": "frequency_ratio"},
-    conditions=(settles, is_shaken),
+    conditions=(settles, is_shaken, on_rods),
     place=1,
     cost=Cost(counts=("points",), most_shakes=1_000),
     verdict=verdict,

@@ -29,6 +29,7 @@ MARKS = {
     "grazing": ("v", style.GREY),
     "lift_off": ("P", style.BLUE),
     "rest_ends": ("X", style.BLUE),
+    "slackens": ("*", style.RED),
 }
 _DASHES = (0, (3.0, 2.0))
 # A ratio of moduli beyond which they are drawn on a logarithmic scale, and its lowest decade.
@@ -187,6 +188,7 @@ def verdict(dataset: xr.Dataset) -> str:
         text += f" On the way: {listed(marks)}."
     ends = {
         "lost": " Then it ends.",
+        "slackens": " There it ends: the string goes slack.",
         "points": " It goes on beyond the points that were asked for.",
         "closed": " It comes back to where it began: a loop.",
     }

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
+from latolato.figures.analyses.question import (
+    BEGINNING,
+    Cost,
+    Question,
+    is_shaken,
+    on_rods,
+    settles,
+)
 from latolato.figures.analyses.sentences import listed, number
 
 if TYPE_CHECKING:
@@ -100,7 +107,7 @@ QUESTION = Question(
     "both curves part, the toy does one thing or the other, depending on its past.",
     first=("frequency_ratio", "duration"),
     quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
-    conditions=(settles, is_shaken),
+    conditions=(settles, is_shaken, on_rods),
     place=5,
     cost=Cost(decay_times=6.0),
     labels={

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import DISTURBANCE, Cost, Question
+from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, on_rods
 from latolato.figures.analyses.sentences import e_folding, no_answer, number
 from latolato.figures.analyses.words import head, tex_number, write_words
 
@@ -108,6 +108,7 @@ QUESTION = Question(
     reading="Two starts that almost agree: do they drift apart? A red bar above zero means yes, "
     "ever faster, and nobody can foretell the motion for long; blue bars mean they meet again.",
     first=("duration", "transient"),
+    conditions=(on_rods,),
     quick={"duration": "300"},
     place=1,
     # It takes long to tell an exponent from zero.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import DISTURBANCE, Question, is_toy
+from latolato.figures.analyses.question import DISTURBANCE, Question, is_toy, on_rods
 from latolato.figures.analyses.sentences import e_folding, no_answer, number, percent
 from latolato.figures.analyses.words import head, tex_number, write_words
 from latolato.figures.map_title import in_words, title_of
@@ -159,7 +159,7 @@ QUESTION = Question(
     "ball tells all; above zero it grows, and each ball goes its own way.",
     first=("duration", "transient"),
     quick={"duration": "300"},
-    conditions=(is_toy,),
+    conditions=(is_toy, on_rods),
     place=4,
     verdict=verdict,
 )

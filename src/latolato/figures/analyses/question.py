@@ -138,7 +138,7 @@ def ends_as_cosine(system: Any, drive: Any) -> str | None:
     from latolato.analysis.protocol_search import last_cosine
 
     last = last_cosine(drive)
-    if last is None or last.frequency == 0.0:
+    if last is None or last.frequency == 0.0 or drive.moves_across:
         return "The pivot must end up moving as a cosine: choose the drive Harmonic."
     return None
 
@@ -147,6 +147,24 @@ def has_contacts(system: Any, drive: Any) -> str | None:
     """Say whether there are two balls."""
     if not system.has_contacts:
         return "It is about two balls that knock together: choose LatoLato or BallPair."
+    return None
+
+
+def on_rods(system: Any, drive: Any) -> str | None:
+    """Say whether the balls hang on rods."""
+    if system.suspension == "string":
+        return "It is about balls on rods: on strings a ball's angle and speed do not tell all."
+    return None
+
+
+def drags_with_pivot(system: Any, drive: Any) -> str | None:
+    """Say whether the air moves with the pivot."""
+    from latolato.analysis.checks import check_drag
+
+    try:
+        check_drag(system)
+    except InputError:
+        return "It is about air that moves with the pivot: choose that, or no damping."
     return None
 
 

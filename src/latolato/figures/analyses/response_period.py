@@ -67,6 +67,8 @@ def _title(dataset: xr.Dataset, cycle: int) -> str:
         return "at rest"
     if status == "not settled":
         return f"{status} after {dataset.attrs['transient_periods']:g} drive periods"
+    if status == "slackens":
+        return "hops straight up and down on its string"
     if not cycle:
         return f"{status}: no period up to {dataset.attrs['longest']}"
     rotation = dataset["rotation_number"].item()
@@ -85,6 +87,8 @@ def verdict(dataset: xr.Dataset) -> str:
             f"After {dataset.attrs['transient_periods']:g} shakes it still changes: leave out more "
             "shakes at the beginning."
         )
+    if status == "slackens":
+        return "It hangs, but hops up and down on its string, which the angle does not show."
     if status == "aperiodic":
         longest = dataset.attrs["longest"]
         return f"It does not repeat within {longest} shakes. Ask whether it is chaotic."

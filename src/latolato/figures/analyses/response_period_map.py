@@ -25,6 +25,7 @@ _CLASSES: dict[str, str] = {
     "grazing": style.PALE_RED,
     "aperiodic": style.RED,
     "not settled": style.PAPER,
+    "slackens": style.PALE_BLUE,
     "no answer": style.INK,
 }
 
@@ -55,7 +56,7 @@ def _numbers(dataset: xr.Dataset) -> Any:
     names = list(_CLASSES)
     status, period = dataset["status"].values, dataset["response_period"].values
     classes = np.full(status.shape, names.index("no answer"))
-    for name in ("rest", "grazing", "aperiodic", "not settled"):
+    for name in ("rest", "grazing", "aperiodic", "not settled", "slackens"):
         classes[status == name] = names.index(name)
     regular = status == "periodic"
     for p in range(1, 5):
@@ -104,6 +105,7 @@ def verdict(dataset: xr.Dataset) -> str:
         "aperiodic": "never repeat",
         "grazing": "touch almost without speed",
         "not settled": "have not settled",
+        "slackens": "hop on their strings",
     }
     share["others"] = sum(moving.values()) - moving.get(often, 0.0)
     parts = [f"{percent(share[name])} {text}" for name, text in words.items() if share.get(name)]

@@ -10,7 +10,12 @@ import numpy as np
 
 from latolato.analysis import self_start
 from latolato.figures import style
-from latolato.figures.analyses.question import BEGINNING, Question, has_contacts
+from latolato.figures.analyses.question import (
+    BEGINNING,
+    Question,
+    drags_with_pivot,
+    has_contacts,
+)
 from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import RATIO_LABEL, mark_answer, parameters_in_words
@@ -81,7 +86,7 @@ QUESTION = Question(
     reading="To the right the speed of the drive, upwards its amplitude. Inside the coloured part "
     "the pivot drops faster than the balls fall, and they part without a push.",
     first=("frequency_ratio", "check"),
-    conditions=(has_contacts,),
+    conditions=(has_contacts, drags_with_pivot),
     place=3,
     labels={"check": "Check with simulated runs"},
     verdict=verdict,

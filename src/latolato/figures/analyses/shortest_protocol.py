@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import BEGINNING, Cost, Question, ends_as_cosine, settles
+from latolato.figures.analyses.question import (
+    BEGINNING,
+    Cost,
+    Question,
+    ends_as_cosine,
+    on_rods,
+    settles,
+)
 from latolato.figures.analyses.sentences import degrees, number
 
 if TYPE_CHECKING:
@@ -119,7 +126,7 @@ QUESTION = Question(
     "nothing was searched, a curve shows how far each push leads.",
     first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
     quick={"phases": "4"},
-    conditions=(settles, ends_as_cosine),
+    conditions=(settles, ends_as_cosine, on_rods),
     place=4,
     cost=Cost(counts=("phases",), lengths={"first_frequency_ratio": 12, "dwell_time": 16}),
     labels={

@@ -45,6 +45,8 @@ def verdict(dataset: xr.Dataset) -> str:
     """Tell the amplitude."""
     at = f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'], 4)}"
     amplitude = float(dataset["drive_amplitude"])
+    if str(dataset["status"].item()) == "slackens":
+        return f"{at} the string goes slack before a small swing grows."
     if not math.isfinite(amplitude):
         return f"{at} no amplitude up to the limit of the search makes hanging unstable."
     return f"{at} a small swing grows once the amplitude exceeds {millimetres(amplitude)}."

@@ -51,6 +51,8 @@ def verdict(dataset: xr.Dataset) -> str:
     low, high = float(dataset["low"]), float(dataset["high"])
     where = POSITION_WORDS[dataset.attrs["position"]]
     with_amplitude = f"With an amplitude of {millimetres(dataset.attrs['drive_amplitude'])}"
+    if str(dataset["status"].item()) == "slackens":
+        return f"{with_amplitude} the string goes slack before the tongue ends."
     if not math.isfinite(low):
         return f"{with_amplitude} tongue {dataset.attrs['order']} is closed: drag is too strong."
     if not math.isfinite(high):

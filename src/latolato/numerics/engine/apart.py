@@ -70,8 +70,8 @@ def make_apart(count: int, part: Part = as_it_stands) -> Apart:
 
     @part
     def side(points: Any) -> float:
-        """Return -1 for a contact below the pivot, 1 for one above it."""
-        height = points[0].y + points[1].y if two else points[0].y
-        return 1.0 if height > 0.0 else -1.0
+        """Return -1 for a contact at the bottom, 1 for one at the top of the circle."""
+        apart = points[0].angle - points[1].angle if two else 2.0 * points[0].angle
+        return 1.0 if apart > math.pi else -1.0
 
     return Apart(gap, line, spare, is_tensile, side)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
-from latolato.numerics.engine.fall import NO_FALL, Fall
+from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
 
@@ -97,6 +97,8 @@ def make_balls(
                 fall_by(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
             else:
                 swing.step(run, i, i, run.now[i], run.end[i])
+                if in_plane and two:
+                    place_taut(run.end[i], 1.0 / run.bodies[i].coupling)
 
     @part
     def fly_by(run: Any, length: float, points: Any) -> None:
@@ -106,6 +108,8 @@ def make_balls(
                 fall_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
             else:
                 swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
+                if in_plane and two:
+                    place_taut(points[i], 1.0 / run.bodies[i].coupling)
 
     @part
     def settle(run: Any) -> None:

@@ -26,6 +26,27 @@ _PARTS, _FIRST_PART = 0.25, 0.25 / 16.0
 _ROUNDING = 1e-15
 
 
+def make_cut_at_turn(
+    swing: Swing, balls: Balls, held: Held, part: Part = as_it_stands
+) -> Callable[..., None]:
+    """Return the function ``(run, i)`` that ends a step where friction changes ball i's motion."""
+
+    @part
+    def cut_at_turn(run: Any, i: int) -> None:
+        """Shorten a step where a ball turns, or where friction lets go of it."""
+        s = math.inf
+        if run.now[i].sign == 0.0:
+            s = held.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
+        elif not run.end[i].velocity * run.now[i].sign >= 0.0:  # NaN: far beyond the turn
+            s = swing.turn(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
+        if s <= run.length:
+            balls.shorten(run, max(s, SHORTEST * run.t))
+            run.event, run.ball = TURN, i
+            balls.fly_by(run, run.length, run.end)
+
+    return cut_at_turn
+
+
 def make_flight(
     swing: Swing, balls: Balls, held: Held, look: Look, strings: Strings, count: int,
     part: Part = as_it_stands,
@@ -34,7 +55,7 @@ def make_flight(
     two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
     gap_acceleration = balls.gap_acceleration
-    tension = make_tension(swing, part)
+    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
 
     @inlined(part)
     def plan(run: Any) -> None:
@@ -51,7 +72,8 @@ def make_flight(
         if soon == 0.0:
             cut_beside_contact(run)
             if run.is_rough != 0:
-                cut_at_turn(run)
+                for i in range(count):
+                    cut_at_turn(run, i)
         side = contact_ahead(run, soon)
         if side != 0.0:
             meet(run, side, soon)
@@ -89,20 +111,6 @@ def make_flight(
         if level or (bends and min(smallest, largest) < reach):
             balls.shorten(run, run.length * (_FIRST_PART if level else _PARTS))
             fly_by(run, run.length, run.end)
-
-    @part
-    def cut_at_turn(run: Any) -> None:
-        """Shorten a step where a ball turns, or where friction lets go of it."""
-        for i in range(count):
-            s = math.inf
-            if run.now[i].sign == 0.0:
-                s = held.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
-            elif not run.end[i].velocity * run.now[i].sign >= 0.0:  # NaN: far beyond the turn
-                s = swing.turn(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
-            if s <= run.length:
-                balls.shorten(run, max(s, SHORTEST * run.t))
-                run.event, run.ball = TURN, i
-                fly_by(run, run.length, run.end)
 
     @inlined(part)
     def contact_ahead(run: Any, soon: float) -> float:

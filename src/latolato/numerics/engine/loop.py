@@ -100,7 +100,8 @@ def usual_modes(kit: Kit) -> tuple[Mode, ...]:
     if plane is None:
         return flight, lasting
     fall, apart, strings = plane
-    return flight, lasting, make_slack(swing, fall, balls, apart, strings, look, count, part)
+    slack = make_slack(swing, fall, balls, held, apart, strings, look, count, part)
+    return flight, lasting, slack
 
 
 def usual_events(kit: Kit) -> tuple[Event, ...]:

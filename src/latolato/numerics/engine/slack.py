@@ -13,6 +13,8 @@ from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.fall import Fall, place_taut, radial_rate
+from latolato.numerics.engine.flight import make_cut_at_turn
+from latolato.numerics.engine.held import Held
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
@@ -36,12 +38,12 @@ def place_at_end(point: Any, length: float, outward: float) -> None:
 
 
 def make_slack(
-    swing: Swing, fall: Fall, balls: Balls, apart: Apart, strings: Strings, look: Look,
+    swing: Swing, fall: Fall, balls: Balls, held: Held, apart: Apart, strings: Strings, look: Look,
     count: int, part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, note_tangle = strings[:3]
-    tension = make_tension(swing, part)
+    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
     slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
 
     @part
@@ -141,6 +143,8 @@ def make_slack(
             run.event, run.ball = TAUTEN, bounced
         for i in range(count):
             if run.state.is_slack[i] == 0:
+                if run.is_rough != 0:
+                    cut_at_turn(run, i)
                 await_slack(run, i)
             elif not (is_brief and i == bounced):
                 await_end(run, _STRING, i, run.state.leaves[i] != 0, TAUTEN)

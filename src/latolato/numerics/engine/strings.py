@@ -183,13 +183,14 @@ def make_strings(
         state, settings, before = run.state, run.settings, velocities(run)
         e = 0.0 if captures else settings.restitution
         nx, ny, _ = apart.line(run.now)
-        yields = 0.0  # the gap's rate per impulse [1/kg]
+        yields, loosened = 0.0, -1  # the gap's rate per impulse [1/kg]
         for i in range(count):
             point, b = run.now[i], run.bodies[i]
             mass, sign = b.inertia * b.coupling * b.coupling, 1.0 - 2.0 * i
             outward = sign * (nx * point.x + ny * point.y) * b.coupling
             if state.is_slack[i] == 0 and outward < 0.0:
                 loosen(run, i)
+                loosened = i
             share = 1.0 if state.is_slack[i] != 0 else 1.0 - outward * outward
             yields += share / mass
         impulse = (1.0 + e) * closing / yields
@@ -215,6 +216,8 @@ def make_strings(
             state.impact_loss += lost
         kind = contacts.TOP if apart.side(run.now) > 0.0 else contacts.BOTTOM
         write_row(run, output, contacts.REST if captures else kind, 0, before)
+        if loosened >= 0:
+            write_row(run, output, contacts.SLACK, loosened + 1 if two else 0, velocities(run))
 
     @part
     def meets_again(run: Any) -> bool:
@@ -269,6 +272,21 @@ def make_strings(
         balls.settle(run)
 
     @part
+    def meet_taut(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let balls on taut strings meet as on rods, and note what that pulls at the strings."""
+        before = run.now[0].velocity
+        meet(run, output, eyes)
+        nx, ny, _ = apart.line(run.now)
+        one, b = run.now[0], run.bodies[0]
+        around = abs(ny * one.x - nx * one.y)
+        if run.settings.is_string != 0 and around > 0.0:
+            impulse = b.inertia * abs(one.velocity - before) / around
+            for i in range(count):
+                point, coupling = run.now[i], run.bodies[i].coupling
+                pulled = impulse * abs(nx * point.x + ny * point.y) * coupling
+                run.state.string_impulse = max(run.state.string_impulse, pulled)
+
+    @part
     def go_on(run: Any, output: Output, eyes: Eyes) -> None:
         """Let balls on taut strings meet as those on rods do."""
         state, settings = run.state, run.settings
@@ -279,7 +297,7 @@ def make_strings(
             wall = settings.low if state.touch < 0.0 else settings.high
             balls.place(run, run.now, wall, balls.gap_rate(run.now))
             run.side = state.touch
-            meet(run, output, eyes)
+            meet_taut(run, output, eyes)
 
     @part
     def jolt(run: Any, output: Output, eyes: Eyes) -> None:
@@ -300,11 +318,9 @@ def make_strings(
     def meet_in_plane(run: Any, output: Output, eyes: Eyes) -> None:
         """Let balls meet: as on rods where that pulls at taut strings only."""
         balls.settle(run)
-        if run.settings.is_string == 0:
-            meet(run, output, eyes)
-            return
-        if run.state.mode != SLACK and apart.is_tensile(run, run.now):
-            meet(run, output, eyes)
+        taut = run.state.mode != SLACK and apart.is_tensile(run, run.now)
+        if taut or run.settings.is_string == 0:
+            meet_taut(run, output, eyes)
             return
         rows = run.rows
         jolt(run, output, eyes)

@@ -38,7 +38,8 @@ class Drive:
         Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package know every form of `Stretch`;
         a class with formulas of its own has kernels of its own.
     across, across_velocity, across_acceleration : formula
-        The same of the way to the right; called only where the drive `moves_across`.
+        The same of the horizontal position, positive to the right; called only where the drive
+        `moves_across`.
     rotation : formula or None
         Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
         of a stretch. Lanes then rotate the phase instead of computing cosines. Such a drive is one

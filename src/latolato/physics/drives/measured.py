@@ -40,9 +40,10 @@ class MeasuredPivot(Drive):
         residual sum of squares is that of such noise (Dierckx's criterion, SciPy's
         ``UnivariateSpline``).
     pivot_across : sequence of float, shape (sample,), optional
-        Ways to the right at these instants [m]; by default the pivot moves up and down only.
+        Horizontal positions at these instants [m], positive to the right; by default the pivot
+        moves vertically only.
     across_sigma : float
-        Standard deviation of these, as that of the heights.
+        Standard deviation of the horizontal positions [m], used as `height_sigma` is.
     """
 
     times: Sequence[float] = array_field("times", description="sample instants")
@@ -53,12 +54,12 @@ class MeasuredPivot(Drive):
         "pivot_height", NON_NEGATIVE, description="standard deviation of the heights", default=0.0
     )
     pivot_across: Sequence[float] | None = array_field(
-        "pivot_across", description="way of the pivot to the right at each instant", default=None
+        "pivot_across", description="horizontal position of the pivot at each instant", default=None
     )
     across_sigma: float = quantity_field(
         "pivot_across",
         NON_NEGATIVE,
-        description="standard deviation of the ways to the right",
+        description="standard deviation of the horizontal positions",
         default=0.0,
     )
     _pieces: list[Stretch] = field(init=False, repr=False, compare=False)
@@ -91,7 +92,7 @@ class MeasuredPivot(Drive):
         """Return the pieces of the splines as stretches."""
         curves = [self._spline(self.pivot_heights, self.height_sigma, "heights")]
         if self.pivot_across is not None:
-            across = self._spline(self.pivot_across, self.across_sigma, "ways to the right")
+            across = self._spline(self.pivot_across, self.across_sigma, "horizontal positions")
             curves.append(across)
         # The last of these instants begins no piece.
         starts = sorted({instant for pieces in curves for instant in pieces.x.tolist()})[:-1]

@@ -1,4 +1,4 @@
-"""A pivot that moves up and down and sideways with one frequency."""
+"""A pivot that moves vertically and horizontally with one frequency."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from latolato.core.scalar import cosine, formula, sine
 
 # Forms of the motion: a pivot at rest; a cosine of constant amplitude and frequency; one whose
 # amplitude is a cubic of the time and whose frequency changes linearly; the piston of a crank; a
-# quintic of the time. A cosine and a quintic may move the pivot sideways too.
+# quintic of the time. A cosine and a quintic may move the pivot horizontally too.
 STILL, COSINE, SWEPT, CRANK, POLYNOMIAL = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
@@ -21,9 +21,9 @@ class Stretch(NamedTuple):
     """One smooth stretch of the pivot's motion: its form and the numbers that the form reads.
 
     All count from `start`. The coefficients c are those of the height [m] of a polynomial and of
-    the amplitude [m] of everything else, per power of a second. The coefficients x belong to the
-    way to the right [m]: likewise of a polynomial, and ``x0 cos(q) + x1 sin(q)`` of a cosine, with
-    the phase q of the height.
+    the amplitude [m] of everything else, per power of a second. The coefficients x give the
+    horizontal position [m]: likewise for a polynomial, ``x0 cos(q) + x1 sin(q)`` for a cosine, with
+    the phase q of the height, and none for other forms.
     """
 
     start: float = 0.0  # s
@@ -252,7 +252,7 @@ def pivot_acceleration(t: float, p: Any) -> float:
 
 @formula
 def pivot_across(t: float, p: Any) -> float:
-    """Return how far the pivot is to the right [m] at the time t [s] in the stretch p."""
+    """Return the horizontal position of the pivot [m], positive to the right, at the time t [s]."""
     s = t - p.start
     if p.form == COSINE:
         q = p.frequency * s + p.phase

@@ -6,7 +6,8 @@
  */
 
 // Fields of a case that are no number where they are not given.
-export const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN };
+export const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN,
+  "initial_distance.0": NaN, "initial_distance.1": NaN };
 // The usual side of a crank's guide.
 const BELOW = -1;
 
@@ -74,9 +75,9 @@ export function shakeAll(kernels, kind, parameters, count) {
 /**
  * Return the record of a run at time zero, the fastest angular frequency of its drive [rad/s], and
  * what is wrong with its parameters: one of the layout's problems, "fine" if nothing is.
- * @param {Kernels} kernels of the module `one` or `two`
+ * @param {Kernels} kernels of a module that runs so many balls
  * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
- *   such as `balls.0.mass`; others are zero, an offset and bounds of the drive not given
+ *   such as `balls.0.mass`; others are zero, an offset, distances and bounds of the drive not given
  * @param {Held} stretches of the drive
  */
 export function begin(kernels, parameters, stretches) {

@@ -45,8 +45,17 @@ export function loadLayout() {
 }
 
 /**
+ * Return the name of the module that runs one ball or two.
+ * @param {number} angles
+ * @param {boolean} inPlane whether balls leave their circles, or are moved or blown sideways
+ */
+export function moduleFor(angles, inPlane) {
+  return `${inPlane ? "plane_" : ""}${angles === 2 ? "two" : "one"}`;
+}
+
+/**
  * Return the compiled code of a module, without SIMD for browsers that lack it.
- * @param {string} name `one`, `two` or `lanes`
+ * @param {string} name one of the layout's modules
  */
 export function loadModule(name) {
   const path = `kernels/${name}${WebAssembly.validate(SIMD) ? "" : "-scalar"}.wasm`;
@@ -55,7 +64,7 @@ export function loadModule(name) {
 
 /**
  * Return a module that is ready to be called; all who ask share its memory.
- * @param {string} name `one`, `two` or `lanes`
+ * @param {string} name
  */
 export function loadKernels(name) {
   return once(name, () => startKernels(name));

@@ -1,9 +1,11 @@
 /**
  * The compiled code that Python calls, as WebAssembly: its memory, its records and its calls.
  *
- * There are three modules: `one` runs one ball, `two` runs two balls and points of their maps,
- * `lanes` runs points of maps of one ball. `make kernels` makes them and `layout.json`, which says
- * which pieces they have and what lies where in their memory. For what the names in it mean see `latolato.numerics`.
+ * There are five modules: `one` runs one ball, `two` runs two balls and points of their maps,
+ * `plane_one` and `plane_two` run balls on strings, under a pivot that moves sideways and in air at
+ * rest in the room, `lanes` runs points of maps of one ball. `make kernels` makes them and
+ * `layout.json`, which says which pieces they have and what lies where in their memory. For what the
+ * names in it mean see `latolato.numerics`.
  */
 
 /**
@@ -14,12 +16,17 @@
  *   records: Record<string, {size: number, fields: Record<string, Held>}>,
  *   bundles: Record<string, Word[]>, modules: Record<string, string[]>,
  *   observables: Record<string, Observable>, occasions: string[], shared_needs: string[],
- *   sample_rows: Record<string, number>, sample_rows_count: number, pivot_rows: string[],
+ *   sample_rows: Record<string, number>, rows: {upright: Rows, plane: Rows},
+ *   string_rows: Record<string, number>, contact_rows: {count: number, radial: number, ball: number},
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
  *   drives: string[], rotating_drives: string[], steppers: Record<string, Weights>,
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
  *   contact_limit: number, last_period: number,
  *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
+ *
+ * How many rows the samples of a module have, how many contacts an event may need, and what the
+ * rows of the pivot are. Rows of what is known of strings are those of the right ball.
+ * @typedef {{samples: number, spare: number, pivot: string[]}} Rows
  *
  * An observable with its usual parameters: how many slots each of its variables has, how many ends
  * of drive periods it looks at, all its slots, which variables have no further dimension, whether
@@ -56,17 +63,20 @@ export class Kernels {
       math[each.name] = Math[/** @type {"sin"} */ (each.name)];
     }
     const { exports } = await WebAssembly.instantiate(module, { env: math });
-    return new Kernels(exports, layout.modules[name], layout);
+    return new Kernels(exports, layout, name);
   }
 
   /**
    * @param {Record<string, any>} exports
-   * @param {string[]} names of the pieces
    * @param {Layout} layout
+   * @param {string} name
    */
-  constructor(exports, names, layout) {
+  constructor(exports, layout, name) {
+    const names = layout.modules[name];
     this.exports = exports;
     this.layout = layout;
+    this.name = name;
+    this.rows = layout.rows[name.startsWith("plane") ? "plane" : "upright"];
     const { memory, pieces } = exports;
     this.top = 0;
     this.clear();

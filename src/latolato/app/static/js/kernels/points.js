@@ -43,9 +43,9 @@ export function runPoints(kernels, batch, hooks, lanes) {
     ...named("points", batch.points), ...named("progress", batch.progress),
     "scratch.runs": runs, "scratch.contact_times": kernels.take("f8", size),
     "scratch.contact_kinds": kernels.take("i8", size),
-    "scratch.contact_values": kernels.take("f8", 4, size),
+    "scratch.contact_values": kernels.take("f8", layout.contact_rows.count, size),
     "scratch.no_times": kernels.take("f8", 0),
-    "scratch.no_samples": kernels.take("f8", layout.sample_rows_count, 0),
+    "scratch.no_samples": kernels.take("f8", kernels.rows.samples, 0),
   };
   if (lanes === null) {
     kernels.call("many", "job", job);

@@ -16,15 +16,15 @@ import { WORD } from "./memory.js";
  *
  * What came of it. Rows of samples are those of the layout, behind angle and velocity of two balls;
  * kinds of contacts are numbers of those in the layout, their values the velocities before and
- * after, of all balls.
- * @typedef {{status: "complete" | "failed" | "stopped", reached: number, samples: Held,
- *   contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} Run
+ * after, of all balls, and behind them what the layout's rows of contacts say. A motion that is not
+ * described is tangled.
+ * @typedef {{status: "complete" | "failed" | "stopped", isTangled: boolean, reached: number,
+ *   samples: Held, contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} Run
  */
 
 // Of the table of contacts: what it has room for at first and at most. An event may need some more.
 const ROOM = 256;
 const MOST_ROOM = 65536;
-const SPARE = 4;
 // Of the samples: an angle and its velocity for each ball.
 const PER_BALL = 2;
 
@@ -39,24 +39,25 @@ const PER_BALL = 2;
 export function integrate(kernels, prepared, { balls, duration, contact_limit, piece = "engine" }) {
   const { layout } = kernels;
   const { run, times, stretches, kick_times, kick_sizes } = prepared;
-  const samples = kernels.take("f8", layout.sample_rows_count, times.shape[0]);
+  const samples = kernels.take("f8", kernels.rows.samples, times.shape[0]);
   kernels.numbers(samples).fill(NaN);
   const seen = kernels.take("f8", 1);
   const blind = kernels.hooks(layout.occasions.map(() => []));
   kernels.set(run, "hooks", blind.at);
   /** @type {Float64Array[][]} times, kinds and values of contacts, as they come */
-  const parts = [[], [], [], [], [], []];
+  const parts = Array.from({ length: 2 + layout.contact_rows.count }, () => []);
   let contacts = 0;
   let room = ROOM;
   let reached = -1;
+  const isTangled = () => kernels.get(run, "state.is_tangled") !== 0;
   /** @type {(status: Run["status"]) => Run} */
   const ended = (status) => {
     const [instants, kinds, ...values] = parts.map(joined);
-    return { status, reached: Math.min(reached, duration), samples,
+    return { status, isTangled: isTangled(), reached: Math.min(reached, duration), samples,
       contacts: { times: instants, kinds, values } };
   };
   for (;;) {
-    const size = Math.min(room, contact_limit - contacts) + SPARE;
+    const size = Math.min(room, contact_limit - contacts) + kernels.rows.spare;
     const buffer = kernels.take("f8", size);
     const kinds = kernels.take("i8", size);
     const values = kernels.take("f8", parts.length - 2, size);
@@ -88,6 +89,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
       if (lost >= 0) reached = kernels.numbers(times)[lost];
       return ended("failed");
     }
+    if (isTangled()) return ended("stopped");
     if (reached >= duration) return ended("complete");
     if (contacts >= contact_limit) return ended("stopped");
     room = Math.min(Math.max(room, 2 * written), MOST_ROOM);
@@ -173,20 +175,21 @@ function forget(kernels, samples, balls) {
  * @param {Kernels} kernels
  * @param {Prepared} prepared
  * @param {Held} samples
- * @param {{balls: Held, gravity: number, is_linear?: boolean, with_lab: boolean}} how
+ * @param {{balls: Held, gravity: number, is_linear?: boolean, in_lab?: boolean,
+ *   with_lab: boolean}} how
  * @returns {{pivot: Held, out: Held}}
  */
 export function observe(kernels, prepared, samples, how) {
   const { times, stretches } = prepared;
-  const { balls, gravity, is_linear = false, with_lab } = how;
-  const { pivot_rows, ball_rows, sample_rows } = kernels.layout;
+  const { balls, gravity, is_linear = false, in_lab = false, with_lab } = how;
+  const { ball_rows, sample_rows } = kernels.layout;
   const [size] = times.shape;
-  const pivot = kernels.take("f8", pivot_rows.length, size);
+  const pivot = kernels.take("f8", kernels.rows.pivot.length, size);
   const out = kernels.take("f8", balls.shape[0], ball_rows.length, size);
   const modes = { ...times, at: samples.at + sample_rows.mode * size * WORD };
   kernels.call("observer", "observation", {
     times, modes, samples, stretches, balls, gravity, is_linear: Number(is_linear),
-    with_lab: Number(with_lab), pivot, out,
+    in_lab: Number(in_lab), with_lab: Number(with_lab), pivot, out,
   });
   return { pivot, out };
 }

@@ -5,6 +5,17 @@ const UNITS = /** @type {Record<string, string>} */ ({
 });
 
 /**
+ * Return the options of the address with rods or strings; what only strings have goes with them.
+ * @param {Record<string, string>} before
+ * @param {string} suspension
+ * @returns {Record<string, string>}
+ */
+export function withSuspension(before, suspension) {
+  const { string_restitution: bounce, initial_distance: begun, ...options } = before;
+  return { ...(suspension === "string" ? before : options), suspension };
+}
+
+/**
  * Return the options of the address with the present controls, and without what belongs to other
  * drives than the cosine of Live.
  * @param {any} registry

@@ -40,7 +40,7 @@ const STIFFENING = 0.1; // s
 const BRAKE = 30; // m/s^2
 // The form of a stretch that is a polynomial; see `latolato.physics.drives.stretch`.
 const POLYNOMIAL = 4;
-const NO_COSINES = ["crank_slider", "measured_pivot"];
+const NO_COSINES = ["crank_slider", "measured_pivot", "planar_harmonic"];
 
 /**
  * Return the cosine that the drive of a case begins with.
@@ -49,13 +49,13 @@ const NO_COSINES = ["crank_slider", "measured_pivot"];
  */
 export function cosineOf({ drive: { kind, parameters }, system }) {
   const { drive_amplitude, drive_amplitudes, drive_frequency, drive_frequencies, drive_phase,
-    pivot_heights: heights = [0] } = /** @type {Record<string, any>} */ (parameters);
+    vertical_amplitude, vertical_phase, pivot_heights: heights = [0] } = /** @type {Record<string, any>} */ (parameters);
   return {
     start: 0,
-    amplitude: drive_amplitude ?? drive_amplitudes?.[0]
+    amplitude: drive_amplitude ?? drive_amplitudes?.[0] ?? vertical_amplitude
       ?? 0.5 * (Math.max(...heights) - Math.min(...heights)),
     frequency: drive_frequency ?? drive_frequencies?.[0] ?? 2 * system.naturalFrequency,
-    phase: drive_phase ?? 0,
+    phase: drive_phase ?? vertical_phase ?? 0,
   };
 }
 

@@ -13,6 +13,7 @@ const MARK = "recording";
 const ABOUT = { options: "object", attributes: "object", balls: "object", contact_kinds: "object",
   ledger: "object", by_hand: "boolean", note: "string" };
 const CONTACTS = ["contact_time", "contact_kind", "angular_velocity_before", "angular_velocity_after"];
+const OF_STRINGS = ["radial_velocity_before", "radial_velocity_after", "contact_ball"];
 const NEEDED = ["time", "angle", "angular_velocity", "pivot_height", ...CONTACTS];
 const BALL = { name: "string", row: "number", sign: "number", length: "number", radius: "number",
   mass: "number" };
@@ -110,7 +111,7 @@ function haveShapes(arrays, { balls, contact_kinds: kinds }) {
   return Object.entries(arrays).every(([name, array]) => {
     const { shape, values } = array ?? {};
     if (!Array.isArray(shape) || !Array.isArray(values)) return false;
-    const along = CONTACTS.includes(name) ? "contact_time" : name === "strobe" ? "strobe" : "time";
+    const along = [...CONTACTS, ...OF_STRINGS].includes(name) ? "contact_time" : name === "strobe" ? "strobe" : "time";
     const length = arrays[along].values?.length;
     const isPlain = name === along || name === "contact_kind";
     const known = isPlain ? [[length]] : [[1, length], [rows, length]];

@@ -83,8 +83,10 @@ export class LiveMotion {
     this.log = new Log(this.balls);
     toy.onContact = (time, kind, speeds) => {
       const { angles } = toy.system;
-      this.log.meet(time, kind, speeds, speeds.slice(angles));
+      const { contact_rows: { ball } } = toy.kernels.layout;
+      this.log.meet(time, kind, speeds, speeds.slice(angles), angles > 1 ? speeds[ball] : 0);
     };
+    this.isString = toy.system.suspension === "string";
     this.follow();
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
@@ -136,6 +138,19 @@ export class LiveMotion {
     return null;
   }
 
+  /** The pivot moves up and down. @returns {[number, number]} */
+  get acrossRange() {
+    return [0, 0];
+  }
+
+  /**
+   * Return how far a ball is from the pivot [m].
+   * @param {Ball} ball
+   */
+  distance(ball) {
+    return this.toy.distances[ball.row];
+  }
+
   /** The heights that the pivot reaches. @returns {[number, number]} */
   get pivotRange() {
     return [-this.reach, this.reach];
@@ -164,7 +179,7 @@ export class LiveMotion {
 
   /** Return pivot and balls now: positions in m, x to the right and y up. */
   pose() {
-    return poseOf(this.toy.pivot.height, this.balls, (ball) => this.angle(ball));
+    return poseOf(this.toy.pivot.height, this.balls, (ball) => this.angle(ball), 0, (ball) => this.distance(ball));
   }
 
   /**
@@ -175,19 +190,19 @@ export class LiveMotion {
    */
   recent(time, span) {
     const { history, balls } = this;
-    const { pivot, right, left } = history.values;
+    const { pivot, right, left, far, other } = history.values;
     /** @type {number[][]} */
     const rows = [];
     for (let k = history.count - 1; k >= 0; k -= 1) {
       const i = history.at(k);
       if (history.time[i] < time - span) break;
       const next = rows.at(-1);
-      const row = [pivot[i], right[i], left[i]];
+      const row = [pivot[i], right[i], left[i], far[i], other[i]];
       if (next) rows.push(row.map((value, j) => 0.5 * (value + next[j])));
       rows.push(row);
     }
-    const poses = rows.reverse().map(([height, ...angles]) => poseOf(height, balls,
-      ({ name }) => angles[name === "left" ? 1 : 0] / DEGREES));
+    const poses = rows.reverse().map(([height, ...values]) => poseOf(height, balls,
+      ({ name }) => values[name === "left" ? 1 : 0] / DEGREES, 0, ({ name }) => values[name === "left" ? 3 : 2]));
     return [...poses, this.pose()];
   }
 }

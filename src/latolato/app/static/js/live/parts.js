@@ -1,11 +1,12 @@
 /** What stands on the page of a live toy. */
 
 import { el, freshId } from "../shared/dom.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /**
  * @typedef {{pause: () => void, push: () => void, restart: () => void, high: () => void,
- *   low: () => void, speed: (times: number) => void, shake: () => void}} Actions
+ *   low: () => void, speed: (times: number) => void, shake: () => void,
+ *   hang: (suspension: string) => void}} Actions
  */
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10];
@@ -36,6 +37,9 @@ export function makeParts(ratios, actions) {
       actions.speed(Number(/** @type {HTMLSelectElement} */ (event.target).value)) } },
     ...SPEEDS.map((speed) => el("option", { value: String(speed), selected: speed === 1 },
       t("speedText", { speed })))),
+    hang: el("select", { id: freshId(), on: { change: (/** @type {Event} */ event) =>
+      actions.hang(/** @type {HTMLSelectElement} */ (event.target).value) } },
+    ...["rod", "string"].map((each) => el("option", { value: each }, tr(each)))),
     status: el("p", { class: "readout" }),
     angle,
     energy,
@@ -63,7 +67,8 @@ export function layOut(parts, keeper, preset, knobs, senses) {
           el("label", { for: parts.speed.id }, t("speed")), parts.speed), senses.root),
       keeper.result),
     el("aside", { class: "side" },
-      el("div", { class: "card" }, preset.field), knobs,
+      el("div", { class: "card" }, preset.field, el("div", { class: "field hanging" },
+        el("label", { for: parts.hang.id }, t("hangsOn")), parts.hang)), knobs,
       el("section", { class: "card trick" }, el("h2", {}, t("liveTry")),
         el("div", { class: "row" }, parts.high, el("span", {}, t("liveThen")), parts.low),
         el("details", { class: "about" }, el("summary", {}, t("liveWhy")), el("p", {}, t("liveHint")),

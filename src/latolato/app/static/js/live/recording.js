@@ -1,12 +1,12 @@
 /** Samples and contacts of a live motion, and the changes of its drive. */
 
 import { blockOf } from "../model/block.js";
-import { LEDGER, run } from "../model/simulate.js";
+import { LEDGER, onStrings, PER_STRING, run } from "../model/simulate.js";
 import { t } from "../strings.js";
 import { stagesOf } from "./drive.js";
 
 /**
- * @typedef {import("../kernels/memory.js").Layout} Layout
+ * @typedef {import("../kernels/memory.js").Kernels} Kernels
  * @typedef {import("../model/case.js").Case} Case
  * @typedef {import("../model/simulate.js").Run} Run
  * @typedef {import("./drive.js").Cosine} Cosine
@@ -18,7 +18,7 @@ export const MOST_SECONDS = 300;
 export const SAME = 1e-6; // rad
 // What is known of a run that was computed in one go, but not of a recording.
 const OF_RUNS = ["scenario", "energy_residual", "step", "step_halvings", "grazing_contacts",
-  "compression_time", "compression_fraction"];
+  "compression_time", "compression_fraction", "first_slack", "slack_fraction", "largest_string_impulse"];
 
 /** Rows of numbers, as many as come. */
 class Table {
@@ -49,12 +49,13 @@ class Table {
 
 export class Recording {
   /**
-   * @param {Layout} layout
+   * @param {Pick<Kernels, "layout" | "rows">} kernels
    * @param {Cosine} cosine the drive, from the beginning on
    * @param {Case} each system and start, which other drives do not change
    */
-  constructor(layout, cosine, each) {
+  constructor({ layout, rows }, cosine, each) {
     this.layout = layout;
+    this.rows = rows;
     this.cosine = cosine;
     this.case = each;
     /** Whether anything but the drive was changed: a push, a drag, damping or restitution. */
@@ -63,9 +64,9 @@ export class Recording {
     this.isShaken = false;
     /** @type {Change[]} */
     this.changes = [];
-    const { sample_rows_count: rows, pivot_rows, ball_rows } = layout;
-    this.samples = new Table(1 + rows + pivot_rows.length + each.system.angles * ball_rows.length);
-    this.contacts = new Table(6);
+    this.samples = new Table(1 + rows.samples + rows.pivot.length
+      + each.system.angles * layout.ball_rows.length);
+    this.contacts = new Table(2 + layout.contact_rows.count);
   }
 
   /** How long it is by now [s]. */
@@ -91,7 +92,7 @@ export class Recording {
    * Keep a contact.
    * @param {number} time
    * @param {number} kind
-   * @param {number[]} speeds before and after, of all balls
+   * @param {number[]} speeds its row of the table of contacts
    */
   addContact(time, kind, speeds) {
     this.contacts.add([time - this.cosine.start, kind, ...speeds]);
@@ -177,10 +178,11 @@ export class Recording {
    * @returns {Record<string, Float64Array[]>}
    */
   columns() {
-    const { sample_rows, sample_rows_count, pivot_rows, ball_rows } = this.layout;
-    const { angles, linear } = this.case.system;
-    const pivot = 1 + sample_rows_count;
-    const out = pivot + pivot_rows.length;
+    const { sample_rows, string_rows, ball_rows } = this.layout;
+    const { angles, linear, suspension } = this.case.system;
+    const isString = suspension === "string";
+    const pivot = 1 + this.rows.samples;
+    const out = pivot + this.rows.pivot.length;
     const each = (/** @type {(ball: number) => number} */ place) =>
       Array.from({ length: angles }, (_, ball) => this.samples.column(place(ball)));
     const ofBalls = (/** @type {string} */ name) =>
@@ -190,13 +192,16 @@ export class Recording {
     const columns = {
       time: [this.samples.column(0)],
       angle: each((ball) => 1 + 2 * ball), angular_velocity: each((ball) => 2 + 2 * ball),
-      ...Object.fromEntries(pivot_rows.map((name, i) => [name, [this.samples.column(pivot + i)]])),
+      ...(isString ? Object.fromEntries(Object.entries(string_rows).map(([name, row]) =>
+        [name, each((ball) => 1 + row + PER_STRING * ball)])) : {}),
+      ...Object.fromEntries(this.rows.pivot.map((name, i) => [name, [this.samples.column(pivot + i)]])),
       kinetic_energy: kinetic, potential_energy: potential,
       total_energy: kinetic.map((row, ball) => row.map((value, i) => value + potential[ball][i])),
       drive_power: ofBalls("drive_power"), damping_power: ofBalls("damping_power"),
     };
     if (!linear) columns.tension = ofBalls("tension"); // the small-angle model has none
-    for (const name of LEDGER) columns[name] = [this.samples.column(1 + sample_rows[name])];
+    for (const name of LEDGER)
+      if (name !== "retension_loss" || isString) columns[name] = [this.samples.column(1 + sample_rows[name])];
     if (columns.noise_work[0].every((work) => work === 0)) delete columns.noise_work;
     return columns;
   }
@@ -206,12 +211,14 @@ export class Recording {
    * @returns {Record<string, Float64Array[]>}
    */
   contactColumns() {
-    const { angles } = this.case.system;
+    const { angles, suspension } = this.case.system;
     const each = (/** @type {number} */ first) =>
       Array.from({ length: angles }, (_, ball) => this.contacts.column(first + ball));
+    const values = Array.from({ length: this.layout.contact_rows.count }, (_, row) => this.contacts.column(2 + row));
     return {
       contact_time: [this.contacts.column(0)], contact_kind: [this.contacts.column(1)],
       angular_velocity_before: each(2), angular_velocity_after: each(2 + angles),
+      ...(suspension === "string" ? onStrings(this.layout, values, angles) : {}),
     };
   }
 
@@ -222,11 +229,11 @@ export class Recording {
   block(again) {
     const { time: [time], ...columns } = this.columns();
     const { contact_time, contact_kind, angular_velocity_before: before,
-      angular_velocity_after: after } = this.contactColumns();
+      angular_velocity_after: after, ...others } = this.contactColumns();
     const unknown = { case: this.whole(), strobes: new Float64Array(0), energyResidual: NaN, step: NaN,
-      halvings: 0, grazes: 0, compressionTime: [NaN], compressionFraction: [NaN] };
+      halvings: 0, grazes: 0, pulls: {} };
     const block = blockOf({ ...again ?? unknown, time, columns, warnings: [], status: "complete",
-      contacts: { time: contact_time[0], kind: Uint8Array.from(contact_kind[0]), before, after } });
+      contacts: { time: contact_time[0], kind: Uint8Array.from(contact_kind[0]), before, after, others } });
     const { about } = block;
     for (const name of OF_RUNS) delete about.attributes[name];
     const notes = [this.isShaken && t("recordedShakenNote"), this.byHand && t("recordedHandNote")];

@@ -2,7 +2,7 @@
 
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
-import { LEDGER, recordOf } from "../model/simulate.js";
+import { LEDGER, PER_STRING, recordOf, TANGLED } from "../model/simulate.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Recording } from "./recording.js";
 
@@ -31,7 +31,7 @@ const MOST_AMPLITUDE = 0.5;
 const MOST_FREQUENCY = 40;
 const MOST_DAMPING_RATIO = 2;
 // Of the table of contacts; an event may need some more.
-const ROOM = 256 + 4;
+const ROOM = 256;
 // Calls of the engine, and steps in one: more means that the motion cannot be followed.
 const MOST_CALLS = 20;
 const STEPS_PER_CALL = 10_000;
@@ -61,13 +61,14 @@ export function limitsOf({ balls, naturalFrequency, contacts }) {
 export class Toy {
   /**
    * Throws if a control begins beyond its limits.
-   * @param {Kernels} kernels of the module `one` or `two`, for this toy alone
+   * @param {Kernels} kernels of the module that runs it, for this toy alone
    * @param {Case} each
    * @param {import("./drive.js").Cosine} cosine how the pivot moves
    */
   constructor(kernels, each, cosine) {
     kernels.clear();
     this.kernels = kernels;
+    this.room = ROOM + kernels.rows.spare;
     // Contact is always exact.
     this.case = { ...each, tolerance: TOLERANCE, clampStep: 0 };
     this.begun = cosine;
@@ -83,7 +84,7 @@ export class Toy {
     /** Contacts since the start, and the hardest since this was last set to zero [rad/s]. */
     this.contacts = 0;
     this.clack = 0;
-    /** Called with each contact: time, kind and the velocities before and after, of all balls. */
+    /** Called with each contact: time, kind and a row of the table of contacts. */
     this.onContact = (/** @type {number} */ _time, /** @type {number} */ _kind,
       /** @type {number[]} */ _speeds) => {};
     /** @type {Recording | null} */
@@ -105,8 +106,15 @@ export class Toy {
     this.walls = ["low", "high"].map((name) => kernels.get(this.run, `settings.${name}`));
     this.prepare();
     const now = kernels.copy([0]);
-    const samples = kernels.take("f8", kernels.layout.sample_rows_count, 1);
+    const samples = kernels.take("f8", kernels.rows.samples, 1);
     kernels.numbers(samples).set(this.angles.flatMap((angle, i) => [angle, this.velocities[i]]));
+    balls.forEach(({ length }, i) => {
+      const { distance, slack } = kernels.layout.string_rows;
+      const begun = each.distances[i] ?? length;
+      if (distance >= kernels.rows.samples) return;
+      kernels.numbers(samples)[distance + PER_STRING * i] = begun;
+      kernels.numbers(samples)[slack + PER_STRING * i] = Number(begun < length);
+    });
     /** @type {View} */
     this.present = this.look(now, samples)(0);
     kernels.release(now);
@@ -129,6 +137,22 @@ export class Toy {
   state(name) {
     const { kernels, run, system } = this;
     return [...kernels.numbers(kernels.field(run, `state.${name}`)).subarray(0, system.angles)];
+  }
+
+  /** How far the balls are from the pivot [m], right ball first. */
+  get distances() {
+    const { layout: { string_rows: { distance } }, rows } = this.kernels;
+    return this.system.balls.map(({ length }, i) =>
+      (distance < rows.samples ? this.present.samples[distance + PER_STRING * i] : length));
+  }
+
+  /** How fast the step must allow the balls to be [rad/s]: slack strings do not turn them. */
+  get speeds() {
+    const { kernels, run, system } = this;
+    const slack = kernels.numbers(kernels.field(run, "state.is_slack"));
+    const places = kernels.numbers(kernels.field(run, "state.place"));
+    return this.velocities.map((velocity, i) => (slack[i]
+      ? Math.hypot(places[4 * i + 2], places[4 * i + 3]) / system.balls[i].length : velocity));
   }
 
   /** Height [m], velocity and acceleration of the pivot. */
@@ -259,7 +283,7 @@ export class Toy {
     else if (this.steered.settle(this.time)) this.prepare();
     if (this.awaitsRecording && this.drive.isSteady && !this.held) this.beginRecording();
     const kick = this.kick(stop - this.time);
-    const speed = largest(this.velocities) + largest(kick);
+    const speed = largest(this.speeds) + largest(kick);
     if (speed > this.speed) this.prepare(speed);
     const isKicked = kick.some((each) => each !== 0);
     if (isKicked && this.recording) this.recording.byHand = true;
@@ -269,9 +293,9 @@ export class Toy {
       if (k / SAMPLES_PER_SECOND > this.time) recorded.push(k / SAMPLES_PER_SECOND);
     const instants = kernels.copy(recorded.at(-1) === stop ? recorded : [...recorded, stop]);
     const count = instants.shape[0];
-    const samples = kernels.take("f8", kernels.layout.sample_rows_count, count);
-    const contacts = { times: kernels.take("f8", ROOM), kinds: kernels.take("i8", ROOM),
-      values: kernels.take("f8", 4, ROOM) };
+    const samples = kernels.take("f8", kernels.rows.samples, count);
+    const contacts = { times: kernels.take("f8", this.room), kinds: kernels.take("i8", this.room),
+      values: kernels.take("f8", kernels.layout.contact_rows.count, this.room) };
     kernels.set(run, "state.sample", 0);
     kernels.set(run, "state.kick", 0);
     kernels.fill(kernels.field(run, "words"), "arguments", {
@@ -285,6 +309,7 @@ export class Toy {
     });
     for (let calls = 1; ; calls += 1) {
       this.noteContacts(kernels.exports.engine(run.at, stop, STEPS_PER_CALL), contacts);
+      if (kernels.get(run, "state.is_tangled")) throw new Error(TANGLED);
       if (time(kernels, run) >= stop) break;
       if (calls === MOST_CALLS) throw new Error("the motion cannot be followed in real time");
     }
@@ -309,7 +334,8 @@ export class Toy {
     const { kernels, system, balls } = this;
     const { stretches } = this.drive;
     const { pivot, out } = observe(kernels, /** @type {any} */ ({ times, stretches }), samples,
-      { balls, gravity: system.gravity, is_linear: system.linear, with_lab: false });
+      { balls, gravity: system.gravity, is_linear: system.linear, in_lab: system.drag_frame === "lab",
+        with_lab: false });
     const count = times.shape[0];
     const column = (/** @type {Held} */ table, /** @type {number} */ i) => kernels.numbers(table)
       .filter((/** @type {number} */ _, /** @type {number} */ k) => k % count === i);
@@ -335,7 +361,7 @@ export class Toy {
     system.balls.forEach((ball, i) => {
       for (const [name, value] of Object.entries(ball)) kernels.numbers(kernels.field(balls, name, i))[0] = value;
     });
-    this.speed = 1.5 * Math.max(largest(this.velocities), speed, system.naturalFrequency);
+    this.speed = 1.5 * Math.max(largest(this.speeds), speed, system.naturalFrequency);
     const { run: fresh } = this.begin({ speed: this.speed, is_exact: 1 });
     for (const part of ["settings", "bodies"])
       kernels.bytes(kernels.field(run, part)).set(kernels.bytes(kernels.field(fresh, part)));
@@ -376,7 +402,8 @@ export class Toy {
     const { kernels, recording, system } = this;
     const table = kernels.numbers(values);
     for (let i = 0; i < rows; i += 1) {
-      const speeds = [0, 1, 2, 3].map((row) => table[row * ROOM + i]);
+      const speeds = Array.from({ length: kernels.layout.contact_rows.count }, (_, row) =>
+        table[row * this.room + i]);
       const kind = Number(kernels.numbers(kinds)[i]);
       const at = kernels.numbers(times)[i];
       recording?.addContact(at, kind, speeds);
@@ -393,10 +420,14 @@ export class Toy {
     this.awaitsRecording = false;
     const { kernels, system, present } = this;
     const balls = system.balls.map((ball) => ({ ...ball }));
-    this.recording = new Recording(kernels.layout, this.steered.from(this.time),
-      { ...this.case, system: { ...system, balls }, angles: this.angles, velocities: this.velocities });
+    this.recording = new Recording(kernels, this.steered.from(this.time),
+      { ...this.case, system: { ...system, balls }, angles: this.angles, velocities: this.velocities,
+        distances: [] });
     this.recording.isShaken = this.isShaken;
+    // No run begins with a ball that leaves its circle.
+    this.recording.byHand = this.state("is_slack").some(Number);
     for (const name of LEDGER) {
+      if (kernels.layout.sample_rows[name] >= kernels.rows.samples) continue;
       kernels.set(this.run, `state.${name}`, 0);
       present.samples[kernels.layout.sample_rows[name]] = 0;
     }

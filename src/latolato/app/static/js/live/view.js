@@ -6,7 +6,7 @@ import { followKeys } from "../shared/keys.js";
 import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
-import { withControls } from "../live/address.js";
+import { withControls, withSuspension } from "../live/address.js";
 import { fit, makeKnobs } from "../live/controls.js";
 import { cosineOf, isByCosine } from "../live/drive.js";
 import { Keeper } from "../live/keeper.js";
@@ -50,8 +50,9 @@ const SLOW = 0.95;
  * @param {import("../model/case.js").Case} other
  */
 function isSteered(one, other) {
-  const rest = (/** @type {import("../model/case.js").Case} */ { system, angles, velocities }) =>
-    JSON.stringify([system.kind, system.gravity, angles, velocities,
+  const rest = (/** @type {import("../model/case.js").Case} */ { system, angles, velocities, distances }) =>
+    JSON.stringify([system.kind, system.gravity, angles, velocities, distances, system.suspension,
+      system.string_restitution, system.drag_frame,
       system.balls.map((ball) => ({ ...ball, damping: 0 }))]);
   return rest(one) === rest(other);
 }
@@ -82,6 +83,7 @@ export class LiveView {
       low: () => this.ratio(RATIOS.low),
       speed: (times) => { this.pace.speed = times; },
       shake: () => void this.shake.toggle(),
+      hang: (kind) => page.store.set({ options: withSuspension(page.store.state.options, kind) }),
     });
     this.showPause();
     this.showShake();
@@ -144,7 +146,7 @@ export class LiveView {
       const each = await specify(this.page.registry, this.request());
       if (running && isSteered(running.case, each)) this.steer(running, each);
       else {
-        const kernels = await startKernels(each.system.angles === 2 ? "two" : "one");
+        const kernels = await startKernels(each.kernels.name);
         if (signature !== this.signature) return;
         this.keeper.finish();
         this.start(new Toy(kernels, each, cosineOf(each)));
@@ -199,6 +201,8 @@ export class LiveView {
     this.toy = toy;
     this.motion = new LiveMotion(toy, this.watch.history);
     fit(this.knobs, toy);
+    this.parts.hang.value = toy.system.suspension;
+    this.parts.hang.disabled = toy.system.linear;
     this.showRatio();
     const single = this.motion.balls.length < 2;
     this.root.classList.toggle("single", single);

@@ -22,7 +22,8 @@ export class Watch {
    * @param {Place} energy
    */
   constructor(angle, energy) {
-    this.history = new History(["right", "left", "pivot", "kinetic", "potential", "total"]);
+    this.history = new History(["right", "left", "far", "other", "pivot", "kinetic", "potential",
+      "total"]);
     this.angle = new Strip(angle.canvas, { least: [-15, 15], curves: [LEFT, RIGHT] });
     this.energy = new Strip(energy.canvas, { least: [0, 1e-6], curves: ENERGIES });
     this.angle.history = this.energy.history = this.history;
@@ -109,5 +110,5 @@ function valuesOf(motion) {
   const [first, second] = motion.balls;
   const { kinetic, potential } = motion.toy.energies;
   return { right: motion.angle(first) * DEGREES, left: second ? motion.angle(second) * DEGREES : 0,
-    pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential };
+    far: motion.distance(first), other: motion.distance(second ?? first), pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential };
 }

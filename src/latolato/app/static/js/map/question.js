@@ -2,7 +2,7 @@
 
 import { loadKernels } from "../kernels/load.js";
 import { resolvedOf } from "../model/block.js";
-import { beyondPages, contactOf, noiseOf, numbersFor } from "../model/case.js";
+import { contactOf, noiseOf, numbersFor } from "../model/case.js";
 import { driveOf, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
 import { checkedNumber, general, InputError, suggest } from "../model/rules.js";
@@ -57,7 +57,8 @@ export async function questionOf(registry, layout, request) {
   checkLaws(registry, layout, input, request.observable);
   const kernels = await loadKernels(registry.systems[input.system].angles === 2 ? "two" : "one");
   const system = systemOf(registry, kernels, input.system, partsOf(registry, input).system);
-  const beyond = beyondPages(registry, input);
+  const beyond = Object.keys(input).find((name) =>
+    !registry.options[name].in_maps && input[name] !== registry.options[name].default);
   if (beyond) throw new BeyondMapError(`${beyond} ${input[beyond]}`);
   const fixed = (input.drive ?? "fixed_pivot") === "fixed_pivot";
   const named = fixed ? { ...input, ...gentleDrive({ options: { ...system.balls[0], ...input,
@@ -78,7 +79,7 @@ export async function questionOf(registry, layout, request) {
       + `${noise.noise_stream} on, but streams lie in [0, 2^53): begin with a smaller one`);
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
-  const own = registry.systems[system.kind].options.filter((name) => registry.options[name].compiled);
+  const own = registry.systems[system.kind].options.filter((name) => registry.options[name].in_maps);
   const plan = {
     angles: /** @type {1 | 2} */ (system.angles), drive: drive.kind,
     parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
@@ -119,7 +120,8 @@ function checkLaws(registry, layout, options, observable) {
     ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
     if (!Object.hasOwn(laws, kind))
       throw new InputError(`unknown ${part} '${kind}': ${suggest(String(kind), Object.keys(laws))}`);
-    if (!laws[kind].compiled) throw new BeyondMapError(`the ${part} ${kind}`);
+    // Maps are of motions on circles.
+    if (!laws[kind].compiled || kind === "planar_harmonic") throw new BeyondMapError(`the ${part} ${kind}`);
   }
   const owners = Object.entries(registry.observables)
     .filter(([, { variables }]) => observable !== null && observable in variables);

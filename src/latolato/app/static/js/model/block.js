@@ -33,6 +33,7 @@ export function blockOf(run) {
   block.arrays.contact_kind = contacts.kind;
   put("angular_velocity_before", contacts.before);
   put("angular_velocity_after", contacts.after);
+  for (const [name, rows] of Object.entries(contacts.others)) put(name, rows);
   for (const name of ["time", "strobe", "contact_time", "contact_kind"])
     block.shapes[name] = [block.arrays[name].length];
   return block;
@@ -77,8 +78,7 @@ function attributesOf(run, options) {
     scenario: JSON.stringify(tablesOf(registry, whole)),
     energy_residual: run.energyResidual, status: run.status, step: run.step, step_halvings: run.halvings,
     grazing_contacts: run.grazes, contacts: run.contacts.time.length,
-    ...(system.linear ? {} : { compression_time: single(run.compressionTime),
-      compression_fraction: single(run.compressionFraction) }),
+    ...Object.fromEntries(Object.entries(run.pulls).map(([name, values]) => [name, single(values)])),
   };
 }
 

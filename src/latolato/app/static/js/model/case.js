@@ -1,7 +1,7 @@
 /** What is to be run, from its parameters, checked as `latolato.simulate` checks it. */
 
-import { loadKernels } from "../kernels/load.js";
-import { checkIncreasing, driveOf, systemOf } from "./laws.js";
+import { loadKernels, moduleFor } from "../kernels/load.js";
+import { checkAcross, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
 import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
 
@@ -15,7 +15,7 @@ import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, sug
  * What is to be run, checked: see `specify`.
  * @typedef {{registry: Registry, kernels: Kernels, options: Record<string, any>, system: System,
  *   drive: Drive, contact: string, clampStep: number, tolerance: number, restSpeed: number,
- *   contactLimit: number, frame: string, angles: number[], velocities: number[],
+ *   contactLimit: number, frame: string, angles: number[], velocities: number[], distances: number[],
  *   offset: number | null, times: Float64Array | null, duration: number, noise: Noise | null}} Case
  * @typedef {{noise_strength: number, noise_seed?: number, noise_stream?: number,
  *   noise_interval?: number}} Noise
@@ -23,6 +23,9 @@ import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, sug
 
 // A start this close to a wall is on it [rad].
 const ON_WALL = 1e-12;
+const SEPARATION = "the separation {parameter}[0] - {parameter}[1]";
+const SPAN_OF_ONE = "{parameter} must lie in [0, pi] rad";
+const SPAN_OF_TWO = `${SEPARATION} must lie in [0, 2 pi] rad`;
 
 /**
  * Return what a request asks for, checked.
@@ -42,28 +45,17 @@ export async function specify(registry, request) {
   const drive = options.drive ?? "fixed_pivot";
   if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
   if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
-  const kernels = await loadKernels(registry.systems[kind].angles === 2 ? "two" : "one");
+  const planar = planarOption(options);
+  if (planar && registry.upright) throw new BeyondPageError(`a run with {parameter} ${options[planar]} is`, planar);
+  const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
-  const beyond = beyondPages(registry, options);
-  if (beyond) throw new BeyondPageError(`a run with {parameter} ${options[beyond]} is`, beyond);
   withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
   const moved = driveOf(registry, drive, parts.drive);
+  checkAcross(registry, system, moved);
   const law = contactOf(registry, system, parts.run);
   const noise = noiseOf(registry, parts.noise);
   return { ...checkedRun(registry, kernels, options, system, moved, law, parts.run), noise };
-}
-
-/**
- * Return the first option whose value the compiled modules do not have, undefined for none.
- * @param {Registry} registry
- * @param {Record<string, any>} options
- */
-export function beyondPages(registry, options) {
-  return Object.keys(options).find((name) => {
-    const option = registry.options[name];
-    return !option.compiled && options[name] !== option.default;
-  });
 }
 
 /**
@@ -115,6 +107,11 @@ export function contactOf(registry, system, run) {
   if (name === "clamp" && system.angles === 2)
     throw new InputError("{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
       { parameter: "contact", wayOut: "use 'exact' for a BallPair" });
+  const { suspension, drag_frame: frame } = system;
+  if (name === "clamp" && (suspension !== "rod" || frame !== "pivot"))
+    throw new InputError("{parameter} 'clamp' is described for rods and for drag relative to the pivot only, "
+      + `not for ${suspension !== "rod" ? "strings" : "drag_frame 'lab'"}`,
+    { parameter: "contact", wayOut: "use 'exact' or 'none'" });
   return { contact: name, clampStep: name === "clamp" ? own[0] : 0 };
 }
 
@@ -247,12 +244,59 @@ function startOf(registry, system, meets, run) {
     throw new InputError("of a BallPair must be two numbers (right, left)", { parameter, value: angle });
   const angles = numbersFor(registry, parameter, offset === null ? angle : system.low + offset,
     system.angles);
+  const distances = distancesOf(registry, system, run.initial_distance ?? null);
+  if (distances.length) {
+    if (meets) checkApart(system, angles, distances);
+    return { angles, velocities, distances, offset };
+  }
   const [gap, name] = system.angles === 2
-    ? [angles[0] - angles[1], "the separation {parameter}[0] - {parameter}[1]"] : [angles[0], "{parameter}"];
+    ? [angles[0] - angles[1], SEPARATION] : [angles[0], "{parameter}"];
   const { low, high } = system;
   if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL))
     throw new InputError(
       `${name} must lie between the contact angles [${general(low, 9)}, ${general(high, 9)}] rad`,
       { parameter, value: gap, wayOut: "give one at which the balls do not overlap" });
-  return { angles, velocities, offset };
+  return { angles, velocities, distances, offset };
+}
+
+/**
+ * Return the distances from the pivot at which balls start [m], none for taut strings.
+ * @param {Registry} registry
+ * @param {System} system
+ * @param {any} given
+ */
+function distancesOf(registry, { suspension, angles, balls }, given) {
+  const parameter = "initial_distance";
+  if (given === null) return [];
+  if (suspension !== "string")
+    throw new InputError("is for balls on strings: a rod keeps its ball at its length and never goes slack",
+      { parameter, wayOut: "leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair" });
+  const distances = numbersFor(registry, parameter, given, angles);
+  const i = distances.findIndex((distance, k) => distance > balls[k].length);
+  if (i >= 0)
+    throw new InputError("must not exceed the length of the string",
+      { parameter: angles === 1 ? parameter : `${parameter}[${i}]`, value: distances[i],
+        wayOut: `give at most ${general(balls[i].length, 9)} m, at which the string is taut` });
+  return distances.every((distance, k) => distance === balls[k].length) ? [] : distances;
+}
+
+/**
+ * Throw if two balls overlap that are this far from the pivot, or have swapped.
+ * @param {System} system
+ * @param {number[]} angles
+ * @param {number[]} distances
+ */
+function checkApart({ balls }, angles, distances) {
+  const mirrored = angles.length === 1;
+  const gap = mirrored ? 2 * angles[0] : angles[0] - angles[1];
+  if (!(gap >= 0 && gap <= 2 * Math.PI))
+    throw new InputError(mirrored ? SPAN_OF_ONE : SPAN_OF_TWO, { parameter: "initial_angle",
+      value: mirrored ? angles[0] : gap, wayOut: "give one at which the balls do not overlap" });
+  const [right, left] = [distances[0], distances[distances.length - 1]];
+  const apart = Math.sqrt((right - left) ** 2 + 4 * right * left * Math.sin(0.5 * gap) ** 2);
+  const reach = balls[0].radius + balls[balls.length - 1].radius;
+  if (apart < reach * (1 - ON_WALL))
+    throw new InputError("the balls overlap at this {parameter}: their centres must be at least "
+      + `${general(reach, 9)} m apart, but are ${general(apart, 9)} m apart`, { parameter: "initial_distance",
+      value: mirrored ? distances[0] : distances, wayOut: "give other distances or angles" });
 }

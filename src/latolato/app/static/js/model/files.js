@@ -7,7 +7,7 @@ import { isShown, shownText } from "./shown.js";
 /** @typedef {import("../shared/block.js").Block} Block */
 
 const SIDES = ["right", "left"];
-const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work"];
+const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work", "retension_loss"];
 // Variables whose names say whether they are those of one ball or of both.
 const OF_BALLS = ["kinetic_energy", "potential_energy", "total_energy", "drive_power", "damping_power",
   "tension", "lab_energy", "rod_power", ...LEDGER];
@@ -66,7 +66,7 @@ export function columnsTable(registry, block) {
 
 /** @type {Record<string, true>} */
 const CONTACT_COLUMNS = { contact_time: true, contact_kind: true, angular_velocity_before: true,
-  angular_velocity_after: true };
+  angular_velocity_after: true, radial_velocity_before: true, radial_velocity_after: true, contact_ball: true };
 
 /**
  * Return the contacts of a run as a table of comma-separated values.
@@ -74,7 +74,7 @@ const CONTACT_COLUMNS = { contact_time: true, contact_kind: true, angular_veloci
  * @param {Block} block
  */
 export function contactsTable(registry, block) {
-  return table(registry, block, Object.keys(CONTACT_COLUMNS));
+  return table(registry, block, Object.keys(CONTACT_COLUMNS).filter((name) => name in block.arrays));
 }
 
 /**

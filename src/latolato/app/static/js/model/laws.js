@@ -15,7 +15,8 @@ import { checkedChoice, checkedNumber, general, InputError } from "./rules.js";
  * A system: its balls whose angles are the state, the right one first, and where balls touch
  * [rad]: of one ball the angle, of two the separation.
  * @typedef {{kind: string, angles: number, contacts: boolean, linear: boolean, gravity: number,
- *   restitution: number, balls: Ball[], naturalFrequency: number, low: number, high: number}} System
+ *   restitution: number, suspension: string, string_restitution: number, drag_frame: string,
+ *   balls: Ball[], naturalFrequency: number, low: number, high: number}} System
  *
  * A drive: its parameters by the names that compiled code has.
  * @typedef {{kind: string, moves: boolean, parameters: Record<string, number | number[]>}} Drive
@@ -120,10 +121,55 @@ export function systemOf(registry, kernels, kind, input) {
         wayOut: `give less than ${general(ball.length)}` });
     return ball;
   });
-  const { gravity, restitution = 1 } = values;
-  const system = { kind, angles, contacts, linear: kind === "mathieu", gravity, restitution, balls,
-    naturalFrequency: Math.sqrt(gravity / balls[0].length), low: -Infinity, high: Infinity };
+  const { gravity, restitution = 1, suspension = "rod", string_restitution = 0, drag_frame = "pivot" } = values;
+  const system = { kind, angles, contacts, linear: kind === "mathieu", gravity, restitution, suspension,
+    string_restitution, drag_frame, balls, naturalFrequency: Math.sqrt(gravity / balls[0].length),
+    low: -Infinity, high: Infinity };
+  checkHanging(system);
   return contacts ? { ...system, ...wallsOf(kernels, system) } : system;
+}
+
+/**
+ * Throw unless what balls hang on and the air around them go together with the rest.
+ * @param {System} system
+ */
+function checkHanging({ suspension, string_restitution: value, drag_frame: frame, balls }) {
+  if (suspension === "rod" && value > 0)
+    throw new InputError("must be 0 with suspension 'rod', as a rod never goes slack",
+      { parameter: "string_restitution", value, wayOut: "give 0, or suspension='string'" });
+  if (frame === "lab" && balls.some((ball) => ball.quadratic_damping > 0))
+    throw new InputError("must be 'pivot' with quadratic_damping, as drag relative to the room is described "
+      + "for linear damping only", { parameter: "drag_frame", value: frame,
+      wayOut: "give quadratic_damping=0 for 'lab'" });
+}
+
+/**
+ * Return the option for which a motion needs the modules of the plane, null if it does not.
+ * @param {Record<string, any>} options
+ */
+export function planarOption({ suspension, drag_frame: frame, drive, horizontal_amplitude: across }) {
+  if (suspension === "string") return "suspension";
+  if (frame === "lab") return "drag_frame";
+  return drive === "planar_harmonic" && across > 0 ? "horizontal_amplitude" : null;
+}
+
+/**
+ * Throw if a drive moves the pivot sideways and the system cannot follow it.
+ * @param {Registry} registry
+ * @param {System} system
+ * @param {Drive} drive
+ */
+export function checkAcross(registry, { kind, linear, contacts, angles }, drive) {
+  if (!planarOption({ drive: drive.kind, ...drive.parameters })) return;
+  const { title } = registry.systems[kind];
+  const value = registry.drives[drive.kind].title;
+  const parameter = "drive";
+  if (contacts && angles === 1)
+    throw new InputError(`moves the pivot sideways, which breaks the mirror symmetry of a ${title}: `
+      + "{parameter} must be vertical", { parameter, value, wayOut: "use a BallPair" });
+  if (linear)
+    throw new InputError(`moves the pivot sideways, which a ${title} does not describe: `
+      + "{parameter} must be vertical", { parameter, value, wayOut: "use a Pendulum" });
 }
 
 /**
@@ -131,10 +177,12 @@ export function systemOf(registry, kernels, kind, input) {
  * @param {System} system
  * @returns {Record<string, number>}
  */
-export function fieldsOf({ gravity, restitution, angles, linear, balls }) {
+export function fieldsOf({ gravity, restitution, angles, linear, balls, ...hanging }) {
   const parts = balls.flatMap((ball, i) =>
     Object.entries(ball).map(([name, value]) => [`balls.${i}.${name}`, value]));
-  return { gravity, restitution, angles, is_linear: Number(linear), ...Object.fromEntries(parts) };
+  return { gravity, restitution, angles, is_linear: Number(linear),
+    is_string: Number(hanging.suspension === "string"), in_lab: Number(hanging.drag_frame === "lab"),
+    string_restitution: hanging.string_restitution, ...Object.fromEntries(parts) };
 }
 
 /**

@@ -13,9 +13,10 @@ import { general, InputError } from "./rules.js";
 /**
  * A run: columns over the instants, one for each ball of those quantities that balls have.
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array[]>, strobes: Float64Array,
- *   contacts: {time: Float64Array, kind: Uint8Array, before: Float64Array[], after: Float64Array[]},
+ *   contacts: {time: Float64Array, kind: Uint8Array, before: Float64Array[], after: Float64Array[],
+ *     others: Record<string, Float64Array[]>},
  *   status: string, energyResidual: number, step: number, halvings: number, grazes: number,
- *   compressionTime: number[], compressionFraction: number[], warnings: string[], case: Case}} Run
+ *   pulls: Record<string, number[]>, warnings: string[], case: Case}} Run
  */
 
 const SAMPLES_PER_PERIOD = 100;
@@ -25,9 +26,14 @@ const MOST_STEPS = 1e9;
 const QUICK_STEPS = 2e6;
 // Of a longer run so many steps are timed.
 const TIMED_STEPS = 50_000;
-export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work"];
+export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work",
+  "retension_loss"];
 // Of the samples: an angle and its velocity for each ball.
 const PER_BALL = 2;
+// Of strings: distance, its rate and whether it is slack.
+export const PER_STRING = 3;
+export const TANGLED = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
+  + "described";
 const MOST_STROBES = 20_000;
 // Forms of stretches that have a phase: cosine, swept cosine, crank; see `physics.drives.stretch`.
 const PHASED = [1, 2, 3];
@@ -46,6 +52,7 @@ export function recordOf(each, step) {
     duration: Infinity, tolerance: each.tolerance, rest_speed: each.restSpeed, step: each.clampStep || step,
     meets: Number(system.contacts && each.contact !== "none"), follows_ledger: 1,
     follows_tension: Number(!system.linear),
+    ...Object.fromEntries(each.distances.map((distance, i) => [`initial_distance.${i}`, distance])),
   };
 }
 
@@ -165,7 +172,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
       kernels.numbers(kernels.field(balls, name, i))[0] = value;
     }
   const { pivot, out } = observe(kernels, prepared, result.samples, { balls, gravity: system.gravity,
-    is_linear: system.linear, with_lab: each.frame === "both" });
+    is_linear: system.linear, in_lab: system.drag_frame === "lab", with_lab: each.frame === "both" });
   const rows = (/** @type {any} */ array, /** @type {number[]} */ numbers) => {
     const values = kernels.numbers(array);
     return numbers.map((row) => values.slice(row * time.length, (row + 1) * time.length));
@@ -176,7 +183,13 @@ function finished(each, time, prepared, result, halvings, isLoose) {
     angle: rows(result.samples, ofBalls.map((i) => PER_BALL * i)),
     angular_velocity: rows(result.samples, ofBalls.map((i) => PER_BALL * i + 1)),
   };
-  layout.pivot_rows.forEach((name, row) => { columns[name] = rows(pivot, [row]); });
+  const isString = system.suspension === "string";
+  if (isString)
+    for (const [name, row] of Object.entries(layout.string_rows))
+      columns[name] = rows(result.samples, ofBalls.map((i) => row + PER_STRING * i));
+  // A run that failed knows nothing more.
+  columns.slack?.forEach((row) => row.forEach((value, i) => { row[i] = value || 0; }));
+  kernels.rows.pivot.forEach((name, row) => { columns[name] = rows(pivot, [row]); });
   layout.ball_rows.forEach((name, row) => {
     const isLab = ["lab_energy", "rod_power"].includes(name);
     // The small-angle model has no such quantities.
@@ -185,7 +198,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   });
   columns.total_energy = ofBalls.map((i) => sum(columns.kinetic_energy[i], columns.potential_energy[i]));
   for (const name of LEDGER) {
-    if (name === "noise_work" && !each.noise) continue;
+    if ((name === "noise_work" && !each.noise) || (name === "retension_loss" && !isString)) continue;
     const [values] = rows(result.samples, [layout.sample_rows[name]]);
     if (name !== "noise_work" || values.some((/** @type {number} */ value) => Math.abs(value) > 0)) columns[name] = [values];
   }
@@ -196,8 +209,13 @@ function finished(each, time, prepared, result, halvings, isLoose) {
       { wayOut: "ask for earlier times" });
   const residual = kernels.get(record, "state.ledger_error");
   const known = result.status === "failed" ? NaN : 1;
-  const [firsts, totals] = ["start", "time"].map((name) =>
-    [...kernels.numbers(kernels.field(record, `state.compression_${name}`))].slice(0, count));
+  const ofState = (/** @type {string} */ name) =>
+    [...kernels.numbers(kernels.field(record, `state.${name}`))].slice(0, count).map((value) => known * value);
+  const [first, share] = isString ? ["first_slack", "slack_fraction"] : ["compression_time", "compression_fraction"];
+  const what = isString ? "slack" : "compression";
+  const pulls = system.linear ? {} : { [first]: ofState(`${what}_start`),
+    [share]: ofState(`${what}_time`).map((value) => value / result.reached),
+    ...(isString ? { largest_string_impulse: [known * kernels.get(record, "state.string_impulse")] } : {}) };
   const warnings = status === "complete" ? [] : [`the run ${status}; later samples are NaN`];
   if (isLoose) {
     const share = residual / kernels.get(record, "state.largest_energy");
@@ -208,12 +226,24 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   return {
     time, columns, status, warnings, halvings, case: each, strobes: strobesOf(kernels, stretches, duration),
     contacts: { time: contactTimes, kind: Uint8Array.from(kinds),
-      before: values.slice(0, count), after: values.slice(count === 1 ? 1 : 2, count === 1 ? 2 : 4) },
+      before: values.slice(0, count), after: values.slice(count, 2 * count),
+      others: isString ? onStrings(layout, values, count) : {} },
     energyResidual: residual, step: kernels.get(record, "settings.step"),
-    grazes: kernels.get(record, "state.grazes"),
-    compressionTime: firsts.map((value) => known * value),
-    compressionFraction: totals.map((value) => (known * value) / result.reached),
+    grazes: kernels.get(record, "state.grazes"), pulls,
   };
+}
+
+/**
+ * Return what is known of contacts of balls on strings beside the angular velocities.
+ * @param {import("../kernels/memory.js").Layout} layout
+ * @param {Float64Array[]} values
+ * @param {number} count of balls
+ * @returns {Record<string, Float64Array[]>}
+ */
+export function onStrings({ contact_rows: { radial, ball } }, values, count) {
+  return { radial_velocity_before: values.slice(radial, radial + count),
+    radial_velocity_after: values.slice(radial + count, radial + 2 * count),
+    ...(count === 2 ? { contact_ball: [values[ball]] } : {}) };
 }
 
 /**
@@ -232,9 +262,10 @@ function sum(one, other) {
  * @param {Case} each
  * @param {import("../kernels/run.js").Run} result
  */
-function statusOf(each, { status, reached }) {
+function statusOf(each, { status, isTangled, reached }) {
   if (status === "complete") return status;
   const when = `${status} at t = ${general(reached, 9)} s`;
+  if (isTangled) return `${when}: ${TANGLED}`;
   return status === "failed" ? `${when}: the motion left the range of numbers`
     : `${when} by contact_limit = ${each.contactLimit}`;
 }

@@ -22,10 +22,10 @@ const GAP = 8;
  * @param {Motion} motion
  * @param {Record<string, string>} colours
  */
-export function drawAngle(context, scale, { height, balls, led, text }, motion, colours) {
+export function drawAngle(context, scale, { across, height, balls, led, text }, motion, colours) {
   const { ball, angle, x, y } = balls[led];
   const { size, ratio } = scale;
-  const [px, py] = place(scale, 0, height);
+  const [px, py] = place(scale, across, height);
   const length = ball.length * size;
   context.strokeStyle = colours.soft;
   context.lineWidth = 1.2 * ratio;
@@ -40,7 +40,7 @@ export function drawAngle(context, scale, { height, balls, led, text }, motion, 
   const [bx, by] = place(scale, x, y);
   const gap = motion.radius(ball) * size + GAP * ratio;
   // On the outer side, unless the canvas ends there.
-  const out = x < 0 ? bx - gap - width : bx + gap;
+  const out = x < across ? bx - gap - width : bx + gap;
   const ends = context.canvas.width;
   const left = Math.min(Math.max(out, 2 * ratio), ends - width - 2 * ratio);
   const isBeside = left === out;

@@ -22,15 +22,18 @@ const SHORTEST = 2;
 /**
  * Return the velocity of a ball as it is seen [m/s], to the right and upwards: about the pivot, and
  * with it.
- * @param {import("./motion.js").Ball} ball
+ * @param {number} distance from the pivot [m]
  * @param {number} angle as it is drawn [rad]
  * @param {number} rate of the angle as it is drawn [rad/s]
  * @param {number} pivotVelocity [m/s]
+ * @param {{radial?: number, across?: number}} [more] velocity along the string, and that of the pivot
+ *   to the right [m/s]
  * @returns {[number, number]}
  */
-export function velocityOf(ball, angle, rate, pivotVelocity) {
-  const speed = ball.length * rate;
-  return [speed * Math.cos(angle), speed * Math.sin(angle) + pivotVelocity];
+export function velocityOf(distance, angle, rate, pivotVelocity, { radial = 0, across = 0 } = {}) {
+  const speed = distance * rate;
+  const [s, c] = [Math.sin(angle), Math.cos(angle)];
+  return [speed * c + radial * s + across, speed * s - radial * c + pivotVelocity];
 }
 
 /**
@@ -39,13 +42,16 @@ export function velocityOf(ball, angle, rate, pivotVelocity) {
  */
 export function topSpeed(motion) {
   const pivot = motion.values("pivot_velocity");
+  const aside = motion.values("pivot_across_velocity");
   let top = 1e-9;
   for (const ball of motion.balls) {
     const angles = motion.values("angle", ball.row);
     const rates = motion.values("angular_velocity", ball.row);
+    const [distances, radial] = ["distance", "radial_velocity"].map((name) => motion.values(name, ball.row));
     if (!angles || !rates || !pivot) continue;
     for (let i = 0; i < angles.length; i += 1) {
-      const speed = Math.hypot(...velocityOf(ball, angles[i], rates[i], pivot[i]));
+      const speed = Math.hypot(...velocityOf(distances?.[i] ?? ball.length, angles[i], rates[i], pivot[i],
+        { radial: radial?.[i], across: ball.sign * (aside?.[i] ?? 0) }));
       if (speed > top) top = speed;
     }
   }
@@ -63,9 +69,11 @@ export function topSpeed(motion) {
 export function arrowsAt(motion, time, fastest) {
   const { gravity } = motion.about.options;
   const unit = motion.longest;
-  return motion.pose(time).balls.flatMap(({ ball, angle, x, y }) => {
+  return motion.pose(time).balls.flatMap(({ ball, angle, distance, x, y }) => {
     const rate = ball.sign * motion.at("angular_velocity", time, ball.row);
-    const [u, v] = velocityOf(ball, angle, rate, motion.at("pivot_velocity", time));
+    const [u, v] = velocityOf(distance, angle, rate, motion.at("pivot_velocity", time), {
+      radial: motion.at("radial_velocity", time, ball.row) || 0,
+      across: motion.at("pivot_across_velocity", time) || 0 });
     const scale = (FASTEST * unit) / fastest;
     const arrows = [{ paint: "speed", x, y, dx: scale * u, dy: scale * v },
       { paint: "soft", x, y, dx: 0, dy: -WEIGHT * unit }];
@@ -122,7 +130,7 @@ export function legendOf(motion) {
   const item = (/** @type {string} */ paint, /** @type {string} */ name) =>
     el("li", {}, el("span", { class: `key ${paint}` }), t(name));
   return [item("speed", "legendVelocity"), item("soft", "legendWeight"),
-    motion.values("tension") && item("force", "legendRod"),
+    motion.values("tension") && item("force", motion.isString ? "legendString" : "legendRod"),
     drawsWheel(motion) && item("wheel", "legendWheel"),
     motion.about.options.drive === "crank_slider" && item("wheel", "legendCrank")].filter((each) => each instanceof Element);
 }

@@ -4,6 +4,7 @@
  * Every function returns names of whole sentences of `strings.js` with the values of their gaps.
  */
 
+import { isSlack } from "./hang.js";
 import { isClack, wrapped } from "./swings.js";
 import { short } from "./units.js";
 
@@ -206,6 +207,7 @@ function newsOf(log, from, to) {
   if (!rests && events.some(({ kind }) => kind === "release")) return sentence("tellRelease");
   if (isFirst("turn")) return sentence(`tellFirstTurn_${subject(log)}`);
   if (isFirst("bottom")) return sentence("tellFirst_bottom");
+  for (const kind of ["slack", "taut"]) if (isFirst(kind)) return sentence(`tellFirst_${kind}_${subject(log)}`);
   return null;
 }
 
@@ -351,8 +353,8 @@ function touch(motion, [one, other]) {
  * @returns {Sentence[]}
  */
 export function placesOf(motion, time) {
-  const { balls, height } = motion.pose(time);
-  const hand = 100 * height;
+  const { balls, height, across } = motion.pose(time);
+  const [hand, aside] = [100 * height, 100 * across];
   return [
     ...(touch(motion, balls)
       ? [sentence(`place_touch_${Math.cos(balls[0].angle) > 0 ? "below" : "above"}`)]
@@ -363,6 +365,10 @@ export function placesOf(motion, time) {
       })),
     ...(Math.abs(hand) < 0.05 ? []
       : [sentence(`hand_${hand > 0 ? "above" : "below"}`, { height: short(Math.abs(hand), 2) })]),
+    ...(Math.abs(aside) < 0.05 ? []
+      : [sentence(`hand_${aside > 0 ? "right" : "left"}`, { way: short(Math.abs(aside), 2) })]),
+    ...balls.filter(({ ball, distance }) => isSlack(distance, ball.length)).map(({ ball, distance }) =>
+      sentence(`slack_${ball.name}`, { distance: short(100 * distance, 3) })),
   ];
 }
 

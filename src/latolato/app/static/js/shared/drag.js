@@ -39,7 +39,7 @@ export function followDrag(scene, { isOn = () => true, grab, lead, drop, lift })
     let least = REACH * ratio;
     const pose = scene.pose();
     if (lift && pose) {
-      const [px, py] = scene.place(0, pose.height);
+      const [px, py] = scene.place(pose.across, pose.height);
       const far = Math.hypot(px - x, py - y);
       if (far < least) [nearest, least] = [HAND, far];
     }
@@ -83,7 +83,7 @@ export function followDrag(scene, { isOn = () => true, grab, lead, drop, lift })
     if (!held.moved || !pose || !led) return;
     const { ball, angle } = led;
     const [x, y] = point(event);
-    const [px, py] = scene.place(0, pose.height);
+    const [px, py] = scene.place(pose.across, pose.height);
     const pointer = Math.atan2(x - px, y - py);
     // Of all turns the one that is next to where the ball is.
     const turn = 2 * Math.PI * Math.round((angle - pointer) / (2 * Math.PI));

@@ -3,7 +3,7 @@
 import { line, place } from "./scale.js";
 
 /** @typedef {import("./scale.js").Scale} Scale */
-/** @typedef {{x: number, y: number, strength: number, since: number}} Flash */
+/** @typedef {{x: number, y: number, strength: number, since: number, ring?: number}} Flash */
 
 const DURATION = 260; // ms
 // Balls that meet this fast make the largest flash, in natural angular frequencies: a toy that is
@@ -52,6 +52,15 @@ export class Flashes {
   }
 
   /**
+   * Ring a ball whose string goes slack or taut.
+   * @param {{x: number, y: number}} point in m
+   * @param {number} ring radius of the ball [m]
+   */
+  ring(point, ring) {
+    if (!this.calm.matches) this.flashes.push({ ...point, strength: 0, ring, since: performance.now() });
+  }
+
+  /**
    * Draw all that still shine; returns whether there are any.
    * @param {CanvasRenderingContext2D} context
    * @param {Scale} scale
@@ -61,13 +70,34 @@ export class Flashes {
   draw(context, scale, unit, paint) {
     const now = performance.now();
     this.flashes = this.flashes.filter(({ since }) => now - since < DURATION);
-    for (const { x, y, strength, since } of this.flashes) {
+    for (const { x, y, strength, since, ring } of this.flashes) {
       const age = (now - since) / DURATION;
+      if (ring !== undefined) {
+        drawRing(context, place(scale, x, y), ring * scale.size, age, paint);
+        continue;
+      }
       const radius = unit * (LEAST + (MOST - LEAST) * Math.sqrt(strength));
       drawFlash(context, place(scale, x, y), radius, age, paint);
     }
     return this.flashes.length > 0;
   }
+}
+
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {[number, number]} point
+ * @param {number} radius of the ball
+ * @param {number} age from 0 to 1
+ * @param {string} paint
+ */
+function drawRing(context, [x, y], radius, age, paint) {
+  context.globalAlpha = 1 - age;
+  context.strokeStyle = paint;
+  context.lineWidth = 0.16 * radius;
+  context.beginPath();
+  context.arc(x, y, radius * (1.15 + 0.35 * age), 0, 2 * Math.PI);
+  context.stroke();
+  context.globalAlpha = 1;
 }
 
 /**

@@ -9,6 +9,9 @@ import { short, shownUnit, toSi } from "./units.js";
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./laws.js").Option} Option */
 
+// What only balls on strings have.
+const OF_STRINGS = ["string_restitution", "initial_distance"];
+
 export class Form {
   /**
    * @param {HTMLElement} root
@@ -115,14 +118,16 @@ export class Form {
   build() {
     const { system, drive } = this.kinds;
     const offset = this.text("initial_offset") !== null;
-    const shape = JSON.stringify([system, drive, offset, [...this.varied]]);
+    const isString = this.text("suspension") === "string";
+    const shape = JSON.stringify([system, drive, offset, isString, [...this.varied]]);
     if (shape === this.shape) return;
     this.shape = shape;
     this.fields.clear();
     const laws = { system, drive };
+    const isShown = (/** @type {string} */ name) => isString || !OF_STRINGS.includes(name);
     const groups = /** @type {const} */ (["system", "drive"]).map((part) => this.group(
-      part, this.withRatios(this.registry[`${part}s`][laws[part]].options)));
-    const start = START.filter((name) => name !== (offset ? "initial_angle" : "initial_offset"));
+      part, this.withRatios(this.registry[`${part}s`][laws[part]].options).filter(isShown)));
+    const start = START.filter((name) => name !== (offset ? "initial_angle" : "initial_offset")).filter(isShown);
     const rest = Object.keys(this.registry.options).filter((name) =>
       ["tolerance", "contact", "rest_speed"].includes(name));
     this.root.replaceChildren(
@@ -254,7 +259,15 @@ export class Form {
    */
   choiceField(name, option, choices) {
     const id = freshId();
-    const select = el("select", { id, on: { change: () => this.store.option(name, select.value) } },
+    const take = () => {
+      // What only strings have goes with them; a preset's own value is replaced.
+      const own = this.store.state.options.string_restitution !== undefined;
+      /** @type {Record<string, string | null>} */
+      const others = select.value === "rod" ? { initial_distance: null,
+        string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
+      this.giveAll({ ...others, [name]: select.value });
+    };
+    const select = el("select", { id, on: { change: take } },
       ...choices.map((each) => el("option", { value: each }, tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });

@@ -8,7 +8,7 @@ import { short } from "./units.js";
  *   suggested: [number, number] | null}} Option */
 
 // Entries of a run that stand in the form, in this order.
-export const START = ["initial_angle", "initial_offset", "initial_angular_velocity", "duration"];
+export const START = ["initial_angle", "initial_offset", "initial_angular_velocity", "initial_distance", "duration"];
 
 /**
  * Return the options that belong to a choice of system and drive.
@@ -53,6 +53,8 @@ export function withLaws(registry, options, resolved, system, drive) {
   if (two && !isTwo) Object.assign(result, { initial_angle: "0.4 rad, -0.3 rad" });
   if (two || !registry.systems[system].contacts) delete result.initial_offset;
   if (two !== isTwo) delete result.initial_angular_velocity;
+  if (two !== isTwo || (result.suspension ?? resolved.suspension) !== "string" || !known.includes("suspension"))
+    delete result.initial_distance;
   if (!two && (isTwo || (before === undefined && !("initial_offset" in result))))
     result.initial_angle = "20 deg";
   return { ...result, ...levelled(registry, result, options, drive) };

@@ -4,7 +4,7 @@ import { t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "./dom.js";
 import { Later } from "./later.js";
-import { ENERGY_PANELS, whose } from "./panels.js";
+import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
 import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
@@ -15,6 +15,9 @@ import { short } from "./units.js";
 
 const DEGREES = 180 / Math.PI;
 const MOST_ROWS = 200;
+/** What the table of contacts says of velocities, and its heads. @type {Record<string, string>} */
+const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_after: "after",
+  radial_velocity_before: "outwardsBefore", radial_velocity_after: "outwardsAfter" };
 // Sections begin with this share of the run left out, which remembers the start.
 const SETTLED = 0.2;
 
@@ -74,6 +77,7 @@ export class MoreCurves {
     const { motion, pinned } = this;
     if (!this.root.open || !motion || this.drawn === motion) return;
     this.drawn = motion;
+    this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
     this.later.run([
       ...this.curves.show(motion, pinned),
       () => this.showPhase(motion),
@@ -135,24 +139,23 @@ export class MoreCurves {
       this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")));
       return;
     }
-    const kinds = motion.block.arrays.contact_kind;
     const two = motion.block.shapes.angular_velocity_before[0];
     const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
       Array.from({ length: two }, (_, k) => short(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
+    const columns = Object.keys(CONTACT_COLUMNS).filter((name) => name in motion.block.arrays);
     const rows = [];
     for (let i = 0; i < Math.min(count, MOST_ROWS); i += 1) {
       const at = motion.contacts[i];
       rows.push(el("tr", {},
         el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
           short(at, 6))),
-        el("td", {}, t(KINDS[kinds[i]])),
-        el("td", {}, cells("angular_velocity_before", i)),
-        el("td", {}, cells("angular_velocity_after", i))));
+        el("td", {}, kindOf(motion, i)),
+        ...columns.map((name) => el("td", {}, cells(name, i)))));
     }
     this.contacts.replaceChildren(
       count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "",
-      el("table", {}, el("thead", {}, el("tr", {}, ...[t("time"), t("kind"), t("before"), t("after")]
-        .map((name) => el("th", { scope: "col" }, name)))), el("tbody", {}, ...rows)));
+      el("table", {}, el("thead", {}, el("tr", {}, ...["time", "kind", ...columns.map((name) => CONTACT_COLUMNS[name])]
+        .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)));
   }
 
   /** @param {Motion} motion */
@@ -178,6 +181,17 @@ export class MoreCurves {
   }
 }
 
+/**
+ * Return what happens at a contact, and to which ball if not to both.
+ * @param {Motion} motion
+ * @param {number} i
+ */
+function kindOf(motion, i) {
+  const kind = t(KINDS[motion.block.arrays.contact_kind[i]]);
+  const own = motion.ballsAt(i);
+  return own.length < motion.balls.length ? `${kind}, ${t(own[0].name)}` : kind;
+}
+
 /** How many balls one row of the ledger stands for. */
 function ballsPerLedger(/** @type {Motion} */ motion) {
   return motion.balls.length > 1 && motion.balls.every((b) => b.row === 0) ? 2 : 1;
@@ -201,6 +215,7 @@ export function ledgerRows(motion) {
     { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
     { name: "impacts", energy: -last("impact_loss"), paint: "force" },
     { name: "capture", energy: -last("capture_loss"), paint: "left" },
+    { name: "retension", energy: -last("retension_loss"), paint: "flash" },
     { name: "left_over", energy: -end, paint: "right" },
   ];
   const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);

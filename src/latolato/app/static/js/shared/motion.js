@@ -14,6 +14,11 @@ export const SHOWN_RADIUS = 0.04;
 const BOX_SAMPLES = 4000;
 // The box of a picture is made of those of stretches of so many natural periods.
 const STRETCH = 4;
+// Kinds of contact above this one are those of strings.
+const RELEASE = 3;
+const SLACK = 4;
+// A ball that tightens its string at less than this share of a swing's speed is not marked.
+const TUG = 0.1;
 
 /**
  * Return the last index whose value does not exceed `x`, 0 if there is none.
@@ -60,15 +65,17 @@ export function wrap(angle) {
  * @param {number} height of the pivot [m]
  * @param {Ball[]} balls
  * @param {(ball: Ball) => number} angleOf a ball as it is drawn [rad]
+ * @param {number} [across] how far the pivot is to the right [m]
+ * @param {(ball: Ball) => number} [distanceOf] a ball from the pivot [m]
  */
-export function poseOf(height, balls, angleOf) {
+export function poseOf(height, balls, angleOf, across = 0, distanceOf = ({ length }) => length) {
   return {
-    height,
+    across, height,
     balls: balls.map((ball) => {
       const angle = angleOf(ball);
-      return {
-        ball, angle, x: ball.length * Math.sin(angle), y: height - ball.length * Math.cos(angle),
-      };
+      const distance = distanceOf(ball);
+      return { ball, angle, distance, x: across + distance * Math.sin(angle),
+        y: height - distance * Math.cos(angle) };
     }),
   };
 }
@@ -90,14 +97,20 @@ export class Motion {
     this.naturalFrequency = block.about.attributes?.natural_frequency ?? NaN;
     /** @type {Box[]} of the stretches of the run that were asked for */
     this.boxes = [];
-    /** @type {[number, number] | null} */
-    this.heights = null;
+    /** Whether balls hang on strings. */
+    this.isString = "distance" in block.arrays;
+    /** @type {Record<string, [number, number]>} */
+    this.ranges = {};
   }
 
   /** The least and the largest height of the pivot [m]. */
   get pivotRange() {
-    this.heights ??= range(this.values("pivot_height") ?? [0]);
-    return this.heights;
+    return this.ranges.height ??= range(this.values("pivot_height") ?? [0]);
+  }
+
+  /** How far the pivot goes to the left and to the right [m]. */
+  get acrossRange() {
+    return this.ranges.across ??= range(this.values("pivot_across") ?? [0]);
   }
 
   /**
@@ -142,6 +155,11 @@ export class Motion {
     const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
     const rates = /** @type {Float32Array} */ (this.values("angular_velocity", ball.row));
     const i = Math.min(before(this.time, time), this.time.length - 2);
+    if (this.isLoose(ball, i)) {
+      const [x, y] = this.loose(ball, i, time);
+      const turns = Math.round((angles[i] - Math.atan2(x, -y)) / (2 * Math.PI));
+      return ball.sign * (Math.atan2(x, -y) + 2 * Math.PI * turns);
+    }
     let t0 = this.time[i];
     let t1 = this.time[i + 1];
     let x0 = angles[i];
@@ -174,6 +192,90 @@ export class Motion {
   }
 
   /**
+   * Return how far a ball is from the pivot at an instant [m].
+   * @param {Ball} ball
+   * @param {number} time
+   */
+  distance(ball, time) {
+    const i = Math.min(before(this.time, time), this.time.length - 2);
+    return this.isLoose(ball, i) ? Math.min(Math.hypot(...this.loose(ball, i, time)), ball.length) : ball.length;
+  }
+
+  /**
+   * Return the numbers of the contacts from one sample to the next.
+   * @param {number} i
+   */
+  between(i) {
+    const [begin, end] = [this.time[i], this.time[i + 1]];
+    const numbers = [];
+    for (let k = before(this.contacts, begin); this.contacts[k] <= end; k += 1)
+      if (this.contacts[k] >= begin) numbers.push(k);
+    return numbers;
+  }
+
+  /**
+   * Return whether a ball leaves its circle between a sample and the next.
+   * @param {Ball} ball
+   * @param {number} i
+   */
+  isLoose({ row: which }, i) {
+    const slack = this.values("slack", which);
+    if (!slack) return false;
+    const kinds = this.block.arrays.contact_kind;
+    return slack[i] > 0 || slack[i + 1] > 0 || this.between(i).some((k) => kinds[k] > RELEASE);
+  }
+
+  /**
+   * Return where a ball on a slack string is about the pivot [m], to the right and up: cubic between
+   * samples, and straight on from them up to contacts between them.
+   * @param {Ball} ball
+   * @param {number} i of the sample before
+   * @param {number} time
+   */
+  loose({ row: which }, i, time) {
+    const [angle, rate, distance, radial] = ["angle", "angular_velocity", "distance", "radial_velocity"]
+      .map((name) => /** @type {Float64Array} */ (this.values(name, which)));
+    const [one, other] = [i, i + 1].map((k) => {
+      const [s, c, speed] = [Math.sin(angle[k]), Math.cos(angle[k]), distance[k] * rate[k]];
+      return { t: this.time[k], x: [distance[k] * s, -distance[k] * c],
+        v: [radial[k] * s + speed * c, speed * s - radial[k] * c] };
+    });
+    const on = (/** @type {typeof one} */ { t, x, v }, /** @type {number} */ at) =>
+      x.map((value, j) => value + v[j] * (at - t));
+    const inside = this.between(i).map((k) => this.contacts[k]);
+    if (inside.length) {
+      const [first, last] = [inside[0], inside[inside.length - 1]];
+      if (time <= first) return on(one, time);
+      if (time >= last) return on(other, time);
+      const [from, to] = [on(one, first), on(other, last)];
+      return from.map((value, j) => value + ((time - first) / (last - first)) * (to[j] - value));
+    }
+    const h = other.t - one.t;
+    const s = (time - one.t) / h;
+    return one.x.map((value, j) => value * (1 + 2 * s) * (1 - s) ** 2 + other.x[j] * s * s * (3 - 2 * s)
+      + h * s * (1 - s) * (one.v[j] * (1 - s) - other.v[j] * s));
+  }
+
+  /**
+   * Return the balls whose strings go slack or taut at a contact.
+   * @param {number} k
+   */
+  ballsAt(k) {
+    const number = this.values("contact_ball")?.[k] ?? 0;
+    return number > 0 ? [this.balls[number - 1]] : this.balls;
+  }
+
+  /**
+   * Return whether a string goes slack at a contact, or tightens with a tug that can be felt.
+   * @param {Ball} ball
+   * @param {number} k
+   */
+  pullsAt(ball, k) {
+    if (this.block.arrays.contact_kind[k] === SLACK) return true;
+    return Math.abs(this.values("radial_velocity_before", ball.row)?.[k] ?? 0) > TUG * this.naturalFrequency * ball.length;
+  }
+
+  /**
    * Return the angle of the wall at which a contact of this kind happens [rad].
    * @param {number} kind index in "bottom, top, rest, release"
    * @param {number} near
@@ -189,7 +291,8 @@ export class Motion {
    * @param {number} time
    */
   pose(time) {
-    return poseOf(this.at("pivot_height", time), this.balls, (ball) => this.angle(ball, time));
+    return poseOf(this.at("pivot_height", time), this.balls, (ball) => this.angle(ball, time),
+      this.at("pivot_across", time) || 0, (ball) => this.distance(ball, time));
   }
 
   /**
@@ -239,15 +342,18 @@ export class Motion {
     const last = Math.min(before(this.time, to * this.end) + 1, this.time.length - 1);
     const stride = Math.max(1, Math.floor((last - first) / BOX_SAMPLES));
     const pivot = /** @type {Float32Array} */ (this.values("pivot_height"));
-    let [left, right] = [0, 0];
+    const aside = this.values("pivot_across");
+    let [left, right] = this.acrossRange;
     let [low, high] = this.pivotRange;
     for (const ball of this.balls) {
       const angles = /** @type {Float32Array} */ (this.values("angle", ball.row));
+      const distances = this.values("distance", ball.row);
       const r = this.radius(ball);
       for (let i = first; i <= last; i += stride) {
         if (!Number.isFinite(angles[i])) continue;
-        const x = ball.sign * ball.length * Math.sin(angles[i]);
-        const y = pivot[i] - ball.length * Math.cos(angles[i]);
+        const distance = distances?.[i] ?? ball.length;
+        const x = (aside?.[i] ?? 0) + ball.sign * distance * Math.sin(angles[i]);
+        const y = pivot[i] - distance * Math.cos(angles[i]);
         left = Math.min(left, x - r);
         right = Math.max(right, x + r);
         low = Math.min(low, y - r);

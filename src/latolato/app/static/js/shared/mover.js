@@ -7,13 +7,15 @@ import { line, place } from "./scale.js";
 
 // Between the wheel and the pivot, in lengths of the longest rod.
 const GAP = 0.2;
+// Of the polygon that is drawn for an ellipse.
+const CORNERS = 72;
 
 /**
  * Return whether a wheel explains a run's drive: a point that goes round it is level with the pivot.
  * @param {Motion} motion
  */
 export function drawsWheel({ about: { options }, pivotRange: [low, high] }) {
-  return high > low && !["crank_slider", "measured_pivot"].includes(options.drive);
+  return high > low && !["crank_slider", "measured_pivot", "planar_harmonic"].includes(options.drive);
 }
 
 /**
@@ -47,7 +49,8 @@ export function drawMover(context, scale, motion, time, colours, withWheel) {
   const { height } = motion.pose(time);
   context.strokeStyle = colours.line;
   context.lineWidth = Math.max(4 * scale.ratio, 0.03 * unit);
-  line(context, ...place(scale, 0, low), ...place(scale, 0, high));
+  if (options.drive === "planar_harmonic") drawEllipse(context, scale, options);
+  else line(context, ...place(scale, 0, low), ...place(scale, 0, high));
   context.lineWidth = Math.max(scale.ratio, 0.008 * unit);
   if (options.drive === "crank_slider") {
     const { center, pin } = crank(options, time);
@@ -64,6 +67,22 @@ export function drawMover(context, scale, motion, time, colours, withWheel) {
     * (motion.at("pivot_velocity", time) > 0 ? -1 : 1);
   drawWheel(context, scale, [away, middle], [away + across, height], unit, colours.soft);
   line(context, ...place(scale, away + across, height), ...place(scale, 0, height));
+}
+
+/**
+ * Draw the way of a pivot that moves on an ellipse.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scale} scale
+ * @param {any} options
+ */
+function drawEllipse(context, scale, { horizontal_amplitude: a, vertical_amplitude: b,
+  horizontal_phase: lead = 0, vertical_phase: phase = 0 }) {
+  context.beginPath();
+  for (let k = 0; k <= CORNERS; k += 1) {
+    const turn = (2 * Math.PI * k) / CORNERS;
+    context.lineTo(...place(scale, a * Math.cos(turn + lead), b * Math.cos(turn + phase)));
+  }
+  context.stroke();
 }
 
 /**

@@ -11,6 +11,7 @@ import { scaled } from "./traces.js";
 const DEGREES = 180 / Math.PI;
 // The pivot's height is shown as in pictures and files, in `shown_unit` of `latolato.core.quantities`.
 const HEIGHT = { unit: "mm", size: 1e-3 }; // m
+const LENGTH = { unit: "cm", size: 1e-2 }; // m
 
 /**
  * Return the panel of angles.
@@ -73,6 +74,17 @@ export const ENERGY_PANELS = [
     ],
   },
 ];
+
+/** How far balls on strings are from the hand. @type {Panel} */
+export const DISTANCE_PANEL = {
+  label: t("curveDistance", { unit: LENGTH.unit }),
+  height: 140,
+  curves: (motion) => motion.balls.filter(({ row }, i) => i === 0 || row > 0).map((ball) => ({
+    label: motion.balls.some(({ row }) => row > 0) ? t(ball.name) : t("distance"),
+    paint: ball.name === "left" ? "left" : "right",
+    values: scaled(motion.values("distance", ball.row) ?? [], 1 / LENGTH.size),
+  })),
+};
 
 /**
  * Return of how many balls an energy is.

@@ -5,18 +5,20 @@ import { colour, el, fitCanvas } from "./dom.js";
 import { drawAngle } from "./angle.js";
 import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
 import { contactPoint, Flashes, strengthOf } from "./flash.js";
+import { drawHangers, drawLines } from "./hang.js";
 import { before } from "./motion.js";
 import { drawMover, moverBox } from "./mover.js";
 import { drawTrails } from "./trail.js";
-import { boxAbout, fitScale, joined, line, place } from "./scale.js";
+import { boxAbout, fitScale, joined, place } from "./scale.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./angle.js").Held} Held */
 
-// Kinds of contact up to this one are impacts.
+// Kinds of contact up to this one are impacts, above that one they are those of strings.
 const TOP = 1;
+const RELEASE = 3;
 // Smaller balls are drawn this large [pixels of the page].
 const LEAST_RADIUS = 4;
 // A flash goes on while the run stands still; another picture comes before that when it plays.
@@ -88,15 +90,30 @@ export class Scene {
   move(time) {
     const { motion } = this;
     if (motion?.contacts.length && time > this.time && time - this.time < 1) {
-      const k = before(motion.contacts, time);
-      if (motion.contacts[k] > this.time && motion.contacts[k] <= time) {
-        const { arrays } = motion.block;
-        if (arrays.contact_kind[k] <= TOP)
-          this.flash(motion.pose(motion.contacts[k]), motion.closingSpeed(k));
+      for (let k = before(motion.contacts, time); motion.contacts[k] > this.time; k -= 1) {
+        if (motion.contacts[k] > time) continue;
+        if (this.mark(k)) break;
       }
     }
     this.time = time;
     this.draw();
+  }
+
+  /**
+   * Let a contact be seen; returns whether it was a clack.
+   * @param {number} k its number
+   */
+  mark(k) {
+    const motion = /** @type {Motion} */ (this.motion);
+    const kind = motion.block.arrays.contact_kind[k];
+    if (kind > TOP && kind <= RELEASE) return false;
+    const pose = motion.pose(motion.contacts[k]);
+    if (kind <= TOP) this.flash(pose, motion.closingSpeed(k));
+    else
+      for (const { ball, x, y } of pose.balls)
+        if (motion.ballsAt(k).includes(ball) && motion.pullsAt(ball, k))
+          this.flashes.ring({ x, y }, motion.radius(ball));
+    return kind <= TOP;
   }
 
   /**
@@ -118,8 +135,9 @@ export class Scene {
     const box = motion.box(time);
     const [low, high] = motion.pivotRange;
     const hand = handBox(this.fist);
+    const [left, right] = motion.acrossRange;
     return joined([{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
-      { ...hand, low: low + hand.low, high: high + hand.high },
+      { left: left + hand.left, right: right + hand.right, low: low + hand.low, high: high + hand.high },
       moverBox(motion, arrows), this.pinned?.box(time),
       ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
     ].filter((each) => each !== null && each !== undefined));
@@ -176,16 +194,14 @@ export class Scene {
     if (!motion || !pose) return false;
     const { size, ratio } = scale;
     const unit = motion.longest * size;
-    const pivot = place(scale, 0, pose.height);
+    const pivot = place(scale, pose.across, pose.height);
     context.lineCap = context.lineJoin = "round";
     if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
     drawMover(context, scale, motion, time, colours, this.arrows);
     drawArm(context, pivot, this.fist * size, colours);
     if (!this.held) drawTrails(context, scale, motion, time, colours);
     const balls = placed(scale, pose);
-    context.strokeStyle = colours.ink;
-    context.lineWidth = Math.max(1.5 * ratio, 0.012 * unit);
-    for (const { x, y } of balls) line(context, ...pivot, x, y);
+    drawHangers(context, scale, pose, motion, colours);
     drawFist(context, pivot, this.fist * size, colours);
     context.strokeStyle = colours.ink;
     context.lineWidth = ratio;
@@ -212,13 +228,13 @@ export class Scene {
    * @param {Motion} motion
    */
   paintPinned(context, scale, motion) {
-    const { height, balls } = motion.pose(this.time);
+    const pose = motion.pose(this.time);
     context.strokeStyle = this.colours.soft;
     context.lineWidth = 1.2 * scale.ratio;
     context.setLineDash([5 * scale.ratio, 4 * scale.ratio]);
-    for (const { ball, x, y } of balls) {
+    drawLines(context, scale, pose);
+    for (const { ball, x, y } of pose.balls) {
       const [bx, by] = place(scale, x, y);
-      line(context, ...place(scale, 0, height), bx, by);
       context.beginPath();
       context.arc(bx, by, motion.radius(ball) * scale.size, 0, 2 * Math.PI);
       context.stroke();

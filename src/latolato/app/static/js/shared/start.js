@@ -184,7 +184,8 @@ export class Start {
     const chosen = rounded(angle - 360 * turns, limits);
     this.degrees = this.degrees.map((each, row) => (row === led.row ? chosen : each));
     const pose = poseOf(motion.at("pivot_height", 0), motion.balls,
-      ({ row, sign }) => (sign * this.degrees[row]) / DEGREES);
+      ({ row, sign }) => (sign * this.degrees[row]) / DEGREES,
+      motion.at("pivot_across", 0) || 0, (ball) => motion.distance(ball, 0));
     scene.held = { ...pose, led: motion.balls.indexOf(led), text: t("degrees", { angle: chosen }) };
     clock.seek(0);
   }

@@ -7,14 +7,15 @@ import { wrap } from "./motion.js";
  * A peak is a turning point at which the ball falls back, a dip one at which it rises again; it is
  * low where it passes its lowest place, after a turn if that made a full circle. `ball` is the one that does it, "both" for mirrored balls and for contacts; `angle`
  * is that from hanging, in (-180, 180] degrees; `speed` how fast balls meet [rad/s].
- * @typedef {{time: number, kind: "peak" | "dip" | "low" | "turn" | "bottom" | "top" | "rest" | "release",
+ * @typedef {{time: number, kind: "peak" | "dip" | "low" | "turn" | typeof KINDS[number],
  *   ball: string, angle: number, speed: number}} Event
  */
 
 const DEGREES = 180 / Math.PI;
 const FULL = 2 * Math.PI;
 /** Contacts of a run, by their number. */
-export const KINDS = /** @type {const} */ (["bottom", "top", "rest", "release"]);
+export const KINDS = /** @type {const} */ (["bottom", "top", "rest", "release", "slack", "taut"]);
+const SIDES = ["both", "right", "left"];
 // A log of a motion without end forgets the oldest half of so many.
 const MOST = 20_000;
 
@@ -143,11 +144,13 @@ export class Log {
    * @param {number} kind its number
    * @param {ArrayLike<number>} before [rad/s]
    * @param {ArrayLike<number>} after [rad/s]
+   * @param {number} [number] of the ball whose string it is, 0 for both
    */
-  meet(time, kind, before, after) {
+  meet(time, kind, before, after, number = 0) {
     const angles = this.followers.map((follower, row) => follower.meet(time, before[row], after[row]));
     const speed = Math.abs(this.followers.length > 1 ? before[0] - before[1] : 2 * before[0]);
-    this.add({ time, kind: KINDS[kind], ball: "both", angle: wrapped(angles[0]), speed });
+    this.add({ time, kind: KINDS[kind], ball: SIDES[number], angle: wrapped(angles[Math.max(number - 1, 0)]),
+      speed });
   }
 
   /**
@@ -187,11 +190,12 @@ export function logOf(motion) {
     after: motion.values("angular_velocity_after", row) ?? [],
   }));
   const kinds = motion.block.arrays.contact_kind;
+  const whose = motion.values("contact_ball");
   let k = 0;
   for (let i = 0; i < time.length; i += 1) {
     for (; k < contacts.length && i > 0 && contacts[k] <= time[i]; k += 1)
       log.meet(contacts[k], kinds[k], rows.map(({ before }) => before[k]),
-        rows.map(({ after }) => after[k]));
+        rows.map(({ after }) => after[k]), whose?.[k]);
     log.move(time[i], (row) => [rows[row].angle[i], rows[row].velocity[i]]);
   }
   return log;

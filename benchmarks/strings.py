@@ -1,0 +1,235 @@
+"""Balls on strings beside balls on rods, and beside SciPy with events, in CPU time.
+
+Work: (a) one run on rods and one on strings of a pendulum that loops, of the toy and of two balls;
+(b) a sweep of the toy with cords that go slack (l = 0.186 m, r = 0.012 m, e = 0.822, e_s = 0,
+C/(m l) = 0.16 1/s) over A0/l in (0, 1] and w/w0 in (0, 6], from 0.5 rad above contact, for 60 s
+at tolerance 1e-6, beside a program around SciPy's solve_ivp (DOP853, rtol 1e-6) with terminal
+events for slack, taut and contact at some of the same points. One thread, without compilation; the
+error of both is their largest angle's, beside a run at 1e-10, at points whose motion is regular.
+Prints tables and writes ``strings.json`` beside itself.
+
+``python benchmarks/strings.py [--points N] [--sample N]``
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import latolato as ll
+from latolato.figures.string_toys import CORD_PAIR, CORD_TOY
+
+DURATION, OFFSET, TOLERANCE = 60.0, 0.5, 1e-6
+STRINGS = replace(CORD_TOY, suspension="string")
+L, R, E = CORD_TOY.length, CORD_TOY.radius, CORD_TOY.restitution
+G, RATE = CORD_TOY.gravity, CORD_TOY.damping / (CORD_TOY.mass * CORD_TOY.length)
+LOW, HIGH = CORD_TOY.contact_angle_low, CORD_TOY.contact_angle_high
+# Events closer than this to the last one are the last one again [s].
+SAME = 1e-9
+
+
+def cpu(action: Callable[[], Any], repeats: int = 5) -> float:
+    """Return the least CPU time of several calls [s]; the first one may compile."""
+    action()
+    least = math.inf
+    for _ in range(repeats):
+        begin = time.process_time()
+        action()
+        least = min(least, time.process_time() - begin)
+    return least
+
+
+def single_runs() -> list[dict[str, Any]]:
+    """Return CPU times of runs on rods and on strings."""
+    w = 2.5 * CORD_TOY.natural_frequency
+    drive = ll.Harmonic(drive_amplitude=0.5 * L, drive_frequency=w)
+    pendulum = ll.Pendulum(length=L, mass=CORD_TOY.mass, damping=CORD_TOY.damping)
+    angles: dict[str, Any] = {"pendulum": 0.5, "toy": LOW + OFFSET, "two balls": None}
+    systems = {"pendulum": pendulum, "toy": CORD_TOY, "two balls": CORD_PAIR}
+    rows = []
+    for name, system in systems.items():
+        start = angles[name] or (LOW + OFFSET, -LOW - OFFSET)
+
+        def run(each: Any, start: Any = start) -> Any:
+            return ll.simulate(each, drive, initial_angle=start, duration=300.0)
+
+        rods = cpu(lambda system=system, run=run: run(system))
+        strings = cpu(lambda system=system, run=run: run(replace(system, suspension="string")))
+        rows.append(
+            {"system": name, "rods_ms": 1e3 * rods, "strings_ms": 1e3 * strings,
+             "ratio": strings / rods}
+        )  # fmt: skip
+    return rows
+
+
+class Peer:
+    """The toy with e_s = 0 by SciPy: one ball against the mirror X = r, event by event."""
+
+    def __init__(self, amplitude: float, frequency: float) -> None:
+        self.amplitude, self.frequency = amplitude, frequency
+
+    def fall(self, t: float) -> float:
+        """Return g + y0''."""
+        w = self.frequency
+        return G - self.amplitude * w * w * math.cos(w * t)
+
+    def taut(self, t: float, s: np.ndarray) -> list[float]:
+        """Return the slopes of angle and angular velocity."""
+        return [s[1], -self.fall(t) * math.sin(s[0]) / L - RATE * s[1]]
+
+    def slack(self, t: float, s: np.ndarray) -> list[float]:
+        """Return the slopes of x, y and their velocities."""
+        return [s[2], s[3], -RATE * s[2], -self.fall(t) - RATE * s[3]]
+
+    def tension(self, t: float, s: np.ndarray) -> float:
+        """Return the tension over the mass."""
+        return float(L * s[1] ** 2 + self.fall(t) * math.cos(s[0]))
+
+    def largest_angle(self) -> float:
+        """Return the largest angle of a run."""
+
+        def low(t: float, s: np.ndarray) -> float:
+            return s[0] - LOW
+
+        def high(t: float, s: np.ndarray) -> float:
+            return s[0] - HIGH
+
+        def spare(t: float, s: np.ndarray) -> float:
+            return L - math.hypot(s[0], s[1])
+
+        def gap(t: float, s: np.ndarray) -> float:
+            return s[0] - R
+
+        def pull(t: float, s: np.ndarray) -> float:
+            return self.tension(t, s)
+
+        events: dict[bool, list[Any]] = {True: [pull, low, high], False: [spare, gap]}
+        for each in (pull, low, spare, gap):
+            each.terminal, each.direction = True, -1.0  # type: ignore[attr-defined]
+        high.terminal, high.direction = True, 1.0  # type: ignore[attr-defined]
+        t, s, is_taut, largest = 0.0, np.array([LOW + OFFSET, 0.0]), True, LOW + OFFSET
+        while t < DURATION:
+            if is_taut and self.tension(t, s) <= 0.0:
+                s, is_taut = _loose(s), False
+            slope = self.taut if is_taut else self.slack
+            found = solve_ivp(
+                slope, (t, DURATION), s, "DOP853", events=events[is_taut], rtol=TOLERANCE,
+                atol=TOLERANCE * (1.0 if is_taut else L),
+            )  # fmt: skip
+            angles = found.y[0] if is_taut else np.arctan2(found.y[0], -found.y[1])
+            largest = max(largest, float(angles.max()))
+            before, t, s = t, float(found.t[-1]), found.y[:, -1]
+            if found.status != 1:
+                break
+            which = next(i for i, each in enumerate(found.t_events) if each.size)
+            if is_taut and which == 0:
+                s, is_taut = _loose(s), False
+            elif is_taut:
+                wall = (LOW, HIGH)[which - 1]
+                s = np.array([wall, -E * s[1]])
+                if t - before < SAME:  # the end of a Zeno sequence: the ball rests until it lifts
+                    t, s = self.rest(t, wall), np.array([wall, 0.0])
+            elif which == 1:
+                s[0], s[2] = R, -E * s[2]
+            else:
+                angle = math.atan2(s[0], -s[1])
+                along = s[2] * math.cos(angle) + s[3] * math.sin(angle)
+                s, is_taut = np.array([angle, along / L]), True
+        return largest
+
+    def rest(self, t: float, wall: float) -> float:
+        """Return when a ball at rest on a wall leaves it."""
+        times = t + np.arange(1, 2000) * (2.0 * math.pi / self.frequency / 1000.0)
+        falls = np.array([self.fall(each) for each in times]) * math.cos(wall)
+        lifts = np.flatnonzero(falls < 0.0)
+        return float(times[lifts[0]]) if lifts.size else DURATION
+
+
+def _loose(s: np.ndarray) -> np.ndarray:
+    """Return place and velocity of a ball whose string goes slack, a little inside its end."""
+    sin, cos = math.sin(s[0]), math.cos(s[0])
+    inside = L * (1.0 - 1e-12)
+    return np.array([inside * sin, -inside * cos, L * s[1] * cos, L * s[1] * sin])
+
+
+def sweeps(points: int, sample: int) -> dict[str, Any]:
+    """Return CPU times per point of the sweep and of SciPy, and their errors."""
+    side = math.isqrt(points)
+    share = np.arange(1, side + 1) / side
+    axes = {"amplitude_ratio": share, "frequency_ratio": 6.0 * share}
+
+    def run(tolerance: float) -> Any:
+        return ll.sweep(
+            STRINGS, axes=axes, duration=DURATION, initial_offset=OFFSET,
+            observables=["largest_angle", "slack_fraction"], tolerance=tolerance, workers=1,
+        )  # fmt: skip
+
+    own = cpu(lambda: run(TOLERANCE), 2) / side**2
+    coarse, exact = (run(each).largest_angle.values for each in (TOLERANCE, 1e-10))
+    finer = run(1e-11).largest_angle.values
+    regular = np.abs(finer - exact) < 1e-6
+    slack = run(TOLERANCE).slack_fraction.values
+    chosen = np.random.default_rng(1).choice(side**2, sample, replace=False)
+    seconds, errors = [], []
+    for k in chosen:
+        i, j = divmod(int(k), side)
+        peer = Peer(share[i] * L, 6.0 * share[j] * CORD_TOY.natural_frequency)
+        begin = time.process_time()
+        angle = peer.largest_angle()
+        seconds.append(time.process_time() - begin)
+        if regular[i, j]:
+            errors.append(abs(angle - exact[i, j]))
+    return {
+        "points": side**2,
+        "own_ms": 1e3 * own,
+        "scipy_ms": 1e3 * float(np.mean(seconds)),
+        "ratio": float(np.mean(seconds)) / own,
+        "slack": float((slack > 0.0).mean()),
+        "regular": float(regular.mean()),
+        "own_error": float(np.median(np.abs(coarse - exact)[regular])),
+        "scipy_error": float(np.median(errors)),
+    }
+
+
+def main() -> None:
+    """Measure, print, save."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--points", type=int, default=324)
+    parser.add_argument("--sample", type=int, default=24)
+    options = parser.parse_args()
+    runs = single_runs()
+    for row in runs:
+        print(
+            f"{row['system']:10} rods {row['rods_ms']:7.2f} ms, strings {row['strings_ms']:7.2f} "
+            f"ms, ratio {row['ratio']:.2f}"
+        )
+    found = sweeps(options.points, options.sample)
+    print(
+        f"sweep of {found['points']} points: {found['own_ms']:.3f} ms a point, error "
+        f"{found['own_error']:.1e}; SciPy {found['scipy_ms']:.0f} ms, error "
+        f"{found['scipy_error']:.1e}; ratio {found['ratio']:.0f}; {found['slack']:.0%} of the "
+        f"points go slack, {found['regular']:.0%} are regular"
+    )
+    machine = {
+        "processor": platform.processor() or platform.machine(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("latolato", "numpy", "numba", "scipy")},
+    }
+    Path(__file__).with_name("strings.json").write_text(
+        json.dumps({"machine": machine, "runs": runs, "sweep": found}, indent=1)
+    )
+
+
+if __name__ == "__main__":
+    main()

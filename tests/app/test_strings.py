@@ -1,0 +1,98 @@
+"""Balls on strings in Play and Live, in a real browser."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from latolato.app.site import write_site
+from site_in_node import answers_in_node
+
+PATIENCE = 60_000  # ms
+LOOP = (
+    "&system=pendulum&length=0.5 m&mass=0.2 kg&initial_angle=20 deg"
+    "&initial_angular_velocity=8 rad/s&duration=3 s"
+)
+# Where the ball is at all times, and what is written of it.
+SEEN = """() => {
+  const { player } = window.latolato.views.play;
+  const seen = [];
+  for (let time = 0; time < player.motion.end; time += 0.01) {
+    const { across, height, balls: [{ x, y }] } = player.motion.pose(time);
+    seen.push([Math.hypot(x - across, y - height), player.slackText(time), across]);
+  }
+  return seen;
+}"""
+
+
+def opened(page, query, view="play"):
+    """Return the compiled modules that a view loads until it shows its first motion."""
+    loaded = []
+    page.on("request", lambda request: loaded.append(request.url.rpartition("/")[2]))
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"/?view={view}{query}")
+    page.wait_for_selector(f".view.{view}:is([data-runs], [data-ready])", timeout=PATIENCE)
+    return {name for name in loaded if name.endswith(".wasm")}
+
+
+@pytest.mark.parametrize("view", ["play", "live"])
+def test_only_strings_load_the_modules_of_the_plane(page, view):
+    assert opened(page, "&scenario=toy", view) == {"one.wasm"}
+    assert "plane_one.wasm" in opened(page, "&scenario=toy&suspension=string", view)
+
+
+def test_a_ball_on_a_slack_string_leaves_its_circle_and_its_distance_is_written(page):
+    opened(page, f"{LOOP}&suspension=string")
+    seen = page.evaluate(SEEN)
+    assert min(distance for distance, _, _ in seen) < 0.4
+    for distance, text, _ in seen:
+        assert distance <= 0.5 * (1 + 1e-9)
+        assert (text == "") == (distance > 0.5 * (1 - 1e-6))
+        assert not text or text.startswith(", slack at ")
+
+
+def test_a_pivot_that_moves_sideways_is_drawn_there(page):
+    drive = "&drive=planar_harmonic&vertical_amplitude=0 m&horizontal_amplitude=5 cm"
+    opened(page, f"{LOOP}{drive}&drive_frequency=2 Hz")
+    ways = [across for _, _, across in page.evaluate(SEEN)]
+    assert (min(ways), max(ways)) == (pytest.approx(-0.05, 0.01), pytest.approx(0.05, 0.01))
+
+
+def test_strings_and_rods_are_chosen_in_the_form_and_take_their_fields_along(page):
+    opened(page, "&scenario=toy&string_restitution=0.5&suspension=string")
+    page.get_by_text("More parameters", exact=True).click()
+    bounce = page.get_by_label("coefficient of restitution of a string", exact=False)
+    bounce.first.wait_for()
+    page.get_by_label("suspension").select_option("rod")
+    page.wait_for_function("() => location.search.includes('suspension=rod')")
+    page.wait_for_function("() => !window.latolato.views.play.player.motion.isString")
+    assert not bounce.count()
+    assert "string_restitution" not in page.url
+    page.get_by_label("suspension").select_option("string")
+    page.wait_for_function("() => window.latolato.views.play.player.motion.isString")
+
+
+def test_live_hangs_its_toy_on_strings(page):
+    opened(page, "&scenario=toy", "live")
+    page.get_by_label("Hung on a").select_option("string")
+    page.wait_for_function("() => window.latolato.views.live.toy?.system.suspension === 'string'")
+    assert "suspension=string" in page.url
+
+
+def test_cells_of_notebooks_leave_strings_to_the_program(tmp_path):
+    write_site(tmp_path / "site")
+    path = tmp_path / "site" / "registry.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), "upright": True}))
+    program = Path(__file__).with_name("latolato_in_node.mjs")
+    requests = [
+        {"scenario": "toy", "options": options}
+        for options in ({"duration": "1 s"}, {"suspension": "string"}, {"drag_frame": "lab"})
+    ]
+    rod, *others = answers_in_node(program, tmp_path / "site", requests, tmp_path)
+    assert rod["status"] == "complete"
+    assert [(each["error"], each["parameter"]) for each in others] == [
+        (f"a run with {name} {value} is computed by the installed program, not in a page", name)
+        for name, value in (("suspension", "string"), ("drag_frame", "lab"))
+    ]
