@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -174,15 +173,17 @@ def test_a_scenario_file_hangs_balls_on_strings(tmp_path):
     assert again["system"]["suspension"] == "string"
 
 
-def test_the_toy_of_the_how_to_is_that_of_the_published_toolkit(tmp_path):
-    page = Path(__file__).parents[2] / "docs" / "how-to" / "strings.md"
-    path = tmp_path / "toy_strings.toml"
-    path.write_text(page.read_text(encoding="utf-8").partition("```toml")[2].partition("```")[0])
-    toy = load_scenario(path).system
-    assert (toy.length, toy.radius, toy.restitution) == (0.186, 0.012, 0.822)
-    assert (toy.suspension, toy.string_restitution) == ("string", 0.9)
-    # Linear drag of 0.16 1/s; the four digits of the file hold it whole.
+def test_the_shipped_toy_on_strings_reaches_the_top_and_with_rods_it_does_not():
+    shipped = load_scenario("toy_strings")
+    # The toolkit's linear drag of 0.16 1/s; the four digits of the file hold it whole.
+    toy = shipped.system
     assert toy.damping / (toy.mass * toy.length) == pytest.approx(0.16, rel=1e-15)
+    run = shipped.simulate()
+    late = run.contact_kind[run.contact_time > 3.0].values
+    assert late.tolist() == ["top", "bottom"] * (len(late) // 2)
+    assert float(run.slack.sel(time=slice(0.0, 3.0)).mean()) > 0.9
+    rods = dataclasses.replace(toy, suspension="rod", string_restitution=0.0)
+    assert set(shipped.simulate(system=rods).contact_kind.values) == {"bottom"}
 
 
 def test_a_scenario_of_rods_says_nothing_of_strings():
