@@ -54,7 +54,13 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
         `side` is that of the wall, or 0 where only friction holds the ball.
         """
         free, friction = swing.free(run, ball, t, angle), run.bodies[ball].coulomb
-        return friction - abs(free) if side == 0.0 else friction + side * free
+        if side == 0.0:
+            return friction - abs(free)
+        pressed = friction + side * free
+        if in_plane and run.settings.is_string != 0:  # friction holds no ball on a slack string
+            pull: float = run.bodies[ball].coupling * swing.still(run, ball, t, angle)
+            return min(pressed, pull)
+        return pressed
 
     find_lowest = make_lowest(hold, part)
 

@@ -25,6 +25,8 @@ from latolato.numerics.watch import Eyes
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
 _STRING, _GAP = 0, 1
+# A step is cut here where a string may tighten and loosen unseen.
+_PARTS = 0.25
 # A string pulls where its tension would be more than this share of the largest one.
 _PULLS = 1e-9
 
@@ -125,6 +127,20 @@ def make_slack(
         return 2.0 * inward / pull
 
     @part
+    def bends_beside_end(run: Any, i: int) -> bool:
+        """Return whether, near a string's end, what pulls a ball outwards turns round in the step.
+
+        Then it may run out of spare length and come back, which the ends of the step do not show.
+        """
+        if run.state.is_slack[i] == 0:
+            return False
+        begin, begin_rate = spare_of(run, i, run.now[i])
+        end, end_rate = spare_of(run, i, run.end[i])
+        reach = (abs(begin_rate) + abs(end_rate)) * run.length
+        turns = swing.tension(run, i, run.now[i]) * swing.tension(run, i, run.end[i]) < 0.0
+        return turns and min(begin, end) < reach
+
+    @part
     def plan(run: Any) -> None:
         """Fall and swing up to the first thing that happens."""
         balls.plan_length(run)
@@ -133,10 +149,14 @@ def make_slack(
             duration = bounce_time(run, i)
             if 0.0 < duration < soon:
                 soon, bounced = duration, i
-        is_brief = soon < run.goal - run.t
+        is_brief = soon < _PARTS * run.length
         if is_brief:
             balls.shorten(run, max(soon, SHORTEST * run.t))
         balls.fly_by(run, run.length, run.end)
+        for i in range(count):
+            if not is_brief and bends_beside_end(run, i):
+                balls.shorten(run, _PARTS * run.length)
+                balls.fly_by(run, run.length, run.end)
         if is_brief:
             back = -radial_rate(run.now[bounced])
             place_at_end(run.end[bounced], 1.0 / run.bodies[bounced].coupling, back)

@@ -240,12 +240,12 @@ def make_strings(
             is_over = True
             for i in range(count):
                 spare, slower = apart.spare(run, i, run.now[i])
-                is_there = abs(spare) <= THERE / run.bodies[i].coupling
+                is_there = spare <= THERE / run.bodies[i].coupling
                 if state.is_slack[i] != 0 and is_there and slower < 0.0:
                     tighten(run, output, i, False)
                     is_over = False
             gap, rate = apart.gap(run, run.now)
-            if abs(gap) <= THERE * length:
+            if gap <= THERE * length:
                 state.touch = state.side = apart.side(run.now)
                 is_slack = state.is_slack[0] != 0 or state.is_slack[count - 1] != 0
                 if rate < 0.0 and (is_slack or not apart.is_tensile(run, run.now)):
