@@ -311,9 +311,9 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
             return OVERLAP
     if case.is_exact == 0 and (state.is_slack[0] != 0 or state.is_slack[1] != 0):
         problem = FINE if case.meets == 0 or _is_apart(case, state) else OVERLAP
-    if case.angles == 2 and problem == FINE and case.mirrored != 0:
-        if not _is_mirrored(case, right, left):
-            return UNLIKE
+    is_asked = case.angles == 2 and problem == FINE and case.mirrored != 0
+    if is_asked and not _is_mirrored(case, right, left):
+        return UNLIKE
     for i in range(case.angles):
         b = bodies[i]
         if not math.isfinite(b.coupling + b.rate + b.quadratic + b.coulomb + b.inertia):

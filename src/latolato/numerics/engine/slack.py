@@ -158,7 +158,7 @@ def make_slack(
                 balls.shorten(run, _PARTS * run.length)
                 balls.fly_by(run, run.length, run.end)
         if is_brief:
-            back = -radial_rate(run.now[bounced])
+            back = max(radial_rate(run.end[bounced]), 0.0)
             place_at_end(run.end[bounced], 1.0 / run.bodies[bounced].coupling, back)
             run.event, run.ball = TAUTEN, bounced
         for i in range(count):
