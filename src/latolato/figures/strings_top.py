@@ -39,9 +39,9 @@ CAPTION = (
 )
 FINDING = (
     "The toy on rods, started from rest at ω = 4 ω0, reaches the top from A0 = {rest_rods:.2f} l "
-    "on; on strings that snap taut it does so from {rest_inelastic:.2f} l and on strings that throw "
-    "their balls back with 0.9 of the velocity from {rest_elastic:.2f} l. With a push these are "
-    "{push_rods:.2f}, "
+    "on; on strings that snap taut it does so from {rest_inelastic:.2f} l, and on strings that "
+    "throw their balls back with 0.9 of the velocity from {rest_elastic:.2f} l. With a push these "
+    "are {push_rods:.2f}, "
     "{push_inelastic:.2f} and {push_elastic:.2f} l. On the elastic strings the least drive follows "
     "the onset A0 ω² = g to high frequencies, as a ball there climbs like one that bounces on a "
     "shaking table, while rods need a nearly constant amplitude."
