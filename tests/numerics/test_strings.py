@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import latolato as ll
 from string_balls import LEDGER, Body, Strings
@@ -366,3 +367,36 @@ class TestOrder:
         for each in np.transpose(errors):
             slope = float(np.polyfit(np.log(steps), np.log(each), 1)[0])
             assert slope == pytest.approx(6.0, abs=0.5)
+
+
+def test_air_at_rest_in_the_room_turns_two_unlike_balls_as_one():
+    # Their drag per moment of inertia differs twentyfold; SciPy adds both torques.
+    right, left = (
+        ll.Ball(length=l, mass=m, radius=0.03, damping=c)
+        for l, m, c in ((0.3, 0.1, 0.02), (0.29, 0.2, 0.001))
+    )
+    pair = ll.BallPair(right=right, left=left, restitution=0.0, drag_frame="lab")
+    ax, ay, w, phase = 0.04, 0.03, 6.0, 0.4
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=ay, horizontal_amplitude=ax, drive_frequency=w, horizontal_phase=phase
+    )
+    apart, begin, times = pair.contact_separation, 0.3, np.linspace(0.0, 1.5, 31)
+    run = ll.simulate(
+        pair, drive, initial_angle=(begin + apart, begin), times=times, tolerance=1e-12
+    )
+    np.testing.assert_allclose(run.angle[0] - run.angle[1], apart, rtol=0, atol=1e-12)
+
+    def slopes(t, state):
+        (angle, velocity), inertia, torque = state, 0.0, 0.0
+        x, y = -ax * w * w * math.cos(w * t + phase), -ay * w * w * math.cos(w * t)
+        u, v = -ax * w * math.sin(w * t + phase), -ay * w * math.sin(w * t)
+        for ball, q in ((right, angle + apart), (left, angle)):
+            m, l, c, s = ball.mass, ball.length, math.cos(q), math.sin(q)
+            inertia += m * l * l
+            torque -= m * l * ((9.8 + y) * s + x * c) + ball.damping * (
+                l * velocity + u * c + v * s
+            )
+        return [velocity, torque / inertia]
+
+    exact = solve_ivp(slopes, (0.0, 1.5), [begin, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(run.angle[1], exact.y[0], rtol=0, atol=1e-10)

@@ -128,7 +128,7 @@ def has_rough_drag(balls: Any, count: int) -> bool:
 
 
 @formula
-def body_record(ball: Any) -> tuple[float, float, float, float, float]:
+def body_record(ball: Any) -> tuple[float, float, float, float, float, float, float]:
     """Return one ball's numbers in the order of `BODY`."""
     l, m = ball.length, ball.mass
     return (
@@ -137,13 +137,16 @@ def body_record(ball: Any) -> tuple[float, float, float, float, float]:
         ball.quadratic_damping / (m * l),
         ball.coulomb_damping / (m * l),
         m * l * l,
+        ball.damping / (m * l * l),
+        0.0,
     )
 
 
 @formula
 def _write_body(body: Any, numbers: Any) -> None:
     """Write the numbers of a body in the order of `BODY`."""
-    body.coupling, body.rate, body.quadratic, body.coulomb, body.inertia = numbers
+    body.coupling, body.rate, body.quadratic, body.coulomb = numbers[:4]
+    body.inertia, body.sail, body.sail_offset = numbers[4:]
 
 
 @formula
@@ -153,12 +156,16 @@ def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
     total = one + other
     moments = one * right.coupling, other * left.coupling
     coupling, offset = joint_coupling(*moments, total, separation)
+    sails = one * right.sail, other * left.sail
+    sail, sail_offset = joint_coupling(*sails, total, separation)
     _write_body(body, (
         coupling,
         (one * right.rate + other * left.rate) / total,
         (one * right.quadratic + other * left.quadratic) / total,
         (one * right.coulomb + other * left.coulomb) / total,
         total,
+        sail,
+        sail_offset - offset,
     ))  # fmt: skip
     return offset
 

@@ -18,6 +18,10 @@ BODY = np.dtype(
         ("quadratic", "f8"),  # quadratic_damping/(mass length) [1]
         ("coulomb", "f8"),  # coulomb_damping/(mass length) [rad/s^2]
         ("inertia", "f8"),  # mass length^2 [kg m^2]
+        # How air that moves past the pivot turns it: rate/length [1/(m s)], and at which angle from
+        # its own [rad]; that is zero but for two balls as one body.
+        ("sail", "f8"),
+        ("sail_offset", "f8"),
     ],
     align=True,
 )

@@ -218,11 +218,20 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         return along
 
     @part
+    def blown(b: Any, angle: float, wx: float, wy: float) -> float:
+        """Return the angular acceleration by air that the pivot moves through [rad/s^2]."""
+        if wx == 0.0 and wy == 0.0:
+            return 0.0
+        turned = angle + b.sail_offset
+        result: float = -b.sail * (wx * cosine(turned) + wy * sine(turned))
+        return result
+
+    @part
     def free(run: Any, body: int, t: float, angle: float) -> float:
         """Return the angular acceleration without drag against the pivot [rad/s^2]."""
         b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
-        x, y = -ax - b.rate * wx, -(run.settings.gravity + ay) - b.rate * wy
-        return turning(b, angle, x, y) + push(angle, run)
+        pulled = turning(b, angle, -ax, -(run.settings.gravity + ay))
+        return pulled + blown(b, angle, wx, wy) + push(angle, run)
 
     @part
     def feel(run: Any, body: int, t: float, point: Any) -> None:
@@ -234,7 +243,8 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         if point.sign != 0.0:
             point.driven = turning(b, point.angle, -ax, -ay)
             other = push(point.angle, run) - b.coulomb * point.sign
-            other += turning(b, point.angle, -b.rate * wx, -run.settings.gravity - b.rate * wy)
+            other += turning(b, point.angle, 0.0, -run.settings.gravity)
+            other += blown(b, point.angle, wx, wy)
             point.acceleration = point.driven + other
         point.tension = tension(run, body, point)
 
@@ -250,7 +260,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         work, loss, t = 0.0, 0.0, run.t
         b, gravity = run.bodies[body], run.settings.gravity
         rate, quadratic, friction = b.rate, b.quadratic, b.coulomb * sign
-        wind = turning(b, angle, -rate * wx, -rate * wy)
+        wind = blown(b, angle, wx, wy)
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
             feel(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
@@ -268,7 +278,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
             velocity = slower
             ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
             driven = turning(b, angle, -ax, -ay)
-            wind = turning(b, angle, -rate * wx, -rate * wy)
+            wind = blown(b, angle, wx, wy)
             a = driven + turning(b, angle, 0.0, -gravity) + wind + (push(angle, run) - friction)
         h = run.tables[table, KICK, run.stages]
         change = h * a
@@ -293,9 +303,9 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0  # what starts as a unit of angle, and of velocity
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
-            x, y = -ax - b.rate * wx, -(gravity + ay) - b.rate * wy
             # The slope is the pull at a right angle to what turns the ball.
-            bend = h * (turning(b, angle, y, -x) + push_slope(angle, run))
+            bend = turning(b, angle, -(gravity + ay), ax) + blown(b, angle, wy, -wx)
+            bend = h * (bend + push_slope(angle, run))
             velocity += h * a
             v1 += bend * x1
             v2 += bend * x2
@@ -310,8 +320,8 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
             travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
             angle += travelled
             ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
-            x, y = -ax - b.rate * wx, -(gravity + ay) - b.rate * wy
-            a = turning(b, angle, x, y) + push(angle, run) - b.coulomb * sign
+            a = turning(b, angle, -ax, -(gravity + ay)) + blown(b, angle, wx, wy)
+            a += push(angle, run) - b.coulomb * sign
         return x1, x2, v1, v2
 
     return Pull(free, feel, step, tangent, tension, still, shake)
