@@ -38,14 +38,15 @@ def assert_close(a, b):
 
 def test_plain_python_equals_compiled(laws):
     # The same scalar source; fused multiply-adds may differ in the last digits, which contacts
-    # amplify a little.
+    # amplify a little, and strings more: their tensions pass slowly through zero.
     system, drive, _ = laws
+    bound = 1e-12 if system.suspension == "rod" else 1e-10
     times = np.linspace(0.0, 2.0, 21)
     fast = run(system, drive, 2.0, times)
     plain = run(system, drive, 2.0, times, compiled=False)
     np.testing.assert_array_equal(plain.contact_kinds, fast.contact_kinds)
-    np.testing.assert_allclose(plain.contact_times, fast.contact_times, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(plain.samples, fast.samples, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(plain.contact_times, fast.contact_times, rtol=0, atol=bound)
+    np.testing.assert_allclose(plain.samples, fast.samples, rtol=0, atol=10.0 * bound)
 
 
 SYSTEMS = {

@@ -85,9 +85,11 @@ export function contactsTable(registry, block) {
 function table(registry, { about, arrays, shapes }, names) {
   const two = registry.systems[about.options.system].angles === 2;
   const isToy = registry.systems[about.options.system].contacts;
+  const isString = about.options.suspension === "string";
   /** @type {{name: string, title: string, at: (i: number) => any}[]} */
   const columns = names.flatMap((name) => {
-    const { unit, label, shown_unit: shownUnit } = registry.quantities[name];
+    const { unit, shown_unit: shownUnit, ...quantity } = registry.quantities[name];
+    const label = name === "tension" && isString ? "tension of the string" : quantity.label;
     const shape = shapes[name];
     const length = shape[shape.length - 1];
     const values = arrays[name];
