@@ -26,9 +26,7 @@ TWO = {"initial_angle_right": [0.3, 0.5], "initial_angle_left": [-0.3, -0.5]}
 # Stroboscopic samples need a period; a schedule has none.
 # What response_samples gives too would be given twice, and two balls have one of their own.
 ELSEWHERE = ("poincare_section", "response_period", "transverse_exponent")
-ALL = [
-    name for name, kind in observables.items() if name not in ELSEWHERE and not kind.of_strings
-]
+ALL = [name for name, kind in observables.items() if name not in ELSEWHERE and not kind.of_strings]
 UNMARKED = [name for name in ALL if name != "response_samples"]
 
 CASES = {
