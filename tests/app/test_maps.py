@@ -80,16 +80,16 @@ KINDS = {
         "toy", ("frequency_ratio", 0.0, 2.0), ("drive_acceleration_ratio", 0.0, 2.0)
     ),
     "too far": over("toy", ("initial_offset", 0.0, 4.0), ("length", 0.01, 0.4)),
+    "strings": over(
+        "toy_strings", "string_restitution", ("initial_distance", 0.1, 0.2), 1.5
+    ),
     **{
-        name or "strings": over(
-            "toy_strings", "string_restitution", ("initial_distance", 0.1, 0.2), 1.5,
-            observable=name,
+        name: over(
+            "toy_strings", "frequency_ratio", "drive_amplitude", 2.0, observable=name,
+            transient=0.4,
         )
-        for name in (
-            None, "slack_fraction", "first_slack", "largest_string_impulse", "retension_loss",
-        )
+        for name in ("slack_fraction", "first_slack", "largest_string_impulse", "retension_loss")
     },
-    "strings over drives": over("toy_strings", "frequency_ratio", "drive_amplitude", 2.0),
     "two strings": over(
         "ballpair_asymmetric", ("initial_distance_left", 0.15, 0.25), "right_damping", 1.0,
         options=STRINGS, observable="slack_fraction",
@@ -225,7 +225,7 @@ def test_the_lines_on_show_compute_the_same_map(name, shown):
 
 POINTS = [
     "fig05_push", "offset", "start", "two balls", "ratios", "noise", "kicks", "chirp",
-    "strings over drives", "two strings", "sideways",
+    "strings", "two strings", "sideways",
 ]  # fmt: skip
 
 

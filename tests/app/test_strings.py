@@ -94,7 +94,10 @@ def test_cells_of_notebooks_leave_strings_to_python(tmp_path):
     rod, *others = answers_in_node(program, tmp_path / "site", requests, tmp_path)
     assert rod["status"] == "complete"
     assert [(each["error"], each["parameter"]) for each in others] == [
-        (f"players in notebooks leave out the code for {name} {value}, to stay small; "
-         "compute the run in Python and show it with ll.play", name)
+        (
+            f"players in notebooks leave out the code for {name} {value}, to stay small; "
+            "compute the run in Python and show it with ll.play",
+            name,
+        )
         for name, value in (("suspension", "string"), ("drag_frame", "lab"))
     ]
