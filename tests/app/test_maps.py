@@ -344,6 +344,22 @@ def test_what_may_be_chosen_stands_once_with_a_description():
     assert "noise_strength" not in axes
 
 
+def test_what_belongs_to_strings_is_offered_for_strings_only():
+    of_strings = {
+        "string_restitution", "initial_distance", "slack_fraction", "first_slack",
+        "largest_string_impulse", "retension_loss",
+    }  # fmt: skip
+    rods, strings = (
+        {each["name"] for kind in ("axes", "variables") for each in page["choices"][kind]}
+        for page in views_in_node(
+            [{"planned": True, "request": {"scenario": name}} for name in ("toy", "toy_strings")]
+        )
+    )
+    assert of_strings <= strings
+    assert not of_strings & rods
+    assert rods - strings >= {"lyapunov_exponent"}
+
+
 def test_overlays_learn_what_the_system_is():
     toy, pair = views_in_node(
         [{"planned": True, "request": {"scenario": name, "duration": 1.0}}

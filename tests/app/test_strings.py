@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,28 @@ def test_live_hangs_its_toy_on_strings(page):
     page.get_by_label("Hung on a").select_option("string")
     page.wait_for_function("() => window.latolato.views.live.toy?.system.suspension === 'string'")
     assert "suspension=string" in page.url
+
+
+def test_live_says_how_far_slack_balls_are_and_rings_them(page):
+    page.goto("/?view=live&scenario=toy_strings")
+    page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for(timeout=PATIENCE)
+    page.wait_for_function(
+        "() => window.latolato.views.live.scene.flashes.flashes.some(({ ring }) => ring === 0.012)",
+        timeout=PATIENCE,
+    )
+
+
+def test_a_map_of_strings_has_a_field_for_the_distance(page):
+    shape = "&map.scenario=page&map.size=5&map.duration=1&map.observable=slack_fraction"
+    page.goto(f"/?view=map&scenario=toy_strings{shape}")
+    page.wait_for_selector("[data-done='1']", timeout=PATIENCE)
+    page.get_by_text("Parameters that do not vary").click()
+    distance = page.get_by_label("distance from the pivot at the start", exact=False).first
+    distance.fill("12 cm")
+    distance.press("Enter")
+    page.wait_for_selector("[data-done='2']", timeout=PATIENCE)
+    # Each ball falls for a while before its string is taut.
+    assert page.evaluate("() => Math.min(...window.latolato.views.map.grid.values[0])") > 0.0
 
 
 def test_cells_of_notebooks_leave_strings_to_python(tmp_path):
