@@ -108,6 +108,8 @@ def types_of(kind: str) -> tuple[str, list[str]]:
 # Of one ball and of two, the same in the plane, and maps of one ball.
 _MODULES = ("one", "two", "plane_one", "plane_two", "lanes")
 _RUNS = _MODULES[:4]
+# Those that run points of maps; `one` leaves them to `lanes`.
+_MAPS = _MODULES[1:]
 
 
 def modules_of(recipes: Sequence[Recipe]) -> dict[str, dict[str, Recipe]]:
@@ -133,7 +135,7 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
             return "engine", ("plane_one",) if settings["count"] == 1 else ("plane_two",)
         return "engine", ("one", "lanes") if settings["count"] == 1 else ("two",)
     if maker == "make_many_entry":
-        return "many", ("lanes",) if settings["balls"] == 1 else ("two",)
+        return "many", ("lanes", "plane_one") if settings["balls"] == 1 else ("two", "plane_two")
     if maker == "make_observer_entry":
         return "observer", ("one", "two")
     if maker == "make_plane_observer_entry":
@@ -143,7 +145,7 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     if maker in ("make_begin_entry", "make_allowed_entry"):
         return maker.removeprefix("make_").removesuffix("_entry"), _RUNS
     if maker == "make_prepare_entry":
-        return "prepare", ("two", "lanes")
+        return "prepare", _MAPS
     if maker == "make_lanes":
         return "lanes", ("lanes",)
     if maker in ("make_fly", "make_locate"):
@@ -159,7 +161,7 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
     occasion = settings.get("occasion")
     if occasion is None:  # of all lanes at once
         return hook_name(recipe.laws[0], maker.removeprefix("make_")), ("lanes",)
-    return hook_name(recipe.laws[0], watch.OCCASIONS[occasion]), ("two", "lanes")
+    return hook_name(recipe.laws[0], watch.OCCASIONS[occasion]), _MAPS
 
 
 def hook_name(formula: Formula, how: str) -> str:
@@ -381,6 +383,7 @@ def _observable(kind: Any) -> dict[str, Any]:
         "plain": sorted(kind.plain),
         "joint": kind.is_joint,
         "mirrored": kind.mirrored,
+        "of_strings": kind.of_strings,
         "pieces": _hooks_of(kind),
     }
 

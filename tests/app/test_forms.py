@@ -71,10 +71,3 @@ def test_forms_choose_between_rods_and_strings():
     assert entries["options"]["drag_frame"]["choices"] == ["pivot", "lab"]
     for name, system in entries["systems"].items():
         assert ("suspension" in system["options"]) == (name != "mathieu")
-
-
-def test_maps_of_pages_vary_nothing_that_belongs_to_strings():
-    entries = registry()
-    offered = {*entries["axes"], *(a for law in entries["systems"].values() for a in law["axes"])}
-    assert {"restitution", "initial_angle_right"} <= offered
-    assert not [name for name in offered if "string" in name or "distance" in name]

@@ -29,6 +29,11 @@ STAGES = {
     "drive": "staged_harmonic", "drive_times": [0.0, 0.5], "drive_frequencies": [15.0, 12.0],
     "drive_amplitudes": [0.02, 0.03], "ramps": [0.1, 0.1], "drive_phase": 0.5,
 }  # fmt: skip
+STRINGS = {"suspension": "string", "string_restitution": 0.5}
+PLANAR = {
+    "drive": "planar_harmonic", "vertical_amplitude": 0.02, "horizontal_amplitude": 0.0,
+    "drive_frequency": 12.0,
+}  # fmt: skip
 
 
 def over(scenario, x, y, duration=3.0, **more):
@@ -75,6 +80,28 @@ KINDS = {
         "toy", ("frequency_ratio", 0.0, 2.0), ("drive_acceleration_ratio", 0.0, 2.0)
     ),
     "too far": over("toy", ("initial_offset", 0.0, 4.0), ("length", 0.01, 0.4)),
+    "strings": over(
+        "toy_strings", "string_restitution", ("initial_distance", 0.1, 0.2), 1.5
+    ),
+    **{
+        name: over(
+            "toy_strings", "frequency_ratio", "drive_amplitude", 2.0, observable=name,
+            transient=0.4,
+        )
+        for name in ("slack_fraction", "first_slack", "largest_string_impulse", "retension_loss")
+    },
+    "two strings": over(
+        "ballpair_asymmetric", ("initial_distance_left", 0.15, 0.25), "right_damping", 1.0,
+        options=STRINGS, observable="slack_fraction",
+    ),
+    "sideways": over(
+        "ballpair_asymmetric", "horizontal_amplitude", "frequency_ratio", 2.0, options=PLANAR
+    ),
+    "ellipse": over(
+        "fig02", "horizontal_phase", "vertical_amplitude", 5.0,
+        options=PLANAR | {"horizontal_amplitude": 0.05},
+    ),
+    "air at rest": over("toy", "damping", "drive_amplitude", 2.0, options={"drag_frame": "lab"}),
 }  # fmt: skip
 WIDTH, HEIGHT = 7, 6
 # Values that a change of gravity by so much (relative) moves less than that are regular.
@@ -152,8 +179,10 @@ def test_variables_are_called_what_datasets_call_them(shown):
 
 
 @pytest.mark.parametrize(
-    "name", ["fig05_push", "fig11", "two balls", "noise", "clamp", "crank", "chirp", "schedule"]
-)
+    "name",
+    ["fig05_push", "fig11", "two balls", "noise", "clamp", "crank", "chirp", "schedule",
+     "slack_fraction", "two strings", "sideways"],
+)  # fmt: skip
 def test_a_table_of_the_page_opens_as_the_sweep(name, shown, tmp_path):
     path = tmp_path / "map.csv"
     path.write_text(shown[name]["csv"])
@@ -176,7 +205,10 @@ def test_exponents_fit_no_table(shown):
     )
 
 
-@pytest.mark.parametrize("name", ["fig05_push", "fig09", "two balls", "noise", "clamp", "crank"])
+@pytest.mark.parametrize(
+    "name",
+    ["fig05_push", "fig09", "two balls", "noise", "clamp", "crank", "two strings", "sideways"],
+)
 def test_the_lines_on_show_compute_the_same_map(name, shown):
     about, wanted = shown[name]["about"], sweep_of(scenario_of(shown[name]["tables"]))
     names: dict = {}
@@ -186,12 +218,15 @@ def test_the_lines_on_show_compute_the_same_map(name, shown):
         result = CliRunner().invoke(command, [*shlex.split(about["command"])[1:], "--json"])
     xr.testing.assert_identical(names["grid"].drop_attrs(), wanted.drop_attrs())
     assert result.exit_code == 0, result.output
-    energy = wanted.mean_energy
-    ranges = json.loads(result.stdout)["ranges"]["mean_energy"]
-    np.testing.assert_allclose(ranges, [energy.min(), energy.max()], rtol=1e-6)
+    values = wanted[about["observable"]]
+    ranges = json.loads(result.stdout)["ranges"][about["observable"]]
+    np.testing.assert_allclose(ranges, [values.min(), values.max()], rtol=1e-6)
 
 
-POINTS = ["fig05_push", "offset", "start", "two balls", "ratios", "noise", "kicks", "chirp"]
+POINTS = [
+    "fig05_push", "offset", "start", "two balls", "ratios", "noise", "kicks", "chirp",
+    "strings", "two strings", "sideways",
+]  # fmt: skip
 
 
 def test_the_run_of_a_point_is_what_its_cell_says():
@@ -243,9 +278,16 @@ def test_the_run_of_a_point_is_what_its_cell_says():
          "a chirp drive has no single period that a stroboscope could follow"),
         ({"options": {"contact": "clamp"}, "observable": "lyapunov_exponent"},
          "lyapunov_exponent needs exact contact"),
-        ({"options": {"suspension": "string"}},
-         "a map with suspension string is computed by the installed program: run `latolato sweep`"),
-        ({"x": {"name": "string_restitution"}}, "unknown parameter 'string_restitution'"),
+        ({"x": {"name": "string_restitution"}}, "string_restitution is for balls on strings"),
+        ({"y": {"name": "initial_distance"}}, "initial_distance is for balls on strings"),
+        ({"options": {"initial_distance": 0.3}}, "initial_distance is for balls on strings"),
+        ({"observable": "slack_fraction"}, "slack_fraction is for balls on strings"),
+        ({"options": {"suspension": "string"}, "observable": "lyapunov_exponent"},
+         "lyapunov_exponent is not known on strings: small deviations are followed on rods only"),
+        ({"options": {"drag_frame": "lab"}, "x": {"name": "quadratic_damping"}},
+         "drag_frame must be 'pivot' with quadratic_damping"),
+        ({"options": PLANAR, "x": {"name": "horizontal_amplitude"}},
+         "moves the pivot sideways, which breaks the mirror symmetry of a LatoLato"),
         ({"options": {"drive": "measured_pivot"}},
          "a map with the drive measured_pivot is computed by the installed program: run "
          "`latolato sweep` and open its file with `latolato app --open`"),
@@ -300,6 +342,22 @@ def test_what_may_be_chosen_stands_once_with_a_description():
     axes = {each["name"] for each in page["choices"]["axes"]}
     assert {"length", "frequency_ratio", "initial_angle"} <= axes
     assert "noise_strength" not in axes
+
+
+def test_what_belongs_to_strings_is_offered_for_strings_only():
+    of_strings = {
+        "string_restitution", "initial_distance", "slack_fraction", "first_slack",
+        "largest_string_impulse", "retension_loss",
+    }  # fmt: skip
+    rods, strings = (
+        {each["name"] for kind in ("axes", "variables") for each in page["choices"][kind]}
+        for page in views_in_node(
+            [{"planned": True, "request": {"scenario": name}} for name in ("toy", "toy_strings")]
+        )
+    )
+    assert of_strings <= strings
+    assert not of_strings & rods
+    assert rods - strings >= {"lyapunov_exponent"}
 
 
 def test_overlays_learn_what_the_system_is():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -16,12 +17,13 @@ LOOP = (
     "&initial_angular_velocity=8 rad/s&duration=3 s"
 )
 # Where the ball is at all times, and what is written of it.
-SEEN = """() => {
+SEEN = """async () => {
+  const { slackText } = await import("/js/shared/hang.js");
   const { player } = window.latolato.views.play;
   const seen = [];
   for (let time = 0; time < player.motion.end; time += 0.01) {
     const { across, height, balls: [{ x, y }] } = player.motion.pose(time);
-    seen.push([Math.hypot(x - across, y - height), player.slackText(time), across]);
+    seen.push([Math.hypot(x - across, y - height), slackText(player.motion, time), across]);
   }
   return seen;
 }"""
@@ -81,7 +83,29 @@ def test_live_hangs_its_toy_on_strings(page):
     assert "suspension=string" in page.url
 
 
-def test_cells_of_notebooks_leave_strings_to_the_program(tmp_path):
+def test_live_says_how_far_slack_balls_are_and_rings_them(page):
+    page.goto("/?view=live&scenario=toy_strings")
+    page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for(timeout=PATIENCE)
+    page.wait_for_function(
+        "() => window.latolato.views.live.scene.flashes.flashes.some(({ ring }) => ring === 0.012)",
+        timeout=PATIENCE,
+    )
+
+
+def test_a_map_of_strings_has_a_field_for_the_distance(page):
+    shape = "&map.scenario=page&map.size=5&map.duration=1&map.observable=slack_fraction"
+    page.goto(f"/?view=map&scenario=toy_strings{shape}")
+    page.wait_for_selector("[data-done='1']", timeout=PATIENCE)
+    page.get_by_text("Parameters that do not vary").click()
+    distance = page.get_by_label("distance from the pivot at the start", exact=False).first
+    distance.fill("12 cm")
+    distance.press("Enter")
+    page.wait_for_selector("[data-done='2']", timeout=PATIENCE)
+    # Each ball falls for a while before its string is taut.
+    assert page.evaluate("() => Math.min(...window.latolato.views.map.grid.values[0])") > 0.0
+
+
+def test_cells_of_notebooks_leave_strings_to_python(tmp_path):
     write_site(tmp_path / "site")
     path = tmp_path / "site" / "registry.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "upright": True}))
@@ -93,6 +117,10 @@ def test_cells_of_notebooks_leave_strings_to_the_program(tmp_path):
     rod, *others = answers_in_node(program, tmp_path / "site", requests, tmp_path)
     assert rod["status"] == "complete"
     assert [(each["error"], each["parameter"]) for each in others] == [
-        (f"a run with {name} {value} is computed by the installed program, not in a page", name)
+        (
+            f"players in notebooks leave out the code for {name} {value}, to stay small; "
+            "compute the run in Python and show it with ll.play",
+            name,
+        )
         for name, value in (("suspension", "string"), ("drag_frame", "lab"))
     ]

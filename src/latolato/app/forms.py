@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.app import STATIC
-from latolato.app.run_request import BEYOND_MAPS, flat_options, options_of
+from latolato.app.run_request import flat_options, options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.versions import FORMAT, version_of
@@ -118,11 +118,7 @@ def _option_names(law: type, owner: str) -> Iterator[str]:
 def _varied(system: Any, drive: Any, *owners: str) -> Iterator[Parameter]:
     """Yield what a page's map of these laws and noise can vary, of these owners."""
     known = parameters_of(system, drive, VelocityKicks)
-    yield from (
-        parameter
-        for parameter in known.values()
-        if parameter.owner in owners and not parameter.name.startswith(BEYOND_MAPS)
-    )
+    yield from (parameter for parameter in known.values() if parameter.owner in owners)
 
 
 def _axes() -> dict[str, dict[str, Any]]:
@@ -184,7 +180,6 @@ def shown_option(option: Parameter) -> dict[str, Any]:
         "path": option.path,
         "suggested": option.suggested,
         "is_later": option.is_later,
-        "in_maps": option.name not in BEYOND_MAPS,
     }
 
 

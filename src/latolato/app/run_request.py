@@ -26,8 +26,6 @@ MOST_LISTED = 10_000
 MOST_STEPS = 5_000_000
 MOST_SECONDS = 1e5
 MOST_SAMPLES = 200_000
-# What maps of pages know at its default only: they leave other values to the program.
-BEYOND_MAPS = ("suspension", "string_restitution", "drag_frame", "initial_distance")
 _SWITCH = {"true": True, "false": False}
 _WHOLE = re.compile(r"\s*[-+]?\d{1,18}\s*")
 

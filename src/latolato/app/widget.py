@@ -216,7 +216,7 @@ def _content() -> str:
 
     Bytes are letters of the same number. The compiled code is the one without vectors, which runs
     everywhere and is as fast for single runs. That for strings and other motions in the plane would
-    add 75 kB, so a cell only plays these.
+    add 140 kB, so a cell only plays these.
     """
     kernels = STATIC / "kernels"
     files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}

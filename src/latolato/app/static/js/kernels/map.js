@@ -1,6 +1,7 @@
 /** Maps from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
 
 import { ABSENT, shakeAll } from "./begin.js";
+import { moduleFor } from "./load.js";
 import { drawKicks } from "./noise.js";
 import { runPoints } from "./points.js";
 
@@ -15,6 +16,7 @@ import { runPoints } from "./points.js";
  * @typedef {object} Question
  * @property {number} count of points
  * @property {1 | 2} [angles] of the state, 1 if it is left out
+ * @property {boolean} [in_plane] whether any point needs the engine for motions in the plane
  * @property {Record<string, Column>} parameters fields of the record `case` by their paths, such as
  *   `balls.0.mass`; others are zero, an offset and bounds of the drive not given. `is_linear`,
  *   `meets` (whether there are walls) and other whole numbers are the same for all points.
@@ -37,7 +39,7 @@ const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping",
   "balls.1.quadratic_damping", "balls.1.coulomb_damping"];
 // What is found out here, or is the same for all points.
 const OWN = ["angles", "is_rough", "follows_tension", "mirrored"];
-const FLAGS = ["is_linear", "meets"];
+const FLAGS = ["is_linear", "meets", "is_string", "in_lab"];
 // Both balls, and both as one body in lasting contact at the bottom and at the top.
 const BODIES_OF_PAIR = 4;
 
@@ -49,16 +51,16 @@ const some = (column, holds) => (typeof column === "number" ? holds(column) : co
 
 /**
  * Return the name of the module that computes a map.
- * @param {Pick<Question, "angles">} question
+ * @param {Pick<Question, "angles" | "in_plane">} question
  */
-export function moduleOf({ angles = 1 }) {
-  return angles === 1 ? "lanes" : "two";
+export function moduleOf({ angles = 1, in_plane: inPlane = false }) {
+  return angles === 1 && !inPlane ? "lanes" : moduleFor(angles, inPlane);
 }
 
 /**
  * Return the values of all points by variable, point after point and of each point ball after ball,
  * NaN where a point has none, and the points' statuses and problems, numbers of those in the layout.
- * @param {Kernels} kernels of the module `lanes`, for two angles of `two`
+ * @param {Kernels} kernels of the module that `moduleOf` names
  * @param {Question} question
  * @returns {{status: Uint8Array, problems: Uint8Array, values: Record<string, Float64Array>}}
  */
@@ -131,7 +133,7 @@ function prepared(kernels, question) {
   kernels.call("prepare", "cases", { cases, stretches, firsts, settings, bodies, states,
     problems: held });
   const problems = Uint8Array.from(kernels.numbers(held), Number);
-  const in_lanes = angles === 1 && !question.noise && !isRough && contact !== "clamp"
+  const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isRough && contact !== "clamp"
     && layout.rotating_drives.includes(drive.kind) && !needs.has("compression");
   const points = { settings, bodies, stretches, firsts, stops, contact_limit };
   return { points, states, problems, observers, slots, needs, isRough, in_lanes };
@@ -181,10 +183,8 @@ function computed(kernels, question) {
  * @param {Question} question
  */
 function check(kernels, question) {
-  const { count, angles = 1, parameters, drive, noise, transient = 0, period = 0 } = question;
-  if ((angles === 1) !== "lanes" in kernels.pieces) {
-    throw new Error(`the module for maps of ${angles} angles is ${moduleOf(question)}`);
-  }
+  const { count, parameters, drive, noise, transient = 0, period = 0 } = question;
+  if (kernels.name !== moduleOf(question)) throw new Error(`the module for this map is ${moduleOf(question)}`);
   for (const name of OWN) {
     if (name in parameters) throw new Error(`${name} is found out from the other parameters`);
   }

@@ -3,9 +3,9 @@
  *
  * There are five modules: `one` runs one ball, `two` runs two balls and points of their maps,
  * `plane_one` and `plane_two` run balls on strings, under a pivot that moves sideways and in air at
- * rest in the room, `lanes` runs points of maps of one ball. `make kernels` makes them and
- * `layout.json`, which says which pieces they have and what lies where in their memory. For what the
- * names in it mean see `latolato.numerics`.
+ * rest in the room, and points of their maps, `lanes` runs points of maps of one ball. `make kernels`
+ * makes them and `layout.json`, which says which pieces they have and what lies where in their memory.
+ * For what the names in it mean see `latolato.numerics`.
  */
 
 /**
@@ -30,10 +30,11 @@
  *
  * An observable with its usual parameters: how many slots each of its variables has, how many ends
  * of drive periods it looks at, all its slots, which variables have no further dimension, whether
- * it belongs to both balls together and to their mirrored motion, and its pieces by occasion.
+ * it belongs to both balls together, to their mirrored motion and to strings, and its pieces by
+ * occasion.
  * @typedef {{parameters: Record<string, number>, dimension: string, angles: number,
  *   widths: Record<string, number>, marks: number, slots: number, needs: string[], plain: string[],
- *   joint: boolean, mirrored: boolean, pieces: Record<string, string>}} Observable
+ *   joint: boolean, mirrored: boolean, of_strings: boolean, pieces: Record<string, string>}} Observable
  * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 

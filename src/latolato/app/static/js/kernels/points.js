@@ -16,7 +16,7 @@
 /**
  * Run points.
  *
- * @param {Kernels} kernels of the module `lanes`, or of `two` for points of two balls
+ * @param {Kernels} kernels of the module that `moduleOf` in `map.js` names
  * @param {Points} batch
  * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
  *   slot and piece

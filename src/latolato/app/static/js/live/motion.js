@@ -1,7 +1,7 @@
 /** A motion that is still happening, with what the scene asks of a run, and its last seconds. */
 
 import { ballsOf } from "../model/block.js";
-import { poseOf, SHOWN_RADIUS } from "../shared/motion.js";
+import { isFelt, poseOf, SHOWN_RADIUS } from "../shared/motion.js";
 import { Log } from "../shared/swings.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
@@ -81,10 +81,15 @@ export class LiveMotion {
     this.balls = ballsOf(toy.system);
     /** What the balls did. */
     this.log = new Log(this.balls);
+    /** Balls whose strings went slack or taut since the last picture. @type {Ball[]} */
+    this.pulled = [];
     toy.onContact = (time, kind, speeds) => {
       const { angles } = toy.system;
-      const { contact_rows: { ball } } = toy.kernels.layout;
-      this.log.meet(time, kind, speeds, speeds.slice(angles), angles > 1 ? speeds[ball] : 0);
+      const { contact_rows: { ball, radial } } = toy.kernels.layout;
+      const number = angles > 1 ? speeds[ball] : 0;
+      this.log.meet(time, kind, speeds, speeds.slice(angles), number);
+      this.pulled.push(...(number ? [this.balls[number - 1]] : this.balls).filter(({ row, length }) =>
+        isFelt(kind, speeds[radial + row], toy.system.naturalFrequency * length)));
     };
     this.isString = toy.system.suspension === "string";
     this.follow();

@@ -1,6 +1,7 @@
 /** Live: the toy runs in real time while hands change everything. */
 
 import { followDrag } from "../shared/drag.js";
+import { slackText } from "../shared/hang.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
 import { refusal } from "../shared/knobs.js";
@@ -309,9 +310,8 @@ export class LiveView {
         motion.follow();
         const clacks = toy.clack > SOFTEST;
         this.watch.add(motion, clacks);
-        if (clacks) {
-          this.scene.flash(motion.pose(), toy.clack);
-        }
+        if (clacks) this.scene.flash(motion.pose(), toy.clack);
+        this.scene.ring(motion.pose(), motion.pulled.splice(0));
         toy.clack = 0;
         this.dirty = true;
       });
@@ -348,7 +348,7 @@ export class LiveView {
     const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
-    }) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
+    }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
     this.showRatio();
     this.keeper.show();
     this.shake.watch();

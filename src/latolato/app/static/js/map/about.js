@@ -90,8 +90,9 @@ export function optionsAt(registry, options, values) {
     const side = SIDES.findIndex((each) => name.endsWith(`_${each}`));
     const pair = side < 0 ? "" : name.slice(0, -SIDES[side].length - 1);
     if (registry.options[pair]?.for_each_ball) {
-      result[pair] = [result[pair] ?? 0].flat();
-      if (result[pair].length === 1) result[pair] = [result[pair][0], result[pair][0]];
+      const lengths = SIDES.map((each) => values[`${each}_length`] ?? result[`${each}_length`]);
+      const [right, left = right] = [result[pair] ?? (pair === "initial_distance" ? lengths : 0)].flat();
+      result[pair] = [right, left];
       result[pair][side] = value;
     } else if (sets === name || sets === "initial_angle") result[name] = value;
   }

@@ -1,5 +1,6 @@
 /** What a map may be made of: parameters with ranges to begin with, and observables. */
 
+import { checkStrings } from "../model/case.js";
 import { general, InputError, suggest } from "../model/rules.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
@@ -32,9 +33,13 @@ const AMPLITUDES = 0.5;
 const OWNERS = ["system", "drive", "noise", "run"];
 // What goes to the right, and which parameters are the axes where nothing else is known.
 const FREQUENCIES = ["frequency_ratio", "drive_frequency"];
-const FIRST = ["drive_amplitude", "frequency_ratio", "initial_angle", "initial_angular_velocity"];
+const FIRST = ["drive_amplitude", "vertical_amplitude", "frequency_ratio", "initial_angle",
+  "initial_angular_velocity"];
 // How closely a spacing must keep its ratio or its difference to count as even.
 const EVEN = 1e-6;
+
+/** Return whether a parameter belongs to balls on strings. @param {string} name */
+export const isOfStrings = (name) => /^(string_restitution|initial_distance)/.test(name);
 
 /**
  * Return the names of the parameters that a map can vary.
@@ -44,7 +49,8 @@ const EVEN = 1e-6;
  */
 export function variedBy({ systems, drives, axes, noise_axes: noise }, options) {
   const own = [...systems[options.system].axes ?? [], ...drives[options.drive].axes ?? [],
-    ...(options.noise_strength === undefined ? [] : noise)];
+    ...(options.noise_strength === undefined ? [] : noise)]
+    .filter((name) => options.suspension === "string" || !isOfStrings(name));
   return own.sort((a, b) => OWNERS.indexOf(axes[a].owner) - OWNERS.indexOf(axes[b].owner));
 }
 
@@ -191,7 +197,11 @@ export function suggestedRange(registry, { options, sweep }, name) {
   const values = sweep?.axes[name];
   if (Array.isArray(values) && Math.min(...values) < Math.max(...values))
     return [Math.min(...values), Math.max(...values)];
-  if (name === "drive_amplitude") return [0, AMPLITUDES * lengthOf(options)];
+  if (/^(drive|vertical|horizontal)_amplitude$/.test(name)) return [0, AMPLITUDES * lengthOf(options)];
+  if (name.startsWith("initial_distance")) {
+    const length = name.endsWith("left") ? options.left_length : lengthOf(options);
+    return [0.5 * length, length];
+  }
   if (name === "amplitude_ratio") return [0, AMPLITUDES];
   const about = registry.axes[name];
   const [low, high] = about.suggested ?? around(options[name]);
@@ -222,17 +232,24 @@ function around(value) {
  * @returns {{watched: Watched[], shown: string, choices: Choice[]}}
  */
 export function watchedOf(registry, layout, { options, sweep }, asked) {
+  const { suspension = "rod" } = options;
   const { angles } = registry.systems[options.system];
+  const about = Object.values(layout.observables).find(({ widths }) => asked !== null && asked in widths);
+  if (about?.of_strings) checkStrings(suspension, String(asked));
+  if (about && suspension === "string" && "tangent" in about.pieces)
+    throw new InputError(`${asked} is not known on strings: small deviations are followed on rods only`,
+      { wayOut: "give suspension='rod'" });
+  const fits = (/** @type {string} */ name) => mappable(layout, name, angles, suspension);
   /** @type {any[]} */
   const entries = sweep?.observables ?? registry.default_observables;
   const own = entries.map((each) => observable(registry, each))
-    .filter(({ name }) => mappable(layout, name, angles).length);
+    .filter(({ name }) => fits(name).length);
   const names = [...own.map(({ name }) => name), ...Object.keys(layout.observables)];
   /** @type {Map<string, Choice & {owner: string}>} */
   const choices = new Map();
   for (const owner of new Set(names)) {
     const { description, variables } = registry.observables[owner];
-    for (const name of mappable(layout, owner, angles)) {
+    for (const name of fits(owner)) {
       if (choices.has(name)) continue;
       const { label, symbol, unit } = variables[name];
       choices.set(name, { name, label, symbol, unit, description, owner,
@@ -267,10 +284,13 @@ function observable({ observables }, entry) {
  * @param {Layout} layout
  * @param {string} name
  * @param {number} angles
+ * @param {string} suspension
  */
-function mappable({ observables }, name, angles) {
+function mappable({ observables }, name, angles, suspension) {
   const about = observables[name];
   if (!about || (about.angles && about.angles !== angles)) return [];
+  // Small deviations are followed on rods only.
+  if (suspension === "string" ? "tangent" in about.pieces : about.of_strings) return [];
   return Object.keys(about.widths).filter((each) =>
     ["", "exponent"].includes(about.dimension) || about.plain.includes(each));
 }

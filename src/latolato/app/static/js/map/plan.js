@@ -9,6 +9,7 @@
  * parameters have.
  * @typedef {object} Plan
  * @property {1 | 2} [angles] of the state, 1 if it is left out
+ * @property {boolean} [in_plane] whether any point needs the engine for motions in the plane
  * @property {string} drive its kind, such as `harmonic`
  * @property {Record<string, number | number[]>} parameters of the system, the drive, the start and
  *   the noise by the names that axes of sweeps have, such as `length`, `left_mass`,
@@ -34,7 +35,7 @@ const COARSEST = 12;
 const SIDES = ["right", "left"];
 // Differences of decimal times are rounded by so much, relatively.
 const ROUNDING = 1e-12;
-const START = ["initial_angle", "initial_angular_velocity"];
+const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
 // Parameters that set the same thing: an axis replaces all of its group.
 const GROUPS = [["initial_angle", "initial_offset"], ["drive_frequency", "frequency_ratio"],
   ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"]];
@@ -73,7 +74,7 @@ export function inOrder(width, height) {
  * @returns {Question}
  */
 export function pointsOf(layout, plan, cells) {
-  const { angles = 1, drive, x, y, observables, duration, contact, contact_limit } = plan;
+  const { angles = 1, in_plane, drive, x, y, observables, duration, contact, contact_limit } = plan;
   const count = cells.length;
   const columns = columnsOf(plan, cells);
   /** @type {Record<string, any>} */
@@ -97,7 +98,7 @@ export function pointsOf(layout, plan, cells) {
   const period = each(count, [drive_frequency], (frequency) => (2 * Math.PI) / frequency);
   const { transient = 0, transient_periods = 0 } = plan;
   const swing = [columns[angles === 1 ? "length" : "right_length"], columns.gravity];
-  return { count, angles, parameters, drive: { kind: drive, parameters: shaken }, observables,
+  return { count, angles, in_plane, parameters, drive: { kind: drive, parameters: shaken }, observables,
     duration, contact, contact_limit, period, impossible: impossibleOf(layout, plan, columns, count),
     noise: "noise_strength" in noise ? /** @type {any} */ (noise) : undefined,
     transient: each(count, [period, ...swing], (one, length, gravity) => transient

@@ -1,12 +1,12 @@
 /** From what a page asks of a map to the map itself, checked as `latolato.sweep` checks it. */
 
-import { loadKernels } from "../kernels/load.js";
+import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/block.js";
-import { contactOf, noiseOf, numbersFor } from "../model/case.js";
-import { driveOf, systemOf } from "../model/laws.js";
+import { checkStrings, contactOf, noiseOf, numbersFor } from "../model/case.js";
+import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
 import { checkedNumber, general, InputError, suggest } from "../model/rules.js";
-import { gentleDrive, spansOf, watchedOf } from "./choices.js";
+import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -30,7 +30,7 @@ const MOST_CELLS = 250_000;
 const MOST_STREAMS = 2 ** 53;
 const USUAL_DURATION = 60; // s
 const SIDES = ["_right", "_left"];
-const START = ["initial_angle", "initial_angular_velocity"];
+const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
 
 /** A map that the installed program computes. */
 class BeyondMapError extends InputError {
@@ -55,11 +55,10 @@ export async function questionOf(registry, layout, request) {
   const sweep = preset?.sweep ?? null;
   const input = optionsOf(registry, request);
   checkLaws(registry, layout, input, request.observable);
-  const kernels = await loadKernels(registry.systems[input.system].angles === 2 ? "two" : "one");
+  const kernels = await loadKernels(moduleFor(registry.systems[input.system].angles, planarOption(input) !== null));
   const system = systemOf(registry, kernels, input.system, partsOf(registry, input).system);
-  const beyond = Object.keys(input).find((name) =>
-    !registry.options[name].in_maps && input[name] !== registry.options[name].default);
-  if (beyond) throw new BeyondMapError(`${beyond} ${input[beyond]}`);
+  for (const name of [input.initial_distance === undefined ? "" : "initial_distance", askedX?.name, askedY?.name])
+    if (name && isOfStrings(name)) checkStrings(system.suspension, name);
   const fixed = (input.drive ?? "fixed_pivot") === "fixed_pivot";
   const named = fixed ? { ...input, ...gentleDrive({ options: { ...system.balls[0], ...input,
     gravity: system.gravity }, sweep }) } : input;
@@ -73,17 +72,22 @@ export async function questionOf(registry, layout, request) {
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
   const [x, y] = spansOf(registry, origin, [askedX, askedY]);
+  checkVaried(registry, system, drive, [x, y]);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
   if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
     throw new InputError(`${request.width * request.height} points need as many streams from `
       + `${noise.noise_stream} on, but streams lie in [0, 2^53): begin with a smaller one`);
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
-  const own = registry.systems[system.kind].options.filter((name) => registry.options[name].in_maps);
+  const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
+  const inPlane = planarOption({ ...system, drive: drive.kind, ...drive.parameters }) !== null
+    || [x, y].some(({ name }) => name.startsWith("horizontal_"));
   const plan = {
-    angles: /** @type {1 | 2} */ (system.angles), drive: drive.kind,
+    angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
     parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
       ...startOf(registry, system, options, [x.name, y.name]), ...noise, restitution: system.restitution,
+      string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
+      in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
       is_linear: Number(system.linear), meets: Number(system.contacts && law.contact !== "none") },
     x: { name: x.name, values: valuesOf(x, request.width) },
@@ -120,13 +124,28 @@ function checkLaws(registry, layout, options, observable) {
     ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
     if (!Object.hasOwn(laws, kind))
       throw new InputError(`unknown ${part} '${kind}': ${suggest(String(kind), Object.keys(laws))}`);
-    // Maps are of motions on circles.
-    if (!laws[kind].compiled || kind === "planar_harmonic") throw new BeyondMapError(`the ${part} ${kind}`);
+    if (!laws[kind].compiled) throw new BeyondMapError(`the ${part} ${kind}`);
   }
   const owners = Object.entries(registry.observables)
     .filter(([, { variables }]) => observable !== null && observable in variables);
   if (owners.length && !owners.some(([name]) => name in layout.observables))
     throw new BeyondMapError(`the observable ${owners[0][0]}`);
+}
+
+/**
+ * Throw if the system does not describe some values along the axes.
+ * @param {Registry} registry
+ * @param {import("../model/laws.js").System} system
+ * @param {import("../model/laws.js").Drive} drive
+ * @param {Span[]} axes
+ */
+function checkVaried(registry, system, drive, axes) {
+  const largest = (/** @type {string} */ name) => axes.find((axis) => axis.name.endsWith(name))?.high;
+  const { horizontal_amplitude: own = 0 } = drive.parameters;
+  const across = largest("horizontal_amplitude") ?? own;
+  checkAcross(registry, system, { ...drive, parameters: { ...drive.parameters, horizontal_amplitude: across } });
+  const drag = largest("quadratic_damping");
+  if (drag) checkHanging({ ...system, balls: [{ ...system.balls[0], quadratic_damping: drag }] });
 }
 
 /**
@@ -173,7 +192,7 @@ function startOf(registry, system, options, varied) {
     start.initial_offset = checkedNumber(registry.options.initial_offset, "initial_offset", offset);
   }
   for (const name of START) {
-    const value = options[name] ?? (name === START[0] ? null : 0);
+    const value = options[name] ?? (name === "initial_angular_velocity" ? 0 : null);
     if (value === null) continue;
     numbersFor(registry, name, value, system.angles).forEach((each, i) => { start[name + sides[i]] = each; });
   }

@@ -46,7 +46,9 @@ export async function specify(registry, request) {
   if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
   if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
   const planar = planarOption(options);
-  if (planar && registry.upright) throw new BeyondPageError(`a run with {parameter} ${options[planar]} is`, planar);
+  if (planar && registry.upright)
+    throw new InputError(`players in notebooks leave out the code for {parameter} ${options[planar]}, to stay small`,
+      { parameter: planar, wayOut: "compute the run in Python and show it with ll.play" });
   const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
@@ -260,6 +262,17 @@ function startOf(registry, system, meets, run) {
 }
 
 /**
+ * Throw for a parameter of strings unless balls hang on them.
+ * @param {string} suspension
+ * @param {string} parameter
+ */
+export function checkStrings(suspension, parameter) {
+  if (suspension !== "string")
+    throw new InputError("is for balls on strings: a rod keeps its ball at its length and never goes slack",
+      { parameter, wayOut: "leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair" });
+}
+
+/**
  * Return the distances from the pivot at which balls start [m], none for taut strings.
  * @param {Registry} registry
  * @param {System} system
@@ -268,9 +281,7 @@ function startOf(registry, system, meets, run) {
 function distancesOf(registry, { suspension, angles, balls }, given) {
   const parameter = "initial_distance";
   if (given === null) return [];
-  if (suspension !== "string")
-    throw new InputError("is for balls on strings: a rod keeps its ball at its length and never goes slack",
-      { parameter, wayOut: "leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair" });
+  checkStrings(suspension, parameter);
   const distances = numbersFor(registry, parameter, given, angles);
   const i = distances.findIndex((distance, k) => distance > balls[k].length);
   if (i >= 0)

@@ -133,7 +133,7 @@ export function systemOf(registry, kernels, kind, input) {
  * Throw unless what balls hang on and the air around them go together with the rest.
  * @param {System} system
  */
-function checkHanging({ suspension, string_restitution: value, drag_frame: frame, balls }) {
+export function checkHanging({ suspension, string_restitution: value, drag_frame: frame, balls }) {
   if (suspension === "rod" && value > 0)
     throw new InputError("must be 0 with suspension 'rod', as a rod never goes slack",
       { parameter: "string_restitution", value, wayOut: "give 0, or suspension='string'" });

@@ -2,15 +2,14 @@
 
 /**
  * An option. `low` and `high` are null where it has no end; `owner` and `path` say where a
- * scenario holds its value. Descriptions leave out the default of one that `is_later`, and
- * maps of pages know only the default of one that is not `in_maps`.
+ * scenario holds its value. Descriptions leave out the default of one that `is_later`.
  * @typedef {{label: string, symbol: string, description: string, unit: string,
  *   units: {name: string, size: number}[], several: boolean, for_each_ball: boolean,
  *   choices: string[], switch: boolean, whole: boolean, default: any, usual: any,
  *   low: number | null, high: number | null,
  *   limits: {is_lower: boolean, end: number, is_open: boolean, rule: string, way_out: string}[],
  *   suggested: [number, number] | null, owner: "system" | "drive" | "run" | "noise",
- *   path: string[], is_later: boolean, in_maps: boolean}} Option
+ *   path: string[], is_later: boolean}} Option
  *
  * A system, a drive or a contact law: its options in the order of its fields, whether the compiled
  * modules have it, what maps can vary of it, and whether a drive repeats itself.

@@ -1,6 +1,8 @@
 /** What a ball hangs on: a rod, a string that is taut, or one that is slack and hangs in an arc. */
 
+import { t } from "../strings.js";
 import { line, place } from "./scale.js";
+import { short } from "./units.js";
 
 /** @typedef {import("./scale.js").Scale} Scale */
 
@@ -17,6 +19,21 @@ const SPARE = 1e-6;
  * @param {number} length of its string [m]
  */
 export const isSlack = (distance, length) => distance < length * (1 - SPARE);
+
+/**
+ * Return how far the balls on slack strings are from the hand, in words; mirrored ones are so alike.
+ * @param {{isString: boolean, balls: import("./motion.js").Ball[],
+ *   pose: (time: number) => import("./motion.js").Pose}} motion
+ * @param {number} time
+ */
+export function slackText(motion, time) {
+  if (!motion.isString) return "";
+  const isPair = motion.balls.some(({ row }) => row > 0);
+  return motion.pose(time).balls
+    .filter(({ ball, distance }, i) => (i === 0 || ball.row > 0) && isSlack(distance, ball.length))
+    .map(({ ball, distance }) => t(`slackText_${isPair ? ball.name : "ball"}`,
+      { distance: short(100 * distance, 3) })).join("");
+}
 
 /**
  * Return how far below the middle of its chord a string hangs [m]: it is the arc of a parabola,

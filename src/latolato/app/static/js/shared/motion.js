@@ -53,6 +53,15 @@ export function range(values) {
 }
 
 /**
+ * Return whether a string goes slack at a contact of this kind, or tightens with a tug that can be felt.
+ * @param {number} kind
+ * @param {number} speed of the ball along its string [m/s]
+ * @param {number} swing speed of a swing [m/s]
+ */
+export const isFelt = (kind, speed, swing) =>
+  kind === SLACK || (kind > SLACK && Math.abs(speed) > TUG * swing);
+
+/**
  * Return an angle within (-180°, 180°].
  * @param {number} angle [°]
  */
@@ -266,13 +275,13 @@ export class Motion {
   }
 
   /**
-   * Return whether a string goes slack at a contact, or tightens with a tug that can be felt.
+   * Return whether a contact of a ball's string is felt.
    * @param {Ball} ball
    * @param {number} k
    */
   pullsAt(ball, k) {
-    if (this.block.arrays.contact_kind[k] === SLACK) return true;
-    return Math.abs(this.values("radial_velocity_before", ball.row)?.[k] ?? 0) > TUG * this.naturalFrequency * ball.length;
+    return isFelt(this.block.arrays.contact_kind[k], this.values("radial_velocity_before", ball.row)?.[k] ?? 0,
+      this.naturalFrequency * ball.length);
   }
 
   /**

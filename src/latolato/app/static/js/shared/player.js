@@ -3,7 +3,7 @@
 import { t } from "../strings.js";
 import { Clock } from "./clock.js";
 import { el, freshId } from "./dom.js";
-import { isSlack } from "./hang.js";
+import { slackText } from "./hang.js";
 import { followKeys } from "./keys.js";
 import { MoreCurves } from "./more.js";
 import { range } from "./motion.js";
@@ -12,7 +12,6 @@ import { Senses } from "./senses.js";
 import { Start } from "./start.js";
 import { logOf } from "./swings.js";
 import { Timeline } from "./timeline.js";
-import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 
@@ -149,21 +148,8 @@ export class Player {
     const label = this.clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
     if (!this.clock.isRead) return;
-    if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(2) }) + this.slackText(time);
+    if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(2) }) + slackText(this.motion, time);
     this.timeline.tell(time);
-  }
-
-  /**
-   * Say how far the balls on slack strings are from the hand; mirrored ones are so alike.
-   * @param {number} time
-   */
-  slackText(time) {
-    if (!this.motion?.isString) return "";
-    const isPair = this.motion.balls.some(({ row }) => row > 0);
-    return this.motion.pose(time).balls
-      .filter(({ ball, distance }, i) => (i === 0 || ball.row > 0) && isSlack(distance, ball.length))
-      .map(({ ball, distance }) => t(`slackText_${isPair ? ball.name : "ball"}`,
-        { distance: short(100 * distance, 3) })).join("");
   }
 
   destroy() {

@@ -109,11 +109,18 @@ export class Scene {
     if (kind > TOP && kind <= RELEASE) return false;
     const pose = motion.pose(motion.contacts[k]);
     if (kind <= TOP) this.flash(pose, motion.closingSpeed(k));
-    else
-      for (const { ball, x, y } of pose.balls)
-        if (motion.ballsAt(k).includes(ball) && motion.pullsAt(ball, k))
-          this.flashes.ring({ x, y }, motion.radius(ball));
+    else this.ring(pose, motion.ballsAt(k).filter((ball) => motion.pullsAt(ball, k)));
     return kind <= TOP;
+  }
+
+  /**
+   * Ring balls whose strings go slack or taut.
+   * @param {Pose} pose
+   * @param {import("./motion.js").Ball[]} balls
+   */
+  ring(pose, balls) {
+    for (const { ball, x, y } of pose.balls)
+      if (balls.includes(ball)) this.flashes.ring({ x, y }, this.motion?.radius(ball) ?? 0);
   }
 
   /**

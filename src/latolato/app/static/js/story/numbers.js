@@ -3,7 +3,7 @@
 import { loadKernels } from "../kernels/load.js";
 import { computeMap, moduleOf } from "../kernels/map.js";
 import { specify } from "../model/case.js";
-import { fieldsOf } from "../model/laws.js";
+import { fieldsOf, planarOption } from "../model/laws.js";
 import { row } from "../shared/block.js";
 import { Motion, range } from "../shared/motion.js";
 
@@ -158,17 +158,17 @@ export function quantity(name, block, angle = NaN) {
  * @returns {Promise<Block>}
  */
 export async function withPeriod(registry, request, block) {
-  const { system, drive, noise, contact, clampStep, restSpeed, contactLimit, duration, angles,
-    velocities } = await specify(registry, request);
+  const { system, drive, noise, contact, clampStep, restSpeed, contactLimit, duration, angles, velocities,
+    distances } = await specify(registry, request);
   if (!registry.drives[drive.kind].periodic) return block;
   const { angles: _, ...fields } = fieldsOf(system);
-  const start = angles.flatMap((angle, i) =>
-    [[`initial_angle.${i}`, angle], [`initial_angular_velocity.${i}`, velocities[i]]]);
+  const start = angles.flatMap((angle, i) => [[`initial_angle.${i}`, angle],
+    [`initial_angular_velocity.${i}`, velocities[i]], [`initial_distance.${i}`, distances[i] ?? NaN]]);
   /** @type {any} */
   const { drive_frequency: frequency = 0 } = drive.parameters;
-  const balls = /** @type {1 | 2} */ (system.angles);
-  const { values } = computeMap(await loadKernels(moduleOf({ angles: balls })), {
-    count: 1, angles: balls, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
+  const kind = { angles: /** @type {1 | 2} */ (system.angles), in_plane: planarOption(system) !== null };
+  const { values } = computeMap(await loadKernels(moduleOf(kind)), {
+    ...kind, count: 1, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
     parameters: { ...fields, ...Object.fromEntries(start), tolerance: registry.sweep_tolerance,
       rest_speed: restSpeed, step: clampStep, meets: Number(system.contacts && contact !== "none") },
     observables: [{ name: "response_period" }], contact: clampStep ? "clamp" : "exact",
