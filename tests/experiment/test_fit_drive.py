@@ -255,6 +255,19 @@ def test_a_pivot_at_rest_and_too_few_periods_are_refused():
         fit_drive(unknown)
 
 
+def test_a_pivot_that_moves_sideways_only_is_not_at_rest():
+    aside = planar_table(dataclasses.replace(with_across(0.02), vertical_amplitude=0.0))
+    for noiseless in (False, True):
+        if noiseless:
+            aside["pivot_y"].values[:] = 0.0
+        with pytest.raises(ValueError, match="sideways only, by 20 mm .*; use fit_model"):
+            fit_drive(aside)
+    # What the track scatters sideways is no motion.
+    still = planar_table(dataclasses.replace(with_across(0.0), vertical_amplitude=0.0))
+    with pytest.raises(ValueError, match="the pivot is at rest"):
+        fit_drive(still)
+
+
 @pytest.mark.parametrize("metres_per_pixel,is_crank", [(1e-2, False), (1e-6, True)])
 def test_a_crank_is_reported_only_above_a_tenth_of_a_pixel(metres_per_pixel, is_crank):
     crank = ll.CrankSlider(drive_amplitude=0.03, drive_frequency=15.0, connecting_rod_length=0.3)

@@ -1,5 +1,6 @@
 """Result files hold the whole run, and are written whole or not at all."""
 
+import json
 import os
 import stat
 import subprocess
@@ -156,6 +157,19 @@ def test_a_string_without_walls_keeps_when_it_is_slack_and_taut(tmp_path, suffix
     assert found.radial_velocity_before.item() > 0.0
     assert found.slack.dtype == np.int8
     assert found.tension.attrs["long_name"] == "tension of the string"
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_stored_run_on_strings_says_how_to_run_it_again(tmp_path, suffix):
+    need(suffix)
+    pair = ll.BallPair(right=BALL, left=BALL, suspension="string", drag_frame="lab")
+    start = {"initial_angle": (0.5, -0.4), "initial_distance": (0.9, 0.8)}
+    run = ll.simulate(pair, PLANAR, **start, duration=1.4, frame="both")
+    found = load(save(run, tmp_path / f"run{suffix}"))
+    assert set(found.contact_kind.values) == {"slack", "taut", "bottom"}
+    assert found.rod_power.attrs["long_name"].startswith("power of the string on the ball")
+    again = ll.Scenario.from_dict(json.loads(found.attrs["scenario"])).simulate()
+    xr.testing.assert_identical(again, run)
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

@@ -304,6 +304,15 @@ MISTAKES = {
         },
         "drag_frame must be 'pivot' with quadratic_damping",
     ),
+    "compression of strings": (
+        {"system": STRINGS, "observables": ["compression_fraction"]},
+        "compression_fraction is for balls on rods: a string never pushes, it goes slack; ask for "
+        "slack_fraction, or give suspension='rod'",
+    ),
+    "slackness of rods": (
+        {"observables": ["slack_fraction"]},
+        "slack_fraction is for balls on strings: a rod keeps its ball at its length",
+    ),
     "clamped strings": ({"system": STRINGS, "contact": "clamp"}, "for rods .* not for strings"),
     "system": ({"system": "toy"}, "system must be one of"),
     "drive": ({"drive": 0.1}, "drive must be None or one of"),

@@ -169,6 +169,38 @@ def test_two_balls_samples_and_zipped_axes_come_back(tmp_path, direction):
     xr.testing.assert_identical(opened.load(), memory.dataset())
 
 
+def test_a_sweep_of_strings_comes_back_from_a_store_and_from_a_file(tmp_path):
+    pair = ll.BallPair(right=BALL, left=BALL, suspension="string", drag_frame="lab")
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.1, horizontal_amplitude=0.05, drive_frequency=6.0
+    )
+    start = {"initial_distance_right": [0.5, 0.9, 1.2], "string_restitution": [0.0, 0.5, 1.0]}
+    options = {
+        "axes": {"start": start, "horizontal_amplitude": [0.0, 0.1]},
+        "initial_angle": (0.5, -0.4),
+        "initial_distance": (0.8, 0.8),
+        "duration": 0.5,
+        "observables": [
+            *("slack_fraction", "first_slack", "largest_string_impulse"),
+            *("retension_loss", "largest_angle"),
+        ],
+        "executor": "reference",
+        "store": tmp_path / "map.zarr",
+    }
+    with pytest.warns(RuntimeWarning, match="2 of 6 points .* exceed the length of the string"):
+        grid = ll.sweep(pair, drive, **options).load()
+    assert (grid.slack_fraction.sel(start=0, ball="right") > 0.0).all()
+    for name in ("map.nc", "map.csv"):
+        ll.save(grid, tmp_path / name)
+    for name in ("map.zarr", "map.nc", "map.csv"):
+        xr.testing.assert_identical(ll.load(tmp_path / name).load(), grid)
+    plan = plan_from_store(tmp_path / "map.zarr")
+    assert (plan.system, plan.drive, dict(plan.start)["initial_distance_left"]) == (
+        *(pair, drive),
+        0.8,
+    )
+
+
 def test_values_in_a_store_are_read_on_use(whole):
     dataset = ll.load(whole)
     assert "[8 values" in repr(dataset.largest_angle)  # xarray shows values that it holds

@@ -40,6 +40,8 @@ ON_STRINGS = ("distance", "radial_velocity", "slack")
 BALLS, BALL = ("right", "left"), Quantity("1", "", "ball")
 # Variables whose long name adds whether they belong to one ball or to both.
 _OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
+# Variables whose long name says what the ball hangs on.
+_OF_RODS = ("tension", "rod_power")
 
 
 class Variable(NamedTuple):
@@ -88,8 +90,8 @@ class Record:
             coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
             attrs = (BALL if name == "ball" else QUANTITIES[name]).attributes
-            if name == "tension" and self.system.suspension == "string":
-                attrs["long_name"] = "tension of the string"
+            if name in _OF_RODS and self.system.suspension == "string":
+                attrs["long_name"] = attrs["long_name"].replace("of the rod", "of the string")
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
                 attrs["long_name"] += ", both balls" if of_both else ", per ball"

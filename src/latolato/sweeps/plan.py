@@ -433,6 +433,12 @@ def _check_observables(
             )
         if observable.of_strings:
             check_strings(system, name)
+        if "compression" in observable.needs and system.suspension == "string":
+            raise InputError(
+                "is for balls on rods: a string never pushes, it goes slack",
+                parameter=name,
+                way_out="ask for slack_fraction, or give suspension='rod'",
+            )
         if observable.tangent is not None and system.suspension == "string":
             raise InputError(
                 f"{name} is not known on strings: small deviations are followed on rods only",

@@ -25,7 +25,7 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
-from latolato.experiment.fits.samples import noise_of, within
+from latolato.experiment.fits.samples import is_driven, noise_of, pivot_swing, within
 from latolato.experiment.fits.swings import crossings
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
@@ -90,7 +90,7 @@ def fit_drive(
     Raises
     ------
     InputError
-        For bad input and a pivot that does not move.
+        For bad input and a pivot that does not move up and down.
         Without lmfit.
 
     Notes
@@ -211,13 +211,8 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     time, height = time[good], height[good]
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
-    if high == low:
-        raise InputError("the pivot is at rest")
-    if 0.5 * (high - low) < _CLEAR * noise:
-        raise InputError(
-            f"the pivot is at rest: it moves by {0.5e3 * (high - low):.3g} mm either way, its "
-            f"track scatters by {1e3 * noise:.3g} mm"
-        )
+    if high == low or 0.5 * (high - low) < _CLEAR * noise:
+        raise _without_height(table.isel(frame=good), 0.5 * float(high - low), noise)
     zeros = crossings(time, height - 0.5 * (low + high))
     if len(zeros) < 6:
         raise InputError(
@@ -228,6 +223,22 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     ones = np.ones(count)
     data = Data(time[chosen], height[chosen], ones, np.zeros(count, dtype=np.int64))
     return data, zeros
+
+
+def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError:
+    """Return the error of a pivot that does not move upwards: it rests, or moves sideways only."""
+    up, scatter, length = 1e3 * reach, 1e3 * noise, float(piece.attrs.get("length") or 0.0)
+    if "pivot_x" in piece.variables and is_driven(piece, length, "pivot_x"):
+        return InputError(
+            f"the pivot moves sideways only, by {1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm either "
+            f"way: a drive is fitted to its height, which changes by {up:.3g} mm, its track "
+            f"scatters by {scatter:.3g} mm",
+            way_out="use fit_model, which follows the pivot's track, or MeasuredPivot",
+        )
+    return InputError(
+        f"the pivot is at rest: it moves by {up:.3g} mm either way, its track scatters by "
+        f"{scatter:.3g} mm"
+    )
 
 
 def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tuple[Shape, Solution]:

@@ -89,7 +89,7 @@ function table(registry, { about, arrays, shapes }, names) {
   /** @type {{name: string, title: string, at: (i: number) => any}[]} */
   const columns = names.flatMap((name) => {
     const { unit, shown_unit: shownUnit, ...quantity } = registry.quantities[name];
-    const label = name === "tension" && isString ? "tension of the string" : quantity.label;
+    const label = isString ? quantity.label.replace("of the rod", "of the string") : quantity.label;
     const shape = shapes[name];
     const length = shape[shape.length - 1];
     const values = arrays[name];
