@@ -18,11 +18,12 @@ from latolato.numerics.integrate import Start, Trajectory, choose_step, integrat
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.deviations import Deviations
-from latolato.physics.contacts import REST
+from latolato.physics.contacts import REST, SLACK
 from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
 from latolato.physics.pendulum import System
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
+    check_deviations,
     checked_contact,
     checked_system,
     walls_of,
@@ -60,10 +61,9 @@ class Passage:
     grazes : int
         Contacts that were nearly missed, or nearly happened.
     is_complete : bool
-        False where the numbers or the contacts overflowed.
+        False where the numbers or the contacts overflowed, or a string is slack at the end.
     slack_time : float
-        When a string first goes slack, so that the balls leave this motion [s]; infinite if none
-        does, and for rods.
+        When a string first goes slack [s]; infinite if none does, and for rods.
     """
 
     end: Floats
@@ -87,7 +87,8 @@ class Passage:
 class Flow:
     """The motion of a system under a drive, ready to be followed from many starts.
 
-    Strings are followed as rods, which they are until the first rod would push.
+    Strings are followed as rods, which they are until the first rod would push, or through slack
+    from taut strings to taut strings.
 
     Parameters
     ----------
@@ -99,6 +100,8 @@ class Flow:
         The largest angular velocity expected at a start [rad/s]; sets the step.
     compiled : bool
         Whether kernels are compiled or run as plain Python.
+    through_slack : bool
+        Whether strings may go slack.
     """
 
     system: System
@@ -108,6 +111,7 @@ class Flow:
     rest_speed: float = DEFAULT_REST_SPEED
     speed: float = 0.0
     compiled: bool = True
+    through_slack: bool = False
 
     def __post_init__(self) -> None:
         law = checked_contact(self.contact, self.system)
@@ -118,6 +122,8 @@ class Flow:
                 parameter="contact",
             )
         object.__setattr__(self, "contact", law)
+        if self.through_slack:
+            check_deviations(self.system, "orbits")
 
     @property
     def is_string(self) -> bool:
@@ -148,17 +154,17 @@ class Flow:
         angles, velocities = numbers[0::2], numbers[1::2]
         fast = max(self.speed, *(abs(v) for v in velocities))
         bound = Start(tuple(angles), (fast,) * len(angles))
-        rods: Any = self.system
-        if self.is_string:
-            rods = replace(rods, suspension="rod", string_restitution=0.0)
+        system: Any = self.system
+        if self.is_string and not self.through_slack:
+            system = replace(system, suspension="rod", string_restitution=0.0)
         result = integrate(
-            rods,
+            system,
             self.drive,
             Start(tuple(angles), tuple(velocities)),
             np.zeros(0),
             duration,
             step=choose_step(
-                rods, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
+                system, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
             ),
             rest_speed=self.rest_speed,
             contact_limit=_MOST_CONTACTS,
@@ -177,12 +183,15 @@ class Flow:
             result.contact_kinds,
             result.contact_values,
             int(result.state.grazes),
-            result.status == "complete",
+            result.status == "complete" and not result.state.is_slack.any(),
             self._slack_time(result) if self.is_string else math.inf,
         )
 
     def _slack_time(self, result: Trajectory) -> float:
-        """Return when a rod is first pushed [s], in flight or by a hit."""
+        """Return when a string first goes slack, or a rod is first pushed [s], also by a hit."""
+        if self.through_slack:
+            slackened = result.contact_times[result.contact_kinds == SLACK]
+            return float(np.min(slackened, initial=math.inf))
         times = result.state.compression_start[: self.system.angles]
         if not hits_pull(self.system):
             times = np.append(times, result.contact_times[result.contact_kinds < REST])
@@ -190,8 +199,9 @@ class Flow:
 
 
 def checked_flow(
-    system: System, drive: Drive | None, *, contact: Any, tolerance: float, rest_speed: float
-) -> Flow:
+    system: System, drive: Drive | None, *, contact: Any, tolerance: float, rest_speed: float,
+    through_slack: bool = False,
+) -> Flow:  # fmt: skip
     """Return the motion under a drive that repeats itself, ready to be followed along orbits."""
     return Flow(
         system,
@@ -200,6 +210,7 @@ def checked_flow(
         tolerance=tolerance,
         rest_speed=rest_speed,
         speed=2.0 * system.natural_frequency,
+        through_slack=through_slack and system.suspension == "string",
     )
 
 

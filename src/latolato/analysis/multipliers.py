@@ -15,7 +15,6 @@ from latolato.analysis.orbits import (
     GRAZING_SPEED,
     PERIODS,
     Orbit,
-    check_taut,
     checked_guess,
     find_orbit,
     multipliers_of,
@@ -107,7 +106,7 @@ def floquet(
     ------
     InputError
         For a drive that does not repeat itself, a start inside a wall, no start where there are
-        walls, clamped contact, and an orbit on which a string goes slack.
+        walls, clamped contact, and dry friction on strings.
 
     Notes
     -----
@@ -116,7 +115,8 @@ def floquet(
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
     found, not always the nearest. It may have a shorter period that fits into `period`:
     ``response_period`` and the attribute ``message`` show it, and the multipliers are still those
-    over `period`. Taut strings are followed as the rods that they are.
+    over `period`. Strings may go slack on the way, but not at time zero;
+    ``expected_determinant`` is NaN then, as the laws of motion do not tell it beforehand.
 
     Examples
     --------
@@ -128,17 +128,19 @@ def floquet(
     >>> print(f"{result.multipliers.values[0].real:.5f} {result.growth_rate.item():.5f}")
     -1.13373 0.12505
     """
-    flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
+    flow = checked_flow(
+        system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed,
+        through_slack=True,
+    )  # fmt: skip
     drive = flow.drive
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, period)
-    if orbit.defect <= CLOSED:
-        check_taut(orbit)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
         warn(
             f"no motion of period {period} was found from this start (defect "
             f"{orbit.defect:.2g}); try a start on the attractor, or another period"
+            f"{'; strings must be taut at time zero' if flow.is_string else ''}"
         )
     elif result["status"] in ("grazing", "contradicted"):
         warn(

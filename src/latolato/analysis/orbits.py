@@ -60,7 +60,7 @@ class Orbit:
 
     @property
     def slackens(self) -> bool:
-        """Whether a string goes slack on the way, so that this is a motion of rods only."""
+        """Whether a string goes slack on the way."""
         return math.isfinite(self.passage.slack_time)
 
     @property

@@ -168,6 +168,16 @@ def check_strings(system: System, parameter: str) -> None:
         )
 
 
+def check_deviations(system: System, what: str) -> None:
+    """Raise InputError for a result on small deviations where it is not known."""
+    if system.suspension == "string" and any(ball.coulomb_damping > 0.0 for ball in system.balls):
+        raise InputError(
+            f"must be 0 for {what} on strings: dry friction ends at once where a string goes slack",
+            parameter="coulomb_damping",
+            way_out="leave it out, or give suspension='rod'",
+        )
+
+
 def checked_distances(system: System, value: Any) -> tuple[float, ...]:
     """Return the distances from the pivot at which balls start [m], none for taut strings."""
     if value is None:

@@ -29,6 +29,7 @@ from latolato.physics.pendulum import System, systems
 from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
+    check_deviations,
     check_strings,
     checked_contact,
     checked_drive,
@@ -439,11 +440,8 @@ def _check_observables(
                 parameter=name,
                 way_out="ask for slack_fraction, or give suspension='rod'",
             )
-        if observable.tangent is not None and system.suspension == "string":
-            raise InputError(
-                f"{name} is not known on strings: small deviations are followed on rods only",
-                way_out="give suspension='rod'",
-            )
+        if observable.tangent is not None:
+            check_deviations(system, name)
         if observable.tangent is not None and law.fixed_step is not None:
             raise InputError(
                 f"{name} needs exact contact: a clamped motion depends on its step, so small "

@@ -23,6 +23,7 @@ class Fall(NamedTuple):
     step_by: Callable[..., None]
     hang: Callable[..., None]
     kick: Callable[..., Any]
+    pull: Callable[..., Any]
     slopes: Callable[..., Any]
 
 
@@ -65,7 +66,7 @@ def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float, float]:
 
 
 # Of balls on rods, which never fall.
-NO_FALL = Fall(_nothing, _nothing, _no_works, _no_works)
+NO_FALL = Fall(_nothing, _nothing, _no_works, _no_works, _no_works)
 
 
 def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
@@ -130,19 +131,25 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         return worked, thrown_work, 0.0
 
     @part
-    def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:
-        """Return angular acceleration, energy and its rate, the last two over the inertia."""
+    def pull(run: Any, i: int, point: Any) -> tuple[float, float]:
+        """Return the acceleration of a falling ball [m/s^2]."""
         b, gravity = run.bodies[i], run.settings.gravity
-        speed = math.hypot(point.vx, point.vy)
-        slowing = b.rate + b.quadratic * b.coupling * speed
+        slowing = b.rate + b.quadratic * b.coupling * math.hypot(point.vx, point.vy)
         ax = -point.across - b.rate * point.wind_x - slowing * point.vx
         ay = -gravity - point.pivot_acceleration - b.rate * point.wind_y - slowing * point.vy
+        return ax, ay
+
+    @part
+    def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:
+        """Return angular acceleration, energy and its rate, the last two over the inertia."""
+        b, gravity, (ax, ay) = run.bodies[i], run.settings.gravity, pull(run, i, point)
         squared = max(point.x * point.x + point.y * point.y, 1e-300)
         outward = point.x * point.vx + point.y * point.vy
         turned = (point.x * ay - point.y * ax - 2.0 * outward * point.velocity) / squared
         per_inertia = b.coupling * b.coupling
-        energy = 0.5 * speed * speed + gravity * (1.0 / b.coupling + point.y)
+        energy = 0.5 * (point.vx * point.vx + point.vy * point.vy)
+        energy += gravity * (1.0 / b.coupling + point.y)
         gained = ax * point.vx + (ay + gravity) * point.vy
         return turned, energy * per_inertia, gained * per_inertia
 
-    return Fall(step_by, hang, kick, slopes)
+    return Fall(step_by, hang, kick, pull, slopes)

@@ -15,6 +15,7 @@ from latolato.numerics.engine.events import Event, Output, make_events
 from latolato.numerics.engine.fall import NO_FALL, Fall, make_fall
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.held import make_held
+from latolato.numerics.engine.image import make_image
 from latolato.numerics.engine.joint import make_joint
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.look import Look, make_look
@@ -170,9 +171,10 @@ def make_engine(
     plane, strings, kick = None, NO_STRINGS, fall.kick
     if in_plane:
         apart, usual = make_apart(count, part), make_events(swing, balls, look, count, part)
-        strings = make_strings(swing, balls, apart, usual, count, part)
+        image = make_image(swing, fall, apart, look, count, part)
+        strings = make_strings(swing, balls, apart, image, usual, count, part)
         plane = Plane(fall, apart, strings)
-    loosen, jolt = strings.loosen, strings.jolt
+    loosen, jolt, throw_image = strings.loosen, strings.jolt, strings.throw_image
     kit = Kit(swing, balls, look, laws, count, part, plane)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
@@ -278,6 +280,8 @@ def make_engine(
                     worked, noise, _ = kick(run, i, jump, thrown)
                     state.drive_work += worked
                     state.noise_work += noise
+                    if thrown != 0.0 and state.has_image != 0:
+                        throw_image(run, i, thrown)
                     moved = moved or jump != 0.0 or thrown != 0.0
                     continue
             pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
@@ -297,9 +301,11 @@ def make_engine(
         if not (is_jump or is_kick):
             return
         moved = shove(run, timetable, is_jump, is_kick)
+        is_slack = in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0)
         if is_jump:
             state.stretch += 1
             run.stretch = stretches[state.stretch]
+        if is_jump and not is_slack:
             clear_matrix(run.jacobian, 4)
             for i in range(count):
                 jump, coupling = run.stretch.jump, run.bodies[i].coupling
@@ -310,7 +316,7 @@ def make_engine(
             state.kick += 1
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
-        if in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0):
+        if is_slack:
             state.mode = SLACK
             jolt(run, output, eyes)
         elif moved:

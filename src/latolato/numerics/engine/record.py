@@ -25,6 +25,8 @@ NOTHING, TURN, CONTACT, SETTLE, RELEASE, SLACKEN, TAUTEN = range(7)
 JOINT_ROW = 2
 # Rows of a step's table.
 KICK, REACH, OFFSET = 0, 1, 2
+# The last rows of `image`: by how much deviations delay the event under way, for each ball [s].
+IMAGE_DELAY = 8
 
 # What is kept of a trajectory from one call of the engine to the next.
 STATE = np.dtype(
@@ -58,6 +60,10 @@ STATE = np.dtype(
         ("slack_start", "f8", (2,)),  # s, NaN before
         ("slack_time", "f8", (2,)),  # s
         ("string_impulse", "f8"),  # the largest that tightened a string [N s]
+        # Small deviations since a string went slack; see `image`.
+        ("has_image", "i8"),
+        ("image_start", "f8"),  # s
+        ("image", "f8", (IMAGE_DELAY + 2, 4)),  # a column each; rows x, y, vx, vy of each ball
         ("is_tangled", "i8"),  # whether something happened that the engine does not describe
         ("first_energy", "f8"),  # J; these three tell how well the ledger closes
         ("largest_energy", "f8"),

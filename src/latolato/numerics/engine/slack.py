@@ -45,6 +45,7 @@ def make_slack(
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, note_tangle = strings[:3]
+    follow_image = strings.follow_image
     tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
     slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
 
@@ -211,6 +212,7 @@ def make_slack(
             a0, e0, p0 = slopes(run, i, begin)
             a1, e1, p1 = slopes(run, i, end)
             look.show(run, eyes, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
+        follow_image(run)
         if count == 2:
             note_tangle(run)
 

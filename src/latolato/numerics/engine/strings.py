@@ -15,6 +15,7 @@ from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Event, Output
 from latolato.numerics.engine.fall import place_taut, radial_rate
+from latolato.numerics.engine.image import Image
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
@@ -46,6 +47,8 @@ class Strings(NamedTuple):
     note_tangle: Callable[..., None]
     loosen: Callable[..., None]
     jolt: Callable[..., None]
+    follow_image: Callable[..., None]
+    throw_image: Callable[..., None]
     events: tuple[Event, ...]
 
 
@@ -55,11 +58,11 @@ def _nothing(run: Any, *rest: Any) -> None:
 
 
 # Of balls on rods.
-NO_STRINGS = Strings(_nothing, _nothing, _nothing, _nothing, _nothing, ())
+NO_STRINGS = Strings(*(_nothing,) * 7, ())
 
 
 def make_strings(
-    swing: Swing, balls: Balls, apart: Apart, usual: tuple[Event, ...], count: int,
+    swing: Swing, balls: Balls, apart: Apart, image: Image, usual: tuple[Event, ...], count: int,
     part: Part = as_it_stands,
 ) -> Strings:  # fmt: skip
     """Return the functions of the strings of `count` balls; `usual` are the events on rods."""
@@ -78,17 +81,22 @@ def make_strings(
             run.end[ball].work = run.end[ball].loss = 0.0
 
     @part
+    def brink(run: Any, i: int) -> float:
+        """Return how small a tension may be by rounding, over mass and length [1/s^2]."""
+        result: float = _BRINK * (tension.margin(run, i) / run.settings.sag)
+        return result
+
+    @part
     def await_slack(run: Any, i: int) -> None:
         """End the step where a taut string would have to push."""
         if run.length == 0.0:
             return
         left, low, high = swing.tension(run, i, run.now[i]), 0.0, run.length
-        margin = tension.margin(run, i)
-        brink = _BRINK * (margin / run.settings.sag)
-        if left <= brink:
+        margin, least = tension.margin(run, i), brink(run, i)
+        if left <= least:
             low = _LITTLE * high
             little = tension.after(run, i, low)
-            if left < -brink or little <= 0.0:
+            if left < -least or little <= 0.0:
                 stop_at_once(run, SLACKEN, i)
                 return
             left = little
@@ -151,6 +159,7 @@ def make_strings(
     @part
     def loosen(run: Any, i: int) -> None:
         """Let a taut string go slack."""
+        image.begin(run)
         run.state.is_slack[i] = run.state.leaves[i] = 1
         place_taut(run.now[i], 1.0 / run.bodies[i].coupling)
 
@@ -163,6 +172,7 @@ def make_strings(
         pulls = swing.tension(run, i, point) > 0.0
         if holds or (e < 1.0 and pulls and outward <= settings.rest_speed * length):
             e = 0.0
+        image.tighten(run, i, e)
         mass = b.inertia * b.coupling * b.coupling
         state.retension_loss += 0.5 * mass * outward * outward * (1.0 - e * e)
         state.string_impulse = max(state.string_impulse, mass * outward * (1.0 + e))
@@ -193,6 +203,7 @@ def make_strings(
                 loosened = i
             share = 1.0 if state.is_slack[i] != 0 else 1.0 - outward * outward
             yields += share / mass
+        image.strike(run, e)
         impulse = (1.0 + e) * closing / yields
         for i in range(count):
             point, b = run.now[i], run.bodies[i]
@@ -228,6 +239,20 @@ def make_strings(
         return gap < -ROUNDING / run.bodies[0].coupling
 
     @part
+    def comes_at_once(run: Any) -> bool:
+        """Return whether balls meet just where a string tightens: chance decides what is first."""
+        gap, rate = apart.gap(run, run.now)
+        slow = -run.settings.rest_speed / run.bodies[0].coupling
+        if gap > THERE / run.bodies[0].coupling or not (two or rate < slow):
+            return False
+        for i in range(count):
+            spare, slower = apart.spare(run, i, run.now[i])
+            is_there = spare <= THERE / run.bodies[i].coupling
+            if run.state.is_slack[i] != 0 and is_there and slower < slow:
+                return True
+        return False
+
+    @part
     def collide(run: Any, output: Output) -> None:
         """Do what happens where a string tightens or balls meet: strings first, then balls.
 
@@ -236,6 +261,8 @@ def make_strings(
         state, length = run.state, 1.0 / run.bodies[0].coupling
         state.touch = 0.0
         balls.settle(run)
+        if state.has_image != 0 and comes_at_once(run):
+            image.spoil(run)
         for _ in range(MOST_AT_ONCE):
             is_over = True
             for i in range(count):
@@ -263,13 +290,18 @@ def make_strings(
         balls.settle(run)
 
     @part
-    def slacken(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let a string go slack."""
+    def let_slack(run: Any, output: Output, i: int) -> None:
+        """Let the string of a ball go slack in flight."""
         before = velocities(run)
-        loosen(run, run.ball)
-        write_row(run, output, contacts.SLACK, run.ball + 1 if two else 0, before)
+        loosen(run, i)
+        write_row(run, output, contacts.SLACK, i + 1 if two else 0, before)
         run.state.mode = SLACK
         balls.settle(run)
+
+    @part
+    def slacken(run: Any, output: Output, eyes: Eyes) -> None:
+        """Let a string go slack at the end of a step."""
+        let_slack(run, output, run.ball)
 
     @part
     def meet_taut(run: Any, output: Output, eyes: Eyes) -> None:
@@ -302,13 +334,22 @@ def make_strings(
     @part
     def jolt(run: Any, output: Output, eyes: Eyes) -> None:
         """Let strings tighten and balls meet after velocities have changed."""
+        state = run.state
         collide(run, output)
-        if run.state.mode == FLIGHT:
+        if state.touch == 0.0 or balls.gap_rate(run.now) * state.touch < 0.0:
+            for i in range(count):
+                if state.is_slack[i] == 0 and swing.tension(run, i, run.now[i]) < -brink(run, i):
+                    let_slack(run, output, i)
+        image.leave(run)
+        if state.mode == FLIGHT:
+            image.finish(run, eyes)
             go_on(run, output, eyes)
 
     @part
     def tauten(run: Any, output: Output, eyes: Eyes) -> None:
         """Let a string tighten, and let its ball meet the other one if that is there too."""
+        balls.settle(run)
+        image.reach(run)
         _, slower = apart.spare(run, run.ball, run.now[run.ball])
         if slower >= 0.0:
             tighten(run, output, run.ball, True)
@@ -323,6 +364,7 @@ def make_strings(
             meet_taut(run, output, eyes)
             return
         rows = run.rows
+        image.meet(run)
         jolt(run, output, eyes)
         if run.state.mode == SLACK and run.rows == rows:
             run.state.is_tangled = 1  # they press against each other, which slack strings allow
@@ -340,4 +382,6 @@ def make_strings(
         Event(CONTACT, meet_in_plane), Event(RELEASE, let_go), *kept, Event(SLACKEN, slacken),
         Event(TAUTEN, tauten),
     )  # fmt: skip
-    return Strings(await_slack, stop_at_once, note_tangle, loosen, jolt, events)
+    return Strings(
+        await_slack, stop_at_once, note_tangle, loosen, jolt, image.step, image.throw, events
+    )
