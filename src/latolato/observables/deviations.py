@@ -100,7 +100,7 @@ def _start_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> Non
         lost += acc[i + (_SUMS + k) * n]
     for row in range(STATE_SIZE):
         for column in range(STATE_SIZE):
-            if lost == -math.inf:
+            if not lost > -math.inf:
                 acc[i + (STATE_SIZE * row + column) * n] = 1.0 if row == column else 0.0
     for k in range(_SUMS, _SPREAD + 1):
         acc[i + k * n] = 0.0
@@ -114,7 +114,8 @@ def _finish_exponents(acc: Any, i: int, n: int, end: Outcome) -> None:
     """
     time = acc[i + _TIME * n]
     for k in range(STATE_SIZE):
-        acc[i + k * n] = acc[i + (_SUMS + k) * n] / time if k < 2 * end.balls else math.nan
+        is_known = time > 0.0 and k < 2 * end.balls
+        acc[i + k * n] = acc[i + (_SUMS + k) * n] / time if is_known else math.nan
     for last in range(2 * end.balls - 1, 0, -1):
         for k in range(last):
             first, second = acc[i + k * n], acc[i + (k + 1) * n]
@@ -126,12 +127,13 @@ def _finish_exponents(acc: Any, i: int, n: int, end: Outcome) -> None:
 def _finish_residual(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Write by how much the sum of all exponents misses the mean divergence.
 
-    NaN where the motion loses its past: both are minus infinity there.
+    NaN where the motion loses its past, as both are minus infinity there, and where a string goes
+    slack.
     """
-    total = 0.0
+    total, time = 0.0, acc[i + _TIME * n]
     for k in range(STATE_SIZE):
         total += acc[i + (_SUMS + k) * n]
-    acc[i] = (total - acc[i + _SPREAD * n]) / acc[i + _TIME * n]
+    acc[i] = (total - acc[i + _SPREAD * n]) / time if time > 0.0 else math.nan
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -155,7 +157,9 @@ class LyapunovExponent(_Exponents):
     """Largest Lyapunov exponent after the transient.
 
     Benettin et al., Meccanica 15 (1980) 9, with the saltation matrices of impacts. Minus infinity
-    where the motion forgets its past: it rests, or meets a wall without rebound.
+    where the motion forgets its past: it rests, or meets a wall without rebound. Slack strings
+    count from taut to taut; NaN where none tightens, and where balls meet at the very instant at
+    which a string tightens.
     """
 
     variables: ClassVar[Any] = {
@@ -170,7 +174,8 @@ class LyapunovSpectrum(_Exponents):
     """All Lyapunov exponents after the transient, and how well the sum rule holds.
 
     The exponents add up to the mean divergence of the flow plus ``2 f ln e`` at f impacts per
-    second; the residual is what is missing.
+    second; the residual is what is missing. With strings that go slack the laws of motion do not
+    tell the sum, and the residual is NaN.
     """
 
     variables: ClassVar[Any] = {
@@ -221,7 +226,8 @@ def _cross_start(acc: Any, i: int, n: int, angle: float) -> None:
 @formula
 def _cross_finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Write the rate."""
-    acc[i] = acc[i + 2 * n] / acc[i + 3 * n]
+    time = acc[i + 3 * n]
+    acc[i] = acc[i + 2 * n] / time if time > 0.0 else math.nan
 
 
 @observables.register("transverse_exponent")

@@ -254,7 +254,8 @@ def make_plan(
     drive = _drive_for(system, drive, varied_names, noise)
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
-    _check_suspension(system, dimensions, known)
+    watched = tuple(checked_observable(o) for o in _listed(observables))
+    _check_suspension(system, dimensions, known, watched)
     varied = {name for axis in dimensions for name in axis.parameters}
     length = RUN_PARAMETERS["duration"].checked(duration)
     transient = SWEEP_PARAMETERS["transient"].checked(transient)
@@ -266,7 +267,6 @@ def make_plan(
             value=transient,
         )
     law = checked_contact(contact, system)
-    watched = tuple(checked_observable(o) for o in _listed(observables))
     _check_observables(watched, system, drive, law)
     names = {axis.name for axis in dimensions}
     for name in (name for o in watched for name in o.variables):
@@ -371,14 +371,22 @@ def _drive_for(
     return checked_drive(None)
 
 
-def _check_suspension(system: System, axes: Sequence[Axis], known: Mapping[str, Parameter]) -> None:
-    """Raise InputError if axes vary what belongs to strings, or drag that the air does not have."""
+def _check_suspension(
+    system: System,
+    axes: Sequence[Axis],
+    known: Mapping[str, Parameter],
+    watched: Sequence[Observable],
+) -> None:
+    """Raise InputError if axes vary what belongs to strings, or drag that is not described."""
+    exponents = [next(iter(o.variables)) for o in watched if o.tangent is not None]
     for axis in axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
             if name == "string_restitution" or name.startswith("initial_distance"):
                 check_strings(system, name)
             if name.endswith("quadratic_damping"):
                 replaced(system, {known[name].path: max(values)})
+            if name.endswith("coulomb_damping") and exponents:
+                check_deviations(replaced(system, {known[name].path: max(values)}), exponents[0])
 
 
 def _listed(value: Any) -> list[Any]:

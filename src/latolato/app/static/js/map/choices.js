@@ -236,9 +236,6 @@ export function watchedOf(registry, layout, { options, sweep }, asked) {
   const { angles } = registry.systems[options.system];
   const about = Object.values(layout.observables).find(({ widths }) => asked !== null && asked in widths);
   if (about?.of_strings) checkStrings(suspension, String(asked));
-  if (about && suspension === "string" && "tangent" in about.pieces)
-    throw new InputError(`${asked} is not known on strings: small deviations are followed on rods only`,
-      { wayOut: "give suspension='rod'" });
   const fits = (/** @type {string} */ name) => mappable(layout, name, angles, suspension);
   /** @type {any[]} */
   const entries = sweep?.observables ?? registry.default_observables;
@@ -289,8 +286,7 @@ function observable({ observables }, entry) {
 function mappable({ observables }, name, angles, suspension) {
   const about = observables[name];
   if (!about || (about.angles && about.angles !== angles)) return [];
-  // Small deviations are followed on rods only.
-  if (suspension === "string" ? "tangent" in about.pieces : about.of_strings) return [];
+  if (suspension !== "string" && about.of_strings) return [];
   return Object.keys(about.widths).filter((each) =>
     ["", "exponent"].includes(about.dimension) || about.plain.includes(each));
 }

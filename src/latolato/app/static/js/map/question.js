@@ -2,7 +2,7 @@
 
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/block.js";
-import { checkStrings, contactOf, noiseOf, numbersFor } from "../model/case.js";
+import { checkDeviations, checkStrings, contactOf, noiseOf, numbersFor } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
 import { checkedNumber, general, InputError, suggest } from "../model/rules.js";
@@ -73,6 +73,11 @@ export async function questionOf(registry, layout, request) {
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
   const [x, y] = spansOf(registry, origin, [askedX, askedY]);
   checkVaried(registry, system, drive, [x, y]);
+  const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
+  for (const { name } of watched)
+    if ("tangent" in layout.observables[name].pieces)
+      checkDeviations(system.suspension,
+        Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
   if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
     throw new InputError(`${request.width * request.height} points need as many streams from `
