@@ -69,7 +69,7 @@ def test_the_symmetry_of_a_toy_on_strings_is_not_that_of_rods():
     toy = ll.LatoLato(**TOY, suspension="string", string_restitution=0.5)
     assert as_pair(toy).suspension == "string"
     assert as_pair(toy).string_restitution == 0.5
-    drive, start = shake(2.0, 0.3), {"initial_angle": 0.8, "duration": 60.0, "transient": 10.0}
+    drive, start = shake(2.0, 0.3), {"initial_angle": 0.8}
     strings, rods = (
         ll.analysis.pair_symmetry(ll.LatoLato(**TOY, suspension=kind), drive, **start)
         for kind in ("string", "rod")
@@ -188,7 +188,10 @@ def test_an_orbit_on_taut_strings_has_the_multipliers_of_rods():
     rods, strings = (floquet(toy, drive, **start) for toy in toys)
     assert rods.status.item() == "stable"
     assert rods.impacts.item() == 1.0
-    assert strings.equals(rods)
+    assert strings.status.item() == "stable"
+    assert strings.expected_determinant.item() == pytest.approx(rods.expected_determinant.item())
+    # The orbit closes to 2e-11.
+    assert strings.multipliers.values == pytest.approx(rods.multipliers.values, abs=1e-9)
     assert strings.attrs["suspension"] == "string"
     # The string itself comes back to the start without going slack.
     begun = rods.initial_angle.item(), rods.initial_angular_velocity.item()
@@ -233,18 +236,24 @@ def test_a_branch_on_strings_ends_where_the_least_tension_of_the_orbit_vanishes(
     assert least_tension(ROD, shake(2.0, end), *state) == pytest.approx(0.0, abs=1e-5)
     rods = continue_orbit(ROD, drive, **options, **start)
     assert rods.drive_amplitude.values.max() > end
-    with pytest.raises(InputError, match=r"a string goes slack .* s after time zero"):
-        floquet(STRING, shake(2.0, 1.1 * end), **{**start, "initial_angle": state[0]})
 
 
-def test_a_hit_that_pushes_a_ball_inwards_ends_the_orbit_on_strings():
+def test_a_hit_that_pushes_a_ball_inwards_is_no_part_of_the_rods_orbit_on_strings():
     short = ll.Ball(length=0.9, mass=0.8, radius=0.1, damping=0.05)
     pair = {"right": BALL, "left": short, "restitution": 0.9}
     start = {"initial_angle": (0.213, -0.204), "initial_angular_velocity": (2.0, -2.48)}
     rods = floquet(ll.BallPair(**pair), shake(2.4, 0.1), **start)
     assert (rods.status.item(), rods.impacts.item()) == ("stable", 1.0)
-    with pytest.raises(InputError, match="a string goes slack"):
-        floquet(ll.BallPair(**pair, suspension="string"), shake(2.4, 0.1), **start)
+    begun = [rods[name].values for name in ("initial_angle", "initial_angular_velocity")]
+    string = ll.BallPair(**pair, suspension="string")
+    run = ll.simulate(
+        string, shake(2.4, 0.1), initial_angle=begun[0], initial_angular_velocity=begun[1],
+        duration=1.0,
+    )  # fmt: skip
+    assert list(run.contact_kind.values[:2]) == ["bottom", "slack"]
+    with pytest.warns(RuntimeWarning, match="strings must be taut at time zero"):
+        result = floquet(string, shake(2.4, 0.1), **start)
+    assert result.status.item() == "not found"
 
 
 def test_multipliers_under_drag_relative_to_the_room_pass_their_checks():
