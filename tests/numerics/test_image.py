@@ -26,8 +26,8 @@ TOY = ll.LatoLato(
 )
 HAND = ll.Harmonic(drive_amplitude=0.05, drive_frequency=18.0)
 PAIR = ll.BallPair(
-    right=ll.Ball(length=1.0, mass=0.8, radius=0.05, damping=0.05),
-    left=ll.Ball(length=0.93, mass=0.5, radius=0.04, damping=0.03),
+    right=ll.Ball(length=1.27, mass=0.8, radius=0.05, damping=0.05),
+    left=ll.Ball(length=1.2, mass=0.5, radius=0.04, damping=0.03),
     restitution=0.8,
     suspension="string",
 )
@@ -61,16 +61,19 @@ MOTIONS = {
         replace(TOY, restitution=0.5), STILL, (0.3, 16.2), 1.2, [TOP, SLACK, TAUT],
     ),
     "two balls, one after the other": (
-        PAIR, SHAKEN, (0.22, 3.95, -0.7, -5.36), 2.0, [SLACK, TAUT, BOTTOM, SLACK, TAUT],
+        PAIR, SHAKEN, (0.34, 4.23, -0.4, -2.03), 2.0, [SLACK, TAUT, BOTTOM, SLACK, TAUT],
     ),
     "hits that loosen the shorter string, and hits while it is slack": (
-        PAIR, SHAKEN, (0.73, 1.27, -0.46, -1.69), 2.0, [BOTTOM, SLACK, BOTTOM, TAUT],
+        PAIR, SHAKEN, (0.61, 1.36, -0.65, 0.46), 2.0, [BOTTOM, SLACK, BOTTOM, TAUT],
+    ),
+    "two balls that meet at the top": (
+        PAIR, SHAKEN, (0.44, 5.13, -0.89, -5.88), 2.0, [SLACK, TOP, SLACK, TAUT, TAUT],
     ),
     "two mirrored balls, always at once": (
         TWINS, HAND, (0.5, 3.0, -0.5, -3.0), 2.0, [SLACK, SLACK, TAUT, TAUT, BOTTOM, SLACK],
     ),
     "two balls that are thrown back": (
-        bouncing(PAIR, 0.4), SHAKEN, (0.79, 2.16, -0.49, -1.32), 3.0, [SLACK, TAUT, BOTTOM, TAUT],
+        bouncing(PAIR, 0.4), SHAKEN, (0.89, 1.54, -0.6, -0.57), 3.0, [SLACK, TAUT, TAUT, BOTTOM, TAUT],
     ),
 }  # fmt: skip
 

@@ -287,7 +287,7 @@ def make_image(
                 slower -= sign * (nx * image[row + 2, column] + ny * image[row + 3, column])
                 if run.state.is_slack[i] == 0:
                     across, deviates = beside(run, i, column, nx, ny, x, y)
-                    yielding += 2.0 * across * deviates * b.coupling * b.coupling / b.inertia
+                    yielding += 2.0 * across * deviates / (b.inertia * b.coupling * b.coupling)
             pushed = back * (slower - closing * yielding / yields) / yields
             for i in range(count):
                 b, row = run.bodies[i], 4 * i
