@@ -90,6 +90,10 @@ KINDS = {
         )
         for name in ("slack_fraction", "first_slack", "largest_string_impulse", "retension_loss")
     },
+    "exponent on strings": over(
+        "fig02", "drive_frequency", "drive_amplitude", 5.0,
+        options={"suspension": "string", "damping": 0.3}, observable="lyapunov_exponent",
+    ),
     "two strings": over(
         "ballpair_asymmetric", ("initial_distance_left", 0.15, 0.25), "right_damping", 1.0,
         options=STRINGS, observable="slack_fraction",
@@ -282,6 +286,8 @@ def test_the_run_of_a_point_is_what_its_cell_says():
         ({"y": {"name": "initial_distance"}}, "initial_distance is for balls on strings"),
         ({"options": {"initial_distance": 0.3}}, "initial_distance is for balls on strings"),
         ({"observable": "slack_fraction"}, "slack_fraction is for balls on strings"),
+        ({"options": {"suspension": "string"}, "observable": "compression_fraction"},
+         "compression_fraction is for balls on rods: a string never pushes, it goes slack"),
         ({"options": {"suspension": "string", "coulomb_damping": 0.001},
           "observable": "lyapunov_exponent"},
          "coulomb_damping must be 0 for lyapunov_exponent on strings"),
@@ -358,7 +364,8 @@ def test_what_belongs_to_strings_is_offered_for_strings_only():
     )
     assert of_strings <= strings
     assert not of_strings & rods
-    assert rods - strings >= {"lyapunov_exponent"}
+    assert rods - strings >= {"compression_fraction"}
+    assert "lyapunov_exponent" in strings
 
 
 def test_overlays_learn_what_the_system_is():

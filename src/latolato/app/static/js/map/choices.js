@@ -236,6 +236,9 @@ export function watchedOf(registry, layout, { options, sweep }, asked) {
   const { angles } = registry.systems[options.system];
   const about = Object.values(layout.observables).find(({ widths }) => asked !== null && asked in widths);
   if (about?.of_strings) checkStrings(suspension, String(asked));
+  if (suspension === "string" && about?.needs.includes("compression"))
+    throw new InputError("is for balls on rods: a string never pushes, it goes slack",
+      { parameter: String(asked), wayOut: "ask for slack_fraction, or give suspension='rod'" });
   const fits = (/** @type {string} */ name) => mappable(layout, name, angles, suspension);
   /** @type {any[]} */
   const entries = sweep?.observables ?? registry.default_observables;
@@ -286,7 +289,7 @@ function observable({ observables }, entry) {
 function mappable({ observables }, name, angles, suspension) {
   const about = observables[name];
   if (!about || (about.angles && about.angles !== angles)) return [];
-  if (suspension !== "string" && about.of_strings) return [];
+  if (suspension === "string" ? about.needs.includes("compression") : about.of_strings) return [];
   return Object.keys(about.widths).filter((each) =>
     ["", "exponent"].includes(about.dimension) || about.plain.includes(each));
 }
