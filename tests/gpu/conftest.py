@@ -1,5 +1,7 @@
 """Small plans over every trajectory kernel, several drives and all observables."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,11 +18,16 @@ ROUGH = ll.LatoLato(
 )
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.9)
 PAIR = ll.BallPair(right=BALL, left=LEFT, restitution=0.9)
+STRINGS = replace(TOY, suspension="string", string_restitution=0.5)
+STRING_PAIR = replace(PAIR, suspension="string", drag_frame="lab")
 HARMONIC = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0)
 SCHEDULE = ll.FrequencySchedule(
     drive_amplitude=0.03, times=[0.0, 0.4], drive_frequencies=[6.0, 5.0], ramp=0.2
 )
 CRANK = ll.CrankSlider(drive_amplitude=0.02, drive_frequency=15.0, connecting_rod_length=0.2)
+HAND = ll.PlanarHarmonic(
+    vertical_amplitude=0.5, horizontal_amplitude=0.2, drive_frequency=6.0, horizontal_phase=1.0
+)
 ONE = {"initial_angle": [0.3, 0.5], "initial_angular_velocity": [0.0, -1.0]}
 TWO = {"initial_angle_right": [0.3, 0.5], "initial_angle_left": [-0.3, -0.5]}
 # Stroboscopic samples need a period; a schedule has none.
@@ -38,6 +45,13 @@ CASES = {
         TOY, HARMONIC, ONE, ["crossings"], {"contact": ll.ClampContact(clamp_step=5e-3)}
     ),
     "ballpair-harmonic": (PAIR, HARMONIC, TWO, ["mean_energy", "lyapunov_exponent"], {}),
+    "latolato-strings": (
+        STRINGS, ll.Harmonic(drive_amplitude=0.5, drive_frequency=6.0), ONE,
+        ["slack_fraction", "largest_string_impulse", "energy_ledger", "lyapunov_exponent"], {},
+    ),
+    "ballpair-strings": (
+        STRING_PAIR, HAND, TWO, ["slack_fraction", "first_slack", "lyapunov_exponent"], {}
+    ),
     "ballpair-kicks": (
         PAIR, HARMONIC, TWO, ["energy_ledger"],
         {"noise": ll.VelocityKicks(noise_strength=0.01, noise_seed=1)},
