@@ -104,9 +104,9 @@ def test_matrices_are_the_differences_of_neighbouring_motions(name):
             for k in (1, 2)
         )
         columns.append((8.0 * one - two) / 12e-6)
-    # Motions are known to 1e-12 or so, with quadratic drag near rest to 1e-9.
+    # Motions are known to 1e-12 or so.
     error = np.abs(np.array(columns).T - passage.matrix).max() / np.abs(passage.matrix).max()
-    assert error < (1e-4 if system.balls[0].quadratic_damping else 1e-6)
+    assert error < 1e-6
 
 
 class TestDeterminant:

@@ -400,3 +400,19 @@ def test_air_at_rest_in_the_room_turns_two_unlike_balls_as_one():
 
     exact = solve_ivp(slopes, (0.0, 1.5), [begin, 0.0], t_eval=times, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(run.angle[1], exact.y[0], rtol=0, atol=1e-10)
+
+
+def test_quadratic_drag_is_resolved_where_a_falling_ball_nearly_stops():
+    # Starts a millionth apart end on a parabola; before, two branches lay 5e-9 rad apart.
+    system = ll.Pendulum(length=1.0, mass=0.8, quadratic_damping=0.05, suspension="string")
+    drive = ll.Harmonic(drive_amplitude=0.10413436925839377, drive_frequency=5.303049059197439)
+    shifts = np.arange(-10, 11)
+    ends = [
+        ll.simulate(
+            system, drive, initial_angle=-0.41465962 + 1e-6 * k,
+            initial_angular_velocity=4.91316647, duration=1.379, tolerance=1e-12,
+        ).angle.values[-1]
+        for k in shifts
+    ]  # fmt: skip
+    off = ends - np.polyval(np.polyfit(shifts, ends, 2), shifts)
+    assert np.abs(off).max() < 1e-12

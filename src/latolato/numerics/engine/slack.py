@@ -27,6 +27,8 @@ from latolato.numerics.watch import Eyes
 _STRING, _GAP = 0, 1
 # A step is cut here where a string may tighten and loosen unseen.
 _PARTS = 0.25
+# The least part of a step to which quadratic drag near rest shortens it.
+_LEAST_SHARE = 1.0 / 32.0
 # A string pulls where its tension would be more than this share of the largest one.
 _PULLS = 1e-9
 
@@ -142,6 +144,23 @@ def make_slack(
         return turns and min(begin, end) < reach
 
     @part
+    def steadied(run: Any, i: int) -> float:
+        """Return the share of the step in which the speed of a falling ball stays smooth.
+
+        Quadratic drag has a kink at rest: past it the velocity must change by less than the least
+        speed in the step, or by a little.
+        """
+        b, begin, end = run.bodies[i], run.now[i], run.end[i]
+        if b.quadratic == 0.0 or run.state.is_slack[i] == 0:
+            return 1.0
+        ax, ay = end.vx - begin.vx, end.vy - begin.vy
+        change = math.hypot(ax, ay)
+        least = min(math.hypot(begin.vx, begin.vy), math.hypot(end.vx, end.vy))
+        if begin.vx * ax + begin.vy * ay < 0.0 < end.vx * ax + end.vy * ay:
+            least = abs(begin.vx * end.vy - begin.vy * end.vx) / change
+        return 1.0 if change <= least else max(least / change, _LEAST_SHARE)
+
+    @part
     def plan(run: Any) -> None:
         """Fall and swing up to the first thing that happens."""
         balls.plan_length(run)
@@ -155,8 +174,11 @@ def make_slack(
             balls.shorten(run, max(soon, SHORTEST * run.t))
         balls.fly_by(run, run.length, run.end)
         for i in range(count):
+            share = 1.0 if is_brief else steadied(run, i)
             if not is_brief and bends_beside_end(run, i):
-                balls.shorten(run, _PARTS * run.length)
+                share = min(share, _PARTS)
+            if share < 1.0:
+                balls.shorten(run, share * run.length)
                 balls.fly_by(run, run.length, run.end)
         if is_brief:
             back = max(radial_rate(run.end[bounced]), 0.0)
