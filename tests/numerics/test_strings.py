@@ -403,7 +403,7 @@ def test_air_at_rest_in_the_room_turns_two_unlike_balls_as_one():
 
 
 def test_quadratic_drag_is_resolved_where_a_falling_ball_nearly_stops():
-    # Starts a millionth apart end on a parabola; before, two branches lay 5e-9 rad apart.
+    # Starts a millionth of a radian apart end on a parabola, to rounding.
     system = ll.Pendulum(length=1.0, mass=0.8, quadratic_damping=0.05, suspension="string")
     drive = ll.Harmonic(drive_amplitude=0.10413436925839377, drive_frequency=5.303049059197439)
     shifts = np.arange(-10, 11)
