@@ -5,7 +5,7 @@ Work: (a) one run on rods and one on strings of a pendulum that loops, of the to
 C/(m l) = 0.16 1/s) over A0/l in (0, 1] and w/w0 in (0, 6], from 0.5 rad above contact, for 60 s
 at tolerance 1e-6, beside a program around SciPy's solve_ivp (DOP853, rtol 1e-6) with terminal
 events for slack, taut and contact at some of the same points. One thread, without compilation; the
-error of both is their largest angle's, beside a run at 1e-10, at points whose motion is regular.
+error of both is their final angle's, beside a run at 1e-10, at points whose motion is regular.
 Prints tables and writes ``strings.json`` beside itself.
 
 ``python benchmarks/strings.py [--points N] [--sample N]``
@@ -96,8 +96,8 @@ class Peer:
         """Return the tension over the mass."""
         return float(L * s[1] ** 2 + self.fall(t) * math.cos(s[0]))
 
-    def largest_angle(self) -> float:
-        """Return the largest angle of a run."""
+    def final_angle(self) -> float:
+        """Return the angle at the end of a run."""
 
         def low(t: float, s: np.ndarray) -> float:
             return s[0] - LOW
@@ -118,7 +118,7 @@ class Peer:
         for each in (pull, low, spare, gap):
             each.terminal, each.direction = True, -1.0  # type: ignore[attr-defined]
         high.terminal, high.direction = True, 1.0  # type: ignore[attr-defined]
-        t, s, is_taut, largest = 0.0, np.array([LOW + OFFSET, 0.0]), True, LOW + OFFSET
+        t, s, is_taut = 0.0, np.array([LOW + OFFSET, 0.0]), True
         while t < DURATION:
             if is_taut and self.tension(t, s) <= 0.0:
                 s, is_taut = _loose(s), False
@@ -127,8 +127,6 @@ class Peer:
                 slope, (t, DURATION), s, "DOP853", events=events[is_taut], rtol=TOLERANCE,
                 atol=TOLERANCE * (1.0 if is_taut else L),
             )  # fmt: skip
-            angles = found.y[0] if is_taut else np.arctan2(found.y[0], -found.y[1])
-            largest = max(largest, float(angles.max()))
             before, t, s = t, float(found.t[-1]), found.y[:, -1]
             if found.status != 1:
                 break
@@ -146,7 +144,7 @@ class Peer:
                 angle = math.atan2(s[0], -s[1])
                 along = s[2] * math.cos(angle) + s[3] * math.sin(angle)
                 s, is_taut = np.array([angle, along / L]), True
-        return largest
+        return float(s[0] if is_taut else math.atan2(s[0], -s[1]))
 
     def rest(self, t: float, wall: float) -> float:
         """Return when a ball at rest on a wall leaves it."""
@@ -172,12 +170,12 @@ def sweeps(points: int, sample: int) -> dict[str, Any]:
     def run(tolerance: float) -> Any:
         return ll.sweep(
             STRINGS, axes=axes, duration=DURATION, initial_offset=OFFSET,
-            observables=["largest_angle", "slack_fraction"], tolerance=tolerance, workers=1,
+            observables=["final_angle", "slack_fraction"], tolerance=tolerance, workers=1,
         )  # fmt: skip
 
     own = cpu(lambda: run(TOLERANCE), 2) / side**2
-    coarse, exact = (run(each).largest_angle.values for each in (TOLERANCE, 1e-10))
-    finer = run(1e-11).largest_angle.values
+    coarse, exact = (run(each).final_angle.values for each in (TOLERANCE, 1e-10))
+    finer = run(1e-11).final_angle.values
     regular = np.abs(finer - exact) < 1e-6
     slack = run(TOLERANCE).slack_fraction.values
     chosen = np.random.default_rng(1).choice(side**2, sample, replace=False)
@@ -186,7 +184,7 @@ def sweeps(points: int, sample: int) -> dict[str, Any]:
         i, j = divmod(int(k), side)
         peer = Peer(share[i] * L, 6.0 * share[j] * CORD_TOY.natural_frequency)
         begin = time.process_time()
-        angle = peer.largest_angle()
+        angle = peer.final_angle()
         seconds.append(time.process_time() - begin)
         if regular[i, j]:
             errors.append(abs(angle - exact[i, j]))
