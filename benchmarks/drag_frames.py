@@ -68,7 +68,7 @@ def print_runs() -> None:
             start = {**run, "initial_angle": run["initial_angle"] + MOVED}
             times = np.linspace(0.0, run["duration"], SAMPLES)
             one, two = (each.simulate(times=times) for each in (scenario, room))
-            if float(np.ptp(two.angle)) == 0.0:  # an elastic ball a little above a wall never rests
+            if np.ptp(two.angle.values) == 0.0:  # an elastic ball a little above a wall never rests
                 print(f"{name:8} {case:14} at rest in both")
                 continue
             three = replace(scenario, run=start).simulate(times=times)
