@@ -54,10 +54,10 @@ FINDING = (
     "The settled mirror motion survives a small motion of the hand sideways: its axis leans by "
     "{lean:.2f} times the angle of the line on which the hand moves, and {tops:.0f} hit above the "
     "pivot per period remains, up to a horizontal amplitude of {limit_rods:.0%} of the vertical "
-    "one (on an ellipse {limit_ellipse:.0%}). Beyond it balls on rods lose the mirror motion and "
-    "may turn round and round, and strings tangle within {tangle:.0f} periods; strings "
-    "that begin with a push tangle at almost any sideways motion ({lost:.0%} of the runs), because "
-    "balls that meet on slack strings throw each other aside."
+    "one (on an ellipse {limit_ellipse:.0%}). One step of the grid further the asymmetry jumps to "
+    "{jump:.1f} rad and strings go slack: {tangled:.0%} of the runs on strings beyond these limits "
+    "tangle, all within {tangle:.0f} of {periods:.0f} periods, and of those that begin with a push "
+    "{lost:.0%} tangle, however small the sideways motion."
 )
 CHECK = (
     "Without sideways motion two free balls stay mirrored to {mirror:.0e} rad. The asymmetry grows "
@@ -159,7 +159,9 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         way: share[settled.asymmetry.sel(suspension=RODS, way=way).values < KEPT_MIRRORED].max()
         for way in WAYS
     }
-    tangled = tilted.sel(suspension=[INELASTIC, ELASTIC]).end.values
+    beyond = {way: share > limit for way, limit in limits.items()}
+    on_both = settled.sel(suspension=[INELASTIC, ELASTIC])
+    ends = np.hstack([on_both.end.sel(way=way).values[:, beyond[way]] for way in WAYS])
     pushed = dataset.sel(start=PUSHED, suspension=[INELASTIC, ELASTIC]).end.values[..., 1:]
     kept = share <= limits["tilted line"]
     return {
@@ -170,7 +172,10 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "limit_rods": float(limits["tilted line"]),
         "limit_ellipse": float(limits["ellipse"]),
         "tops": float(tilted.tops.values[:, kept].min()),
-        "tangle": float(tangled[tangled < PERIODS].max(initial=0.0)),
+        "jump": float(rods[beyond["tilted line"]][0]),
+        "tangled": float((ends < PERIODS).mean()),
+        "tangle": float(ends[ends < PERIODS].max(initial=0.0)),
+        "periods": float(PERIODS),
         "lost": float((pushed < PERIODS).mean()),
     }
 
@@ -211,7 +216,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for panel, letter, title in zip(axes[0], "abc", titles, strict=True):
         panel.set_xlabel("horizontal over vertical")
         style.panel_title(panel, letter, title)
-    sizes.plot([], [], color=style.GREY, label="tilted line")
-    sizes.plot([], [], color=style.GREY, ls=(0, (3, 1.5)), label="ellipse")
+    sizes.plot([], [], color=style.INK, label="tilted line")
+    sizes.plot([], [], color=style.INK, ls=(0, (3, 1.5)), label="ellipse")
     figure.legend(loc="outside lower center", ncols=5)
     return figure
