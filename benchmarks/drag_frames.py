@@ -28,6 +28,7 @@ from latolato.scenario.scenario import Scenario
 RUNS = ("fig02", "fig03", "fig04", "fig06", "fig08", "fig12", "fig13")
 JUDGED = ("fig02", "fig03", "fig03cd", "fig06", "fig08", "fig09", "fig11", "fig12", "fig13")
 SYSTEMS = ("PENDULUM", "UNDAMPED", "TOY", "SINGLE", "COUPLED")
+MAPPED = {"crossings", "motion_class"}
 SAMPLES = 8001
 MOVED = 1e-9 * np.arange(1, 11)  # rad
 NOTICED = 1e-3
@@ -85,15 +86,19 @@ def print_judged(quick: bool) -> None:
     """Print the judged numbers and the verdicts that move."""
     for name in JUDGED:
         evidence = catalogue.evidence()[name]
-        before = evidence.numbers(evidence.data(quick))
+        one = evidence.data(quick)
         with air_in_the_room():
-            after = evidence.numbers(evidence.data(quick))
+            two = evidence.data(quick)
+        before, after = (evidence.numbers(each) for each in (one, two))
         limits = {each.number for one in evidence.statements for each in one.limits}
-        change = {key: after[key] / before[key] - 1.0 for key in limits if before[key]}
+        change = {key: after[key] / before[key] - 1.0 for key in sorted(limits) if before[key]}
         moved = {key: value for key, value in change.items() if abs(value) > NOTICED}
         print(f"{name}: {len(moved)} of {len(limits)} judged numbers move by more than {NOTICED:g}")
         for key, value in moved.items():
             print(f"    {key}: {before[key]:.6g} to {after[key]:.6g} ({value:+.1e})")
+        for key in MAPPED & set(one.data_vars):
+            changed = float(((one[key] > 0.0) != (two[key] > 0.0)).mean())
+            print(f"    {key} becomes zero or not at {changed:.2%} of the points")
         for each in evidence.statements:
             verdicts = [each.judge(numbers).verdict.value for numbers in (before, after)]
             if verdicts[0] != verdicts[1]:
