@@ -49,8 +49,9 @@ FINDING = (
     "start coincides with that of rods to first order in the contact angle and in the height of "
     "the flight: the first hits, at {hit_rod:.4f} rad/s, differ by a fraction {hit_change:.0e}, "
     "and after {periods:.0f} periods both toys still hop by {hops_rods:.1f} and "
-    "{hops_inelastic:.1f} mrad. With e_s = 0.9 it does not: the strings throw the balls up again, the hops grow from "
-    "period to period, and the toy reaches the top after {top_periods:.0f} periods."
+    "{hops_inelastic:.1f} mrad. With e_s = 0.9 it does not: the strings throw the balls up again, "
+    "the hops grow from period to period, and the toy reaches the top after {top_periods:.0f} "
+    "periods."
 )
 CHECK = (
     "Below the onset nothing moves on any suspension ({below:g} rad), and the first motion appears "
