@@ -2,10 +2,11 @@
 
 Work: (a) one run on rods and one on strings of a pendulum that loops, of the toy and of two balls;
 (b) a sweep of the toy with cords that go slack (l = 0.186 m, r = 0.012 m, e = 0.822, e_s = 0,
-C/(m l) = 0.16 1/s) over A0/l in (0, 1] and w/w0 in (0, 6], from 0.5 rad above contact, for 60 s
-at tolerance 1e-6, beside a program around SciPy's solve_ivp (DOP853, rtol 1e-6) with terminal
-events for slack, taut and contact at some of the same points. One thread, without compilation; the
-error of both is their largest angle's, beside a run at 1e-10, at points whose motion is regular.
+C/(m l) = 0.16 1/s) over A0/l in (0, 1] and w/w0 in (0, 6], from 0.5 rad above contact, for 60 s,
+beside a program around SciPy's solve_ivp (DOP853) with terminal events for slack, taut and contact
+at some of the same points, each at several tolerances. One thread, without compilation; the error
+of both is the median of the final angle's, beside a run at 1e-10, at points whose motion is regular
+and moves. Compared are times at equal errors and at equal tolerances.
 Prints tables and writes ``strings.json`` beside itself.
 
 ``python benchmarks/strings.py [--points N] [--sample N]``
@@ -30,7 +31,11 @@ from scipy.integrate import solve_ivp
 import latolato as ll
 from latolato.figures.string_toys import CORD_PAIR, CORD_TOY
 
-DURATION, OFFSET, TOLERANCE = 60.0, 0.5, 1e-6
+DURATION, OFFSET = 60.0, 0.5
+OWN_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+SCIPY_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+EQUAL_ERROR = 1e-7  # rad, as in ``sweep.py``
+REGULAR = 1e-6  # rad, of the final angle between runs at 1e-10 and 1e-11
 STRINGS = replace(CORD_TOY, suspension="string")
 L, R, E = CORD_TOY.length, CORD_TOY.radius, CORD_TOY.restitution
 G, RATE = CORD_TOY.gravity, CORD_TOY.damping / (CORD_TOY.mass * CORD_TOY.length)
@@ -76,8 +81,8 @@ def single_runs() -> list[dict[str, Any]]:
 class Peer:
     """The toy with e_s = 0 by SciPy: one ball against the mirror X = r, event by event."""
 
-    def __init__(self, amplitude: float, frequency: float) -> None:
-        self.amplitude, self.frequency = amplitude, frequency
+    def __init__(self, amplitude: float, frequency: float, tolerance: float) -> None:
+        self.amplitude, self.frequency, self.tolerance = amplitude, frequency, tolerance
 
     def fall(self, t: float) -> float:
         """Return g + y0''."""
@@ -96,8 +101,8 @@ class Peer:
         """Return the tension over the mass."""
         return float(L * s[1] ** 2 + self.fall(t) * math.cos(s[0]))
 
-    def largest_angle(self) -> float:
-        """Return the largest angle of a run."""
+    def final_angle(self) -> float:
+        """Return the angle at the end of a run."""
 
         def low(t: float, s: np.ndarray) -> float:
             return s[0] - LOW
@@ -118,17 +123,15 @@ class Peer:
         for each in (pull, low, spare, gap):
             each.terminal, each.direction = True, -1.0  # type: ignore[attr-defined]
         high.terminal, high.direction = True, 1.0  # type: ignore[attr-defined]
-        t, s, is_taut, largest = 0.0, np.array([LOW + OFFSET, 0.0]), True, LOW + OFFSET
+        t, s, is_taut = 0.0, np.array([LOW + OFFSET, 0.0]), True
         while t < DURATION:
             if is_taut and self.tension(t, s) <= 0.0:
                 s, is_taut = _loose(s), False
             slope = self.taut if is_taut else self.slack
             found = solve_ivp(
-                slope, (t, DURATION), s, "DOP853", events=events[is_taut], rtol=TOLERANCE,
-                atol=TOLERANCE * (1.0 if is_taut else L),
+                slope, (t, DURATION), s, "DOP853", events=events[is_taut],
+                rtol=self.tolerance, atol=self.tolerance * (1.0 if is_taut else L),
             )  # fmt: skip
-            angles = found.y[0] if is_taut else np.arctan2(found.y[0], -found.y[1])
-            largest = max(largest, float(angles.max()))
             before, t, s = t, float(found.t[-1]), found.y[:, -1]
             if found.status != 1:
                 break
@@ -146,7 +149,7 @@ class Peer:
                 angle = math.atan2(s[0], -s[1])
                 along = s[2] * math.cos(angle) + s[3] * math.sin(angle)
                 s, is_taut = np.array([angle, along / L]), True
-        return largest
+        return float(s[0] if is_taut else math.atan2(s[0], -s[1]))
 
     def rest(self, t: float, wall: float) -> float:
         """Return when a ball at rest on a wall leaves it."""
@@ -163,6 +166,13 @@ def _loose(s: np.ndarray) -> np.ndarray:
     return np.array([inside * sin, -inside * cos, L * s[1] * cos, L * s[1] * sin])
 
 
+def time_at(rows: list[dict[str, float]], error: float) -> float:
+    """Return the time a point at an error, between the logarithms of neighbours [ms]."""
+    rows = sorted(rows, key=lambda row: row["error"])
+    errors, times = (np.log([row[key] for row in rows]) for key in ("error", "ms"))
+    return float(np.exp(np.interp(math.log(error), errors, times)))
+
+
 def sweeps(points: int, sample: int) -> dict[str, Any]:
     """Return CPU times per point of the sweep and of SciPy, and their errors."""
     side = math.isqrt(points)
@@ -172,33 +182,37 @@ def sweeps(points: int, sample: int) -> dict[str, Any]:
     def run(tolerance: float) -> Any:
         return ll.sweep(
             STRINGS, axes=axes, duration=DURATION, initial_offset=OFFSET,
-            observables=["largest_angle", "slack_fraction"], tolerance=tolerance, workers=1,
+            observables=["final_angle", "slack_fraction"], tolerance=tolerance, workers=1,
         )  # fmt: skip
 
-    own = cpu(lambda: run(TOLERANCE), 2) / side**2
-    coarse, exact = (run(each).largest_angle.values for each in (TOLERANCE, 1e-10))
-    finer = run(1e-11).largest_angle.values
-    regular = np.abs(finer - exact) < 1e-6
-    slack = run(TOLERANCE).slack_fraction.values
+    exact, finer = (run(tolerance).final_angle.values for tolerance in (1e-10, 1e-11))
+    regular = (np.abs(finer - exact) < REGULAR) & (exact > LOW)
+    own = []
+    for tolerance in OWN_TOLERANCES:
+        seconds = cpu(lambda tolerance=tolerance: run(tolerance), 2) / side**2
+        error = float(np.median(np.abs(run(tolerance).final_angle.values - exact)[regular]))
+        own.append({"tolerance": tolerance, "ms": 1e3 * seconds, "error": error})
     chosen = np.random.default_rng(1).choice(side**2, sample, replace=False)
-    seconds, errors = [], []
-    for k in chosen:
-        i, j = divmod(int(k), side)
-        peer = Peer(share[i] * L, 6.0 * share[j] * CORD_TOY.natural_frequency)
-        begin = time.process_time()
-        angle = peer.largest_angle()
-        seconds.append(time.process_time() - begin)
-        if regular[i, j]:
-            errors.append(abs(angle - exact[i, j]))
+    peer = []
+    for tolerance in SCIPY_TOLERANCES:
+        angles, begin = [], time.process_time()
+        for i, j in zip(*np.divmod(chosen, side), strict=True):
+            frequency = 6.0 * share[j] * CORD_TOY.natural_frequency
+            angles.append(Peer(share[i] * L, frequency, tolerance).final_angle())
+        seconds = (time.process_time() - begin) / sample
+        errors = np.abs(angles - exact.ravel()[chosen])[regular.ravel()[chosen]]
+        peer.append(
+            {"tolerance": tolerance, "ms": 1e3 * seconds, "error": float(np.median(errors))}
+        )
+    equal = [(a, b) for a in own for b in peer if a["tolerance"] == b["tolerance"]]
     return {
         "points": side**2,
-        "own_ms": 1e3 * own,
-        "scipy_ms": 1e3 * float(np.mean(seconds)),
-        "ratio": float(np.mean(seconds)) / own,
-        "slack": float((slack > 0.0).mean()),
+        "own": own,
+        "scipy": peer,
+        "ratio_at_equal_error": time_at(peer, EQUAL_ERROR) / time_at(own, EQUAL_ERROR),
+        "ratio_at_equal_tolerance": {a["tolerance"]: b["ms"] / a["ms"] for a, b in equal},
+        "slack": float((run(1e-6).slack_fraction.values > 0.0).mean()),
         "regular": float(regular.mean()),
-        "own_error": float(np.median(np.abs(coarse - exact)[regular])),
-        "scipy_error": float(np.median(errors)),
     }
 
 
@@ -216,11 +230,15 @@ def main() -> None:
         )
     found = sweeps(options.points, options.sample)
     print(
-        f"sweep of {found['points']} points: {found['own_ms']:.3f} ms a point, error "
-        f"{found['own_error']:.1e}; SciPy {found['scipy_ms']:.0f} ms, error "
-        f"{found['scipy_error']:.1e}; ratio {found['ratio']:.0f}; {found['slack']:.0%} of the "
-        f"points go slack, {found['regular']:.0%} are regular"
+        f"sweep of {found['points']} points: {found['slack']:.0%} go slack, "
+        f"{found['regular']:.0%} move regularly"
     )
+    for name in ("own", "scipy"):
+        for row in found[name]:
+            print(f"{name:6} {row['tolerance']:.0e}: {row['ms']:8.3f} ms, {row['error']:.1e} rad")
+    print(f"SciPy's time over ours at {EQUAL_ERROR:g} rad: {found['ratio_at_equal_error']:.0f}")
+    for tolerance, ratio in found["ratio_at_equal_tolerance"].items():
+        print(f"    and at tolerance {tolerance:g}: {ratio:.0f}")
     machine = {
         "processor": platform.processor() or platform.machine(),
         "python": platform.python_version(),

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 TITLE = "The colliding pair of Fig. 5 on strings"
 CAPTION = (
     "The maps of Fig. 5 (elastic impacts, no drag, 300 s) on a coarser grid. Columns: mean energy "
-    "of one ball on rods; on strings that snap taut without a rebound; its ratio, grey where both "
-    "motions are the same. Rows: from rest, and with a push. Dashed: lift-off from rest, A0 ω² = g."
+    "of one ball on rods; on strings that snap taut without a rebound; the ratio of the two, grey "
+    "where both motions are the same. Rows: from rest, and with a push. Dashed: lift-off from "
+    "rest, A0 ω² = g."
 )
 FINDING = (
     "From rest, strings and rods move differently at {differ_rest:.0%} of the points and disagree "

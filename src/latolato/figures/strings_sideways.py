@@ -54,10 +54,11 @@ FINDING = (
     "The settled mirror motion survives a small motion of the hand sideways: its axis leans by "
     "{lean:.2f} times the angle of the line on which the hand moves, and {tops:.0f} hit above the "
     "pivot per period remains, up to a horizontal amplitude of {limit_rods:.0%} of the vertical "
-    "one (on an ellipse {limit_ellipse:.0%}). Beyond it balls on rods lose the mirror motion and "
-    "may turn round and round, and strings tangle within {tangle:.0f} periods; strings "
-    "that begin with a push tangle at almost any sideways motion ({lost:.0%} of the runs), because "
-    "balls that meet on slack strings throw each other aside."
+    "one (on an ellipse {limit_ellipse:.0%}). At {next_rods:.0%} ({next_ellipse:.0%}) the "
+    "asymmetry jumps to {jump:.1f} rad, and strings go slack: from there on {tangled:.0%} of the "
+    "runs on strings tangle, all within {tangle:.0f} of {periods:.0f} periods, and of those that "
+    "begin with a push {lost:.0%} tangle, down to the smallest sideways motion of {least:g}, but "
+    "none without any."
 )
 CHECK = (
     "Without sideways motion two free balls stay mirrored to {mirror:.0e} rad. The asymmetry grows "
@@ -159,8 +160,11 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         way: share[settled.asymmetry.sel(suspension=RODS, way=way).values < KEPT_MIRRORED].max()
         for way in WAYS
     }
-    tangled = tilted.sel(suspension=[INELASTIC, ELASTIC]).end.values
-    pushed = dataset.sel(start=PUSHED, suspension=[INELASTIC, ELASTIC]).end.values[..., 1:]
+    beyond = {way: share > limit for way, limit in limits.items()}
+    on_both = settled.sel(suspension=[INELASTIC, ELASTIC])
+    ends = np.hstack([on_both.end.sel(way=way).values[:, beyond[way]] for way in WAYS])
+    on_push = dataset.sel(start=PUSHED, suspension=[INELASTIC, ELASTIC]).end.values
+    pushed, still = on_push[..., 1:], on_push[..., 0]
     kept = share <= limits["tilted line"]
     return {
         "lean": float(np.median(rods[small] / (2.0 * share[small]))),
@@ -170,7 +174,14 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "limit_rods": float(limits["tilted line"]),
         "limit_ellipse": float(limits["ellipse"]),
         "tops": float(tilted.tops.values[:, kept].min()),
-        "tangle": float(tangled[tangled < PERIODS].max(initial=0.0)),
+        "next_rods": float(share[beyond["tilted line"]][0]),
+        "next_ellipse": float(share[beyond["ellipse"]][0]),
+        "least": float(share[1]),
+        "lost_still": float((still < PERIODS).mean()),
+        "jump": float(rods[beyond["tilted line"]][0]),
+        "tangled": float((ends < PERIODS).mean()),
+        "tangle": float(ends[ends < PERIODS].max(initial=0.0)),
+        "periods": float(PERIODS),
         "lost": float((pushed < PERIODS).mean()),
     }
 
@@ -207,11 +218,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     tops.set_ylabel("hits above the pivot per period")
     tops.set_ylim(0.0)
     ends.set_ylabel("periods until a tangle")
+    sizes.set_xlim(0.8 * share[0], 1.25 * share[-1])  # whole markers at both ends
     titles = ("asymmetry", "hits above the pivot", "strings tangle")
     for panel, letter, title in zip(axes[0], "abc", titles, strict=True):
         panel.set_xlabel("horizontal over vertical")
         style.panel_title(panel, letter, title)
-    sizes.plot([], [], color=style.GREY, label="tilted line")
-    sizes.plot([], [], color=style.GREY, ls=(0, (3, 1.5)), label="ellipse")
+    sizes.plot([], [], color=style.INK, label="tilted line")
+    sizes.plot([], [], color=style.INK, ls=(0, (3, 1.5)), label="ellipse")
     figure.legend(loc="outside lower center", ncols=5)
     return figure
