@@ -56,6 +56,7 @@ STATE = np.dtype(
         ("compression_time", "f8", (2,)),  # s
         ("is_slack", "i8", (2,)),  # whether a ball's string is slack
         ("leaves", "i8", (2,)),  # whether a slack ball has just been at its string's full length
+        ("taut_until", "f8", (2,)),  # before this time a string does not go slack again [s]
         ("place", "f8", (2, 4)),  # of a slack ball from the pivot [m], and its velocity [m/s]
         ("slack_start", "f8", (2,)),  # s, NaN before
         ("slack_time", "f8", (2,)),  # s

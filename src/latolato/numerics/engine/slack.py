@@ -109,6 +109,8 @@ def make_slack(
         if leaves:
             low = leave_time(run, high, what, i)
             if low == 0.0:
+                if what == _STRING:  # it opens by less than can be seen: it is taut
+                    run.state.taut_until[i] = run.t + _PARTS * run.length
                 stop_at_once(run, event, i)
                 return
         s = find_value(run, low, high, what, i) if begin > 0.0 or leaves else 0.0

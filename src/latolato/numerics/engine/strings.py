@@ -24,7 +24,7 @@ from latolato.numerics.engine.record import (
     SLACKEN,
     TAUTEN,
 )
-from latolato.numerics.engine.swing import SHORTEST, Swing
+from latolato.numerics.engine.swing import SHORTEST, STILL, Swing
 from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.numerics.watch import Eyes
@@ -89,7 +89,7 @@ def make_strings(
     @part
     def await_slack(run: Any, i: int) -> None:
         """End the step where a taut string would have to push."""
-        if run.length == 0.0:
+        if run.length == 0.0 or run.t < run.state.taut_until[i]:
             return
         left, low, high = swing.tension(run, i, run.now[i]), 0.0, run.length
         margin, least = tension.margin(run, i), brink(run, i)
@@ -170,7 +170,8 @@ def make_strings(
         before, length = velocities(run), 1.0 / b.coupling
         outward, e = radial_rate(point), settings.string_restitution
         pulls = swing.tension(run, i, point) > 0.0
-        if holds or (e < 1.0 and pulls and outward <= settings.rest_speed * length):
+        slow = settings.rest_speed if pulls else STILL
+        if holds or outward <= slow * length:
             e = 0.0
         image.tighten(run, i, e)
         mass = b.inertia * b.coupling * b.coupling
@@ -338,7 +339,8 @@ def make_strings(
         collide(run, output)
         if state.touch == 0.0 or balls.gap_rate(run.now) * state.touch < 0.0:
             for i in range(count):
-                if state.is_slack[i] == 0 and swing.tension(run, i, run.now[i]) < -brink(run, i):
+                pushes = swing.tension(run, i, run.now[i]) < -brink(run, i)
+                if state.is_slack[i] == 0 and pushes and run.t >= state.taut_until[i]:
                     let_slack(run, output, i)
         image.leave(run)
         if state.mode == FLIGHT:
