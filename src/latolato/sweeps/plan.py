@@ -253,7 +253,7 @@ def make_plan(
     drive = _drive_for(system, drive, varied_names, noise)
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
-    _check_suspension(system, dimensions, known)
+    _check_laws(system, drive, dimensions, known)
     varied = {name for axis in dimensions for name in axis.parameters}
     length = RUN_PARAMETERS["duration"].checked(duration)
     transient = SWEEP_PARAMETERS["transient"].checked(transient)
@@ -370,14 +370,18 @@ def _drive_for(
     return checked_drive(None)
 
 
-def _check_suspension(system: System, axes: Sequence[Axis], known: Mapping[str, Parameter]) -> None:
-    """Raise InputError if axes vary what belongs to strings, or drag that the air does not have."""
+def _check_laws(
+    system: System, drive: Drive, axes: Sequence[Axis], known: Mapping[str, Parameter]
+) -> None:
+    """Raise InputError if axes vary what the laws of the sweep do not describe."""
     for axis in axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
             if name == "string_restitution" or name.startswith("initial_distance"):
                 check_strings(system, name)
             if name.endswith("quadratic_damping"):
                 replaced(system, {known[name].path: max(values)})
+            if name == "horizontal_amplitude":
+                checked_drive(replaced(drive, {known[name].path: max(values)}), system)
 
 
 def _listed(value: Any) -> list[Any]:
