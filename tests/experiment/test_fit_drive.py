@@ -260,7 +260,7 @@ def test_a_pivot_that_moves_sideways_only_is_not_at_rest():
     for noiseless in (False, True):
         if noiseless:
             aside["pivot_y"].values[:] = 0.0
-        with pytest.raises(ValueError, match="sideways only, by 20 mm .*; use fit_model"):
+        with pytest.raises(ValueError, match=r"sideways only, by 20 mm .*; use fit_model"):
             fit_drive(aside)
     # What the track scatters sideways is no motion.
     still = planar_table(dataclasses.replace(with_across(0.0), vertical_amplitude=0.0))

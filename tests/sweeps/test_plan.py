@@ -305,6 +305,14 @@ MISTAKES = {
         },
         "drag_frame must be 'pivot' with quadratic_damping",
     ),
+    "suspension as an axis": (
+        {"axes": {"suspension": ["rod", "string"]}},
+        "suspension is 'rod' or 'string', but an axis varies numbers only; run one sweep for each",
+    ),
+    "drag_frame among parameters of an axis": (
+        {"axes": {"both": {"drag_frame": ["pivot", "lab"], "mass": [0.7, 0.8]}}},
+        "drag_frame is 'pivot' or 'lab', but an axis varies numbers only",
+    ),
     "a pivot that moves sideways along an axis": (
         {"drive": UPRIGHT, "axes": {"horizontal_amplitude": [0.0, 0.02]}},
         "breaks the mirror symmetry of a LatoLato: drive must be vertical, .* use a BallPair",

@@ -36,7 +36,7 @@ from latolato.simulation.start import (
     checked_offset,
     checked_system,
 )
-from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced
+from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced, unknown_parameter
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
@@ -361,7 +361,7 @@ def _drive_for(
     known = parameters_of(system, harmonic, noise)
     for name in varied:
         if name not in known:
-            raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+            raise unknown_parameter(name, known)
     if varied & amplitudes and varied & frequencies:
         return harmonic
     if varied & (amplitudes | frequencies | {"drive_phase"}):
