@@ -290,6 +290,10 @@ BAD = [
         [*PENDULUM, "--axis", "string_restitution = 0 : 1 : 3"],
         "string_restitution is for balls on strings: a rod",
     ),
+    (
+        [*PENDULUM, "--axis", "suspension = rod, string"],
+        "suspension is 'rod' or 'string', but an axis varies numbers only; run one sweep for each",
+    ),
     ([*PENDULUM, *A0], "axis drive_amplitude needs a drive"),
     ([*BOTH, "--axis", "drive_frequency=1,2"], "both set drive_frequency: drop one"),
     ([*BOTH, "--drive-amplitude", "1"], "given as a value and varied along axis drive_amplitude"),

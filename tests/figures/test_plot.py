@@ -225,7 +225,7 @@ def test_the_tension_of_a_rod_is_never_drawn_as_that_of_a_string():
     title = ll.plot(rod, "tension").axes[0].get_title(loc="left")
     assert title.startswith("Tension of the rod, per ball (negative: the rod is pushed")
     for name in ("slack", "distance", "radial_velocity", "retension_loss"):
-        with pytest.raises(InputError, match="of balls on strings, and this run is of rods"):
+        with pytest.raises(InputError, match="must be one of a run on rods, which never go slack"):
             ll.plot(rod, name)
     with pytest.raises(InputError, match="unknown variable 'tensoin' of a run: did you mean"):
         ll.plot(rod, "tensoin")

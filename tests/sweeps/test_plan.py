@@ -23,6 +23,7 @@ PAIR = ll.BallPair(
 )
 STRINGS = dataclasses.replace(TOY, suspension="string")
 DRIVE = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
+UPRIGHT = ll.PlanarHarmonic(vertical_amplitude=0.05, horizontal_amplitude=0.0, drive_frequency=6.0)
 SETTINGS = {
     "axes": {"drive_amplitude": [0.0, 0.1], "drive_frequency": [5.0, 6.0]},
     "initial_angle": 0.4,
@@ -303,6 +304,26 @@ MISTAKES = {
             "axes": {"quadratic_damping": [0.0, 0.1]},
         },
         "drag_frame must be 'pivot' with quadratic_damping",
+    ),
+    "suspension as an axis": (
+        {"axes": {"suspension": ["rod", "string"]}},
+        "suspension is 'rod' or 'string', but an axis varies numbers only; run one sweep for each",
+    ),
+    "drag_frame among parameters of an axis": (
+        {"axes": {"both": {"drag_frame": ["pivot", "lab"], "mass": [0.7, 0.8]}}},
+        "drag_frame is 'pivot' or 'lab', but an axis varies numbers only",
+    ),
+    "a pivot that moves sideways along an axis": (
+        {"drive": UPRIGHT, "axes": {"horizontal_amplitude": [0.0, 0.02]}},
+        "breaks the mirror symmetry of a LatoLato: drive must be vertical, .* use a BallPair",
+    ),
+    "one that moves a linear pendulum": (
+        {
+            "system": ll.Mathieu(length=1.0, mass=0.8),
+            "drive": UPRIGHT,
+            "axes": {"both": {"horizontal_amplitude": [0.0, 0.02], "mass": [0.7, 0.8]}},
+        },
+        "which a Mathieu does not describe: drive must be vertical",
     ),
     "compression of strings": (
         {"system": STRINGS, "observables": ["compression_fraction"]},

@@ -123,11 +123,11 @@ def _check_over_time(run: xr.Dataset, name: str) -> None:
         return
     if name in (*ON_STRINGS, "retension_loss"):
         raise InputError(
-            "is known of balls on strings, and this run is of rods: the tension of a rod, where it "
-            "is negative, is no string that is slack",
+            "must be one of a run on rods, which never go slack: where its tension is negative, a "
+            "rod is pushed",
             parameter="variable",
             value=name,
-            way_out="simulate with suspension='string', or draw 'tension' as that of the rod",
+            way_out="simulate with suspension='string', or draw 'tension'",
         )
     known = [str(each) for each in run.data_vars if "time" in run[each].dims]
     raise InputError(f"unknown variable '{name}' of a run: {suggest(name, known)}")

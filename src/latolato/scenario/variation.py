@@ -18,7 +18,7 @@ from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.scenario.units import to_si, to_si_list
-from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
+from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of, unknown_parameter
 
 if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
@@ -84,7 +84,7 @@ def read_axes(axes: Any, known: Mapping[str, Quantity], folder: Path) -> dict[st
 def _read_values(name: str, value: Any, known: Mapping[str, Quantity], folder: Path) -> Values:
     """Return the values of one parameter."""
     if name not in known:
-        raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+        raise unknown_parameter(name, known)
     unit = known[name].unit
     values = _listed(name, value, unit, folder)
     if isinstance(values, str) or not isinstance(values, Sequence):

@@ -12,7 +12,9 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import suggest
+from latolato.physics.drives import drives
 from latolato.physics.noise import KEY, STREAMS
+from latolato.physics.pendulum import systems
 from latolato.simulation.parameters import RUN_PARAMETERS
 
 # Parameters that stand for another one, which is set from them.
@@ -93,6 +95,23 @@ def replaced(law: Any, values: Mapping[tuple[str, ...], Any]) -> Any:
     return replace(law, **changed | parts) if changed else law
 
 
+def unknown_parameter(name: str, known: Iterable[str]) -> InputError:
+    """Return the error of an axis that varies none of the `known` parameters."""
+    choices = {
+        parameter.name: parameter.choices
+        for law in (*systems.values(), *drives.values())
+        for parameter in law_parameters(law, "")
+    }
+    if not choices.get(name):
+        return InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+    words = " or ".join(map(repr, choices[name]))
+    return InputError(
+        f"{{parameter}} is {words}, but an axis varies numbers only",
+        parameter=name,
+        way_out="run one sweep for each",
+    )
+
+
 def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
     """Return the axes of a sweep, checked.
 
@@ -139,7 +158,7 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
 def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> tuple[float, ...]:
     """Return the values of one parameter along an axis."""
     if name not in known:
-        raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+        raise unknown_parameter(name, known)
     parameter = known[name]
     unit = parameter.unit
     single = isinstance(values, np.ndarray) and values.ndim == 0

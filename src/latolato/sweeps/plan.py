@@ -37,7 +37,7 @@ from latolato.simulation.start import (
     checked_offset,
     checked_system,
 )
-from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced
+from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced, unknown_parameter
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
@@ -255,7 +255,7 @@ def make_plan(
     known = parameters_of(system, drive, noise)
     dimensions = checked_axes(axes, known)
     watched = tuple(checked_observable(o) for o in _listed(observables))
-    _check_suspension(system, dimensions, known, watched)
+    _check_laws(system, drive, dimensions, known, watched)
     varied = {name for axis in dimensions for name in axis.parameters}
     length = RUN_PARAMETERS["duration"].checked(duration)
     transient = SWEEP_PARAMETERS["transient"].checked(transient)
@@ -362,7 +362,7 @@ def _drive_for(
     known = parameters_of(system, harmonic, noise)
     for name in varied:
         if name not in known:
-            raise InputError(f"unknown parameter '{name}' in axes: {suggest(name, list(known))}")
+            raise unknown_parameter(name, known)
     if varied & amplitudes and varied & frequencies:
         return harmonic
     if varied & (amplitudes | frequencies | {"drive_phase"}):
@@ -371,13 +371,14 @@ def _drive_for(
     return checked_drive(None)
 
 
-def _check_suspension(
+def _check_laws(
     system: System,
+    drive: Drive,
     axes: Sequence[Axis],
     known: Mapping[str, Parameter],
     watched: Sequence[Observable],
 ) -> None:
-    """Raise InputError if axes vary what belongs to strings, or drag that is not described."""
+    """Raise InputError if axes vary what the laws of the sweep do not describe."""
     exponents = [next(iter(o.variables)) for o in watched if o.tangent is not None]
     for axis in axes:
         for name, values in zip(axis.parameters, axis.values, strict=True):
@@ -387,6 +388,8 @@ def _check_suspension(
                 replaced(system, {known[name].path: max(values)})
             if name.endswith("coulomb_damping") and exponents:
                 check_deviations(replaced(system, {known[name].path: max(values)}), exponents[0])
+            if name == "horizontal_amplitude":
+                checked_drive(replaced(drive, {known[name].path: max(values)}), system)
 
 
 def _listed(value: Any) -> list[Any]:

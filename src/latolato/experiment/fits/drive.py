@@ -230,10 +230,9 @@ def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError
     up, scatter, length = 1e3 * reach, 1e3 * noise, float(piece.attrs.get("length") or 0.0)
     if "pivot_x" in piece.variables and is_driven(piece, length, "pivot_x"):
         return InputError(
-            "the pivot moves sideways only, by "
-            f"{1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm either way: a "
-            f"drive is fitted to its height, which changes by {up:.3g} mm, its track scatters by "
-            f"{scatter:.3g} mm",
+            f"the pivot moves sideways only, by {1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm "
+            f"either way: a drive is fitted to its height, which changes by {up:.3g} mm, its track "
+            f"scatters by {scatter:.3g} mm",
             way_out="use fit_model, which follows the pivot's track, or MeasuredPivot",
         )
     return InputError(
