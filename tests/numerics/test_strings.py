@@ -416,3 +416,49 @@ def test_quadratic_drag_is_resolved_where_a_falling_ball_nearly_stops():
     ]  # fmt: skip
     off = ends - np.polyval(np.polyfit(shifts, ends, 2), shifts)
     assert np.abs(off).max() < 1e-12
+
+
+HUNG = {"length": 1.0, "mass": 1.0, "suspension": "string"}
+STRONG = ll.Harmonic(drive_amplitude=0.1, drive_frequency=12.0)
+
+
+@pytest.mark.parametrize(
+    "toy, start",
+    [
+        (ll.LatoLato(**HUNG, radius=0.1, coulomb_damping=1.0), {"initial_offset": 0.0}),
+        (ll.LatoLato(**HUNG, radius=0.0, restitution=0.5), {"initial_angle": 0.0}),
+    ],
+    ids=["held by friction", "on a wall of zero radius"],
+)
+def test_a_resting_ball_leaves_a_string_that_would_push(toy, start):
+    run = ll.simulate(toy, STRONG, **start, duration=3.0)
+    taut = run.slack.values == 0
+    assert run.tension.values[taut].min() > -1e-9  # of 24 N; rounding of the event's instant
+    assert (run.contact_kind == "slack").sum() == 6
+
+
+def test_an_elastic_string_comes_to_rest_between_walls_that_take_energy():
+    toy = ll.LatoLato(**HUNG, radius=0.1, restitution=0.5, string_restitution=1.0)
+    run = ll.simulate(toy, initial_angle=0.3, initial_distance=0.9, duration=60.0)
+    assert run.attrs["status"] == "complete"
+    assert run.slack.values[-1] == 0
+
+
+def test_two_balls_that_friction_holds_together_let_go_where_a_string_would_push():
+    ball = ll.Ball(length=1.0, mass=1.0, coulomb_damping=1.0, radius=0.1)
+    pair = ll.BallPair(right=ball, left=ball, restitution=0.0, suspension="string")
+    start = (0.15, 0.15 - pair.contact_separation)
+    run = ll.simulate(pair, STRONG, initial_angle=start, duration=3.0)
+    assert run.attrs["status"] == "complete"
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("above", [1e-12, 1.1e-11, 1e-9, 1e-8, 1.3e-8, 1e-6])
+def test_a_ball_let_go_just_above_the_horizontal_hops_too_little_to_be_seen(above, restitution):
+    string = ll.Pendulum(**HUNG, string_restitution=restitution)
+    start = {"initial_angle": 0.5 * math.pi + above, "duration": 3.0, "tolerance": 1e-10}
+    run = ll.simulate(string, **start, contact_limit=1000)
+    rod = ll.simulate(replace(string, suspension="rod", string_restitution=0.0), **start)
+    assert run.attrs["status"] == "complete"
+    # The hop lasts 0.6 ms at most and takes what the rod's motion has there.
+    assert np.abs(run.angle.values - rod.angle.values).max() < 10.0 * above + 1e-9

@@ -162,6 +162,9 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
         split(run, run.end)
         # Friction may have let go of both together: then they move on as one.
         let_go = run.event == RELEASE and one.sign == 0.0
+        if run.settings.is_string != 0:  # or a string did
+            pull = abs(swing.free(run, body_of(run), run.t_end, one.angle))
+            let_go = let_go and pull > run.bodies[body_of(run)].coulomb
         if let_go and balls.parting(run, state.side, run.t_end, run.end) <= 0.0:
             run.event = NOTHING
 

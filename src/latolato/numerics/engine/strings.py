@@ -20,6 +20,7 @@ from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
     RELEASE,
+    SETTLE,
     SLACK,
     SLACKEN,
     TAUTEN,
@@ -89,7 +90,8 @@ def make_strings(
     @part
     def await_slack(run: Any, i: int) -> None:
         """End the step where a taut string would have to push."""
-        if run.length == 0.0 or run.t < run.state.taut_until[i]:
+        is_over = run.length == 0.0 and run.event != SETTLE
+        if is_over or run.t < run.state.taut_until[i]:
             return
         left, low, high = swing.tension(run, i, run.now[i]), 0.0, run.length
         margin, least = tension.margin(run, i), brink(run, i)
