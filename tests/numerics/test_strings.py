@@ -312,6 +312,8 @@ class TestObservables:
 class TestOrder:
     """The step has order 6 in flight too, and so have the instants at which strings change.
 
+    The works of a pivot that moves sideways have order 4.
+
     Errors are geometric means over many starts of the distance to the independent program.
     """
 
@@ -347,6 +349,20 @@ class TestOrder:
             return run.attrs["step"], np.exp(np.mean(np.log(errors)))
 
         assert self.order(error_of) == pytest.approx(6.0, abs=0.1)
+
+    @pytest.mark.parametrize(
+        "direction, expected", [("vertical_amplitude", 6.0), ("horizontal_amplitude", 4.0)]
+    )
+    def test_of_the_works(self, direction, expected):
+        amplitudes = {"vertical_amplitude": 0.0, "horizontal_amplitude": 0.0, direction: 0.07}
+        drive = ll.PlanarHarmonic(**amplitudes, drive_frequency=14.0)
+        rod = ll.Pendulum(length=1.0, mass=1.0)
+
+        def error_of(tolerance):
+            run = ll.simulate(rod, drive, initial_angle=1.0, duration=5.0, tolerance=tolerance)
+            return run.attrs["step"], run.attrs["energy_residual"]
+
+        assert self.order(error_of) == pytest.approx(expected, abs=0.2)
 
     def test_of_slack_and_taut(self):
         starts = [(1.0 + 0.05 * k, 7.0) for k in range(16)]
