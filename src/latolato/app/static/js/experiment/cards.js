@@ -1,6 +1,7 @@
 /** The cards beside a clip: where videos come from, which there are, and what can be taken home. */
 
 import { el, freshId } from "../shared/dom.js";
+import { short, withSigma } from "../shared/units.js";
 import { t } from "../strings.js";
 import { clipAddress } from "./desk.js";
 
@@ -51,6 +52,19 @@ export function clipList(session, open) {
       el("button", { type: "button", class: "plain",
         "aria-label": t("clipRemove", { name: clip.name }),
         on: { click: () => void session.remove(clip) } }, "×")))));
+}
+
+/**
+ * Return what a video was filmed for: a few numbers in large type, each with its uncertainty.
+ * @param {Clip["answer"]} answer
+ */
+export function answerNumbers(answer) {
+  return el("dl", { class: "numbers" }, ...answer.map(({ name, value, sigma, units, given }) => {
+    const [number, ...rest] = withSigma(value, sigma).split(/(?= ± )/);
+    return el("div", { "data-answer": name, "data-value": String(value) },
+      el("dt", {}, t(`answer_${name}`, { given: short(given ?? NaN, 5) })),
+      el("dd", {}, number, el("small", {}, ...rest, units && ` ${units}`)));
+  }));
 }
 
 /**
