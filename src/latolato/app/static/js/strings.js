@@ -521,6 +521,15 @@ export const STRINGS = {
   step2: "The pivot and the balls are found automatically. Correct them in the first frame; give the "
     + "length from pivot to ball centre.",
   step3: "Track it. Look at every frame, at the curves, and at what they say about the motion.",
+  film: "Film your own in 60 seconds",
+  film_hang: "Hang a ball that stands out from the wall on a rod or a string. Measure the length l from "
+    + "the pivot to the middle of the ball.",
+  film_place: "Put the phone on something firm, about three lengths away and at the height of the ball. "
+    + "It must look straight at the wall.",
+  film_frame: "Have the pivot and the whole arc in the picture. Draw the ball a hand’s breadth aside, let "
+    + "go, and film 20 seconds or more.",
+  filmMore: "Collisions are seen better in slow motion. If the pivot does not fit into the picture, "
+    + "film all the same and say so after the upload.",
   clips: "Videos",
   clipRemove: "Remove {name}",
   clipsLost: "The connection to the server was lost; its videos are gone.",

@@ -11,6 +11,8 @@ import { clipAddress } from "./desk.js";
 const EXPORTS = { csv: "track.csv", nc: "track.nc", toml: "setup.toml", overlay: "overlay.mp4",
   report: "report.html" };
 const MADE = ["nc", "overlay", "report"];
+/** Pictures of the guide; each has a text. */
+const GUIDE = ["hang", "place", "frame"];
 
 /**
  * Return the card into which videos are dropped, with examples for those who have none.
@@ -34,6 +36,15 @@ export function dropCard(hello, add, example) {
     el("p", { class: "hint" }, t("exampleHint")),
     el("div", { class: "actions" }, ...hello.examples.map((kind) => el("button", {
       type: "button", on: { click: () => example(kind) } }, t(`example_${kind}`)))));
+}
+
+/** Return the card that tells how to film a pendulum. */
+export function guideCard() {
+  return el("section", { class: "card guide" }, el("h2", {}, t("film")),
+    el("ol", {}, ...GUIDE.map((name) => el("li", {},
+      el("img", { src: `film/${name}.svg`, alt: "", width: "320", height: "200" }),
+      el("p", {}, t(`film_${name}`))))),
+    el("p", { class: "hint" }, t("filmMore")));
 }
 
 /**

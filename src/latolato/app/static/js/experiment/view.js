@@ -7,7 +7,7 @@ import { textOf } from "../shared/laws.js";
 import { openState } from "../shared/links.js";
 import { short } from "../shared/units.js";
 import { t } from "../strings.js";
-import { answerNumbers, clipList, dropCard, exportsCard } from "./cards.js";
+import { answerNumbers, clipList, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
@@ -40,9 +40,10 @@ export class ExperimentView {
     this.list = el("div", { class: "clip-list" });
     this.form = el("div", { class: "clip-form" });
     this.exports = el("div", { class: "clip-exports" });
-    this.welcome = el("div", { class: "welcome" },
+    this.begin = el("div", { class: "welcome" },
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
         el("ol", {}, ...["step1", "step2", "step3"].map((s) => el("li", {}, t(s))))));
+    this.welcome = el("div", { class: "welcome" }, this.begin, guideCard());
     this.finding = findingPlace();
     /** What the place of the answer says: screen readers read each change. */
     this.shown = "";
@@ -94,7 +95,7 @@ export class ExperimentView {
     const state = clip?.stage ?? clip?.mode ?? "empty";
     this.root.dataset.state = state;
     this.root.classList.toggle("empty", !clip);
-    const place = clip ? this.side : this.welcome;
+    const place = clip ? this.side : this.begin;
     if (this.drop.parentElement !== place) place.append(this.drop);
     const { clips } = this.session;
     refresh(this.list, [clips.map((f) => [f.id, f.stage !== null]), clip?.id], () =>
