@@ -7,7 +7,7 @@ import warnings as alarms
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from latolato.core.errors import InputError, reading
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
+from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.sidecar import (
     Setup,
     checked_place,
@@ -29,7 +30,7 @@ from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.positions import Positions
-from latolato.experiment.tracking.propose import proposal_text, propose
+from latolato.experiment.tracking.propose import OUTSIDE, proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
@@ -51,8 +52,10 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
-# Shares of the work: the first reading, learning the scene.
-_READ, _LEARNED = 0.25, 0.35
+# Shares of the work: the first reading, the path about an unseen pivot, learning the scene.
+_READ, _FOLLOWED, _LEARNED = 0.25, 0.5, 0.35
+# How far from the picture a pivot may be, in diagonals of the picture.
+_FARTHEST = 10.0
 
 
 @dataclass
@@ -71,7 +74,7 @@ class Task:
 def track(
     path: str | Path,
     *,
-    pivot: Place | None = None,
+    pivot: Place | Literal["outside"] | None = None,
     balls: int | Sequence[Place] | None = None,
     length: float | None = None,
     radius: float | None = None,
@@ -88,8 +91,10 @@ def track(
     ----------
     path : str or Path
         The video.
-    pivot : sequence of float, optional
-        Column and row of the pivot in the first frame as displayed [pixels].
+    pivot : sequence of float or "outside", optional
+        Column and row of the pivot in the first frame as displayed [pixels]. A pivot out of the
+        picture must rest: declare its place (which counts as known to 2 % of its distance from
+        the ball), or say ``"outside"`` to have it fitted from the arc on which the ball runs.
     balls : int or sequence of sequence of float, optional
         How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
         What is not pointed at is found in the video, and a warning names it.
@@ -121,9 +126,12 @@ def track(
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
         hidden), predicted (carried on by the equation of motion) and lost. The attribute
-        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` without a pivot in the
-        picture, where angles are NaN, flags are about the ball's image alone, and ``period`` and
-        ``period_sigma`` [s] come from its path. ``warnings`` repeats what was warned of.
+        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` where no pivot is in
+        the picture and the arc does not show one at rest: angles are then NaN, flags are about the
+        ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
+        ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
+        two all angles share the relative error ``angle_scale_sigma``, which is in no
+        ``angle_sigma_1``. ``warnings`` repeats what was warned of.
 
     Raises
     ------
@@ -131,8 +139,8 @@ def track(
         If there is no such file.
     InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a place lies outside the frame, no ball is found, what was followed is not the ball, the
-        camera moves, or the sidecar is another video's.
+        a ball lies outside the frame or a pivot too far from it, no ball is found, what was
+        followed is not the ball, the camera moves, or the sidecar is another video's.
         Without the extra `video`.
 
     Warns
@@ -174,7 +182,7 @@ def track(
 
 def prepare(
     path: Path,
-    pivot: Place | None,
+    pivot: Place | Literal["outside"] | None,
     balls: int | Sequence[Place] | None,
     settings: dict[str, Any],
     sidecar: str | Path | None = None,
@@ -192,6 +200,7 @@ def prepare(
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
+    is_outside = isinstance(pivot, str) and pivot == OUTSIDE
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
             setup = with_changes(read_sidecar(sidecar, path), settings)
@@ -204,7 +213,7 @@ def prepare(
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
         setup = Setup(
-            pivot=None if pivot is None else checked_place("pivot", pivot),
+            pivot=None if pivot is None or is_outside else checked_place("pivot", pivot),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
         setup = with_changes(_checked(setup, video), settings)
@@ -212,8 +221,9 @@ def prepare(
             return Task(video, setup)
         sample = _sample_of(video, progress)
         proposal, size = propose(
-            video, sample, pivot=pivot, balls=clicks, count=count, optics=setup.optics
-        )
+            video, sample, pivot=OUTSIDE if is_outside else setup.pivot, balls=clicks, count=count,
+            optics=setup.optics,
+        )  # fmt: skip
         setup = with_changes(proposal, settings)
         return Task(video, setup, sample, [proposal_text(setup)], size)
 
@@ -224,10 +234,11 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     with reading(video.path):
         sample = task.sample or _sample_of(video, progress)
         balls = [np.array(ball) for ball in task.setup.balls]
-        if pivot is None:
-            table = _wandered(task, sample, balls, progress)
+        if pivot is None or not _is_inside(pivot, video):
+            table = _unseen(task, sample, balls, progress)
         else:
-            table = _tracked(task, sample, np.array(pivot), balls, progress)
+            scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
+            table = _table(task, scene, seen, _calibrated(task, sample, scene, seen))
     if progress:
         progress(1.0)
     missing = video.frame_count - table.sizes["frame"]
@@ -252,29 +263,80 @@ def _sample_of(video: Video, progress: Progress | None) -> Sample:
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose places lie inside the frame."""
-    named = [("ball", place) for place in setup.balls]
-    if setup.pivot is not None:
-        named.insert(0, ("pivot", setup.pivot))
-    for name, (u, v) in named:
-        if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
+    """Return a set-up whose balls lie inside the frame, and whose pivot is not too far from it."""
+    for u, v in setup.balls:
+        if not _is_inside((u, v), video):
             raise InputError(
-                f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
+                f"ball at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
+            )
+    if setup.pivot is not None:
+        u, v = setup.pivot
+        reach = _FARTHEST * math.hypot(video.width, video.height)
+        if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
+            raise InputError(
+                f"the pivot at ({u:g}, {v:g}) is farther than {reach:.0f} pixels from the picture",
+                way_out=f"say '{OUTSIDE}' to have it fitted from the arc",
             )
     return setup
 
 
-def _tracked(
+def _is_inside(place: Place, video: Video) -> bool:
+    """Return whether a place lies in the picture."""
+    return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
+
+
+def _unseen(
+    task: Task, sample: Sample, balls: list[np.ndarray], progress: Progress | None
+) -> xr.Dataset:
+    """Return the table about a pivot that the picture does not show, if the arc shows where."""
+    path = follow_path(task.video, sample, balls, _part(progress, _READ, _FOLLOWED))
+    circle, doubt = _circle_of(task, path)
+    if circle is not None and doubt is None:
+        tell = _part(progress, _FOLLOWED, 1.0)
+        scene, seen = _followed(task, sample, circle.centre, balls, tell, path)
+        circle, doubt = _circle_of(task, seen)
+        if circle is not None and doubt is None:
+            measured = _calibrated(task, sample, scene, seen, circle)
+            return _table(task, scene, seen, measured)
+    return _wandered(task, sample, balls, path, f"{doubt}")
+
+
+def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
+    """Return the circle about a pivot that is not seen, and why it cannot be believed."""
+    video, setup, optics = task.video, task.setup, task.setup.optics
+    size = video.width, video.height
+    clean = np.where((seen.flags == "ok")[..., None], seen.centres, np.nan)
+    places = undistorted(clean, size, optics)
+    declared = None if setup.pivot is None else np.array(setup.pivot)
+    has_lens = bool(optics.lens_k1 or optics.lens_k2)
+    circle = fit_circle(places, size, declared=declared, has_lens=has_lens)
+    return circle, doubt_about(seen.times, places, circle)
+
+
+def _followed(
     task: Task,
     sample: Sample,
     pivot: np.ndarray,
     balls: list[np.ndarray],
     progress: Progress | None,
-) -> xr.Dataset:
-    """Return the table about a pivot in the picture."""
+    path: Positions | None = None,
+) -> tuple[ImageModel, Positions]:
+    """Return what was learned of a clip, and where its balls are about the pivot.
+
+    `path` is that of balls about a pivot that the picture does not show.
+    """
     video, setup = task.video, task.setup
     length, radius = setup.length, setup.radius
+    if path is not None:
+        scene = learn_image_model(
+            video, sample, pivot, balls, None, _part(progress, 0.0, _READ),
+            unseen_radius=path.radius,
+        )  # fmt: skip
+        period, _ = period_of(path.times, path.centres[:, 0])
+        stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
+        seen = follow(video, sample, scene, stiffness, _part(progress, _READ, 1.0))
+        return scene, _believed(task, sample, seen, balls)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
@@ -292,6 +354,18 @@ def _tracked(
             scene = free
     stiffness = setup.gravity / length if length else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    declared = radius / length * scene.arm if radius and length else None
+    return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _believed(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    balls: list[np.ndarray],
+    radius: float | None = None,
+) -> Positions:
+    """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     share = float(seen.is_measured.mean())
     if share == 0.0:
         raise InputError(
@@ -307,11 +381,19 @@ def _tracked(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
             "at?"
         )
-    declared = radius / length * scene.arm if radius and length else None
-    _examine(task, sample, seen, balls, declared)
+    _examine(task, sample, seen, balls, radius)
+    return seen
+
+
+def _calibrated(
+    task: Task, sample: Sample, scene: ImageModel, seen: Positions, circle: Circle | None = None
+) -> Calibration:
+    """Return angles about the hinge, or about the centre of a circle where no pivot is seen."""
+    video = task.video
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
-    measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    size = video.width, video.height
+    measured = calibrate(seen, size, video.rotation, task.setup.optics, circle)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
@@ -320,7 +402,7 @@ def _tracked(
             "the ball has a pattern that turns with it: where the pattern resembles the "
             f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
         )
-    return _table(task, scene, seen, measured)
+    return measured
 
 
 def _examine(
@@ -342,9 +424,9 @@ def _examine(
             seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: ImageModel) -> float:
+def _doubt(scene: ImageModel, scale_sigma: float = 0.0) -> float:
     """Return by which share the radius measured may differ from that declared."""
-    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius + 2.0 * scale_sigma
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -357,9 +439,9 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
 
 def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
     """Return the table in metres, or in pixels where the length is unknown."""
-    length, radius = task.setup.length, task.setup.radius
+    length, radius, hinge = task.setup.length, task.setup.radius, measured.hinge
     task.warnings += measured.warnings
-    scale = length / measured.hinge.arm if length else math.nan
+    scale = length / hinge.arm if length else math.nan
     measured_radius = scene.look.radius * scale
     turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
@@ -384,7 +466,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
         if not length:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
+    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene, hinge.scale_sigma):
         task.warnings.append(
             f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
             f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
@@ -393,7 +475,11 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
         "measured_radius": measured_radius if length else None,
-        "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
+        "measured_radius_sigma": math.hypot(
+            scene.look.radius_sigma * scale, measured_radius * hinge.scale_sigma
+        )
+        if length
+        else None,
         "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
@@ -401,29 +487,30 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         "gravity_source": measured.gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
         "exposure": scene.look.exposure,
-        "pivot_offset_x": float(measured.hinge.offset[0]),
-        "pivot_offset_y": float(measured.hinge.offset[1]),
-        "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
-        "pivot_offset_y_sigma": float(measured.hinge.sigma[1]),
-        "arm_pixels": measured.hinge.arm,
-        "arc": measured.hinge.arc,
-        "circle_residual": measured.hinge.residual,
+        "pivot_source": hinge.source,
+        "angle_scale_sigma": None if hinge.is_seen else hinge.scale_sigma,
+        "pivot_offset_x": float(hinge.offset[0]) if hinge.is_seen else None,
+        "pivot_offset_y": float(hinge.offset[1]) if hinge.is_seen else None,
+        "pivot_offset_x_sigma": float(hinge.sigma[0]),
+        "pivot_offset_y_sigma": float(hinge.sigma[1]),
+        "arm_pixels": hinge.arm,
+        "arc": hinge.arc,
+        "circle_residual": hinge.residual,
     }
     return track_table(columns, attributes)
 
 
 def _wandered(
-    task: Task, sample: Sample, balls: list[np.ndarray], progress: Progress | None
+    task: Task, sample: Sample, balls: list[np.ndarray], path: Positions, reason: str
 ) -> xr.Dataset:
-    """Return the table of balls about an unseen pivot: their places in the image, no angles."""
-    path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
+    """Return the table of balls about an unknown pivot: their places in the image, no angles."""
     _examine(task, sample, path, balls)
     columns: dict[str, Any] = {"time": path.times}
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
         columns[f"flag_{b + 1}"] = path.flags[:, b]
     task.warnings.append(
-        "no pivot is known: the geometry is unknown, there are no angles, the ball's places are in "
+        f"{reason}: the geometry is unknown, there are no angles, the ball's places are in "
         "pixels; its period is in the table's attributes"
     )
     period, sigma = period_of(path.times, path.centres[:, 0])

@@ -18,6 +18,8 @@ from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
+# What is given for a pivot that the picture does not show, and whose place is not known.
+OUTSIDE = "outside"
 # Discs are of one ball if their changes point the same way, and their radii agree by this factor.
 _ALIKE, _SIZE = 0.75, 1.7
 # Share of frames that must show a ball, and show two for two to be proposed.
@@ -55,7 +57,7 @@ def propose(
     video: Video,
     sample: Sample,
     *,
-    pivot: Sequence[float] | None = None,
+    pivot: Sequence[float] | str | None = None,
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
     optics: Optics | None = None,
@@ -69,7 +71,7 @@ def propose(
     video, sample : Video, Sample
         The clip and its first reading.
     pivot, balls : sequence, optional
-        What is known already [pixels].
+        What is known already [pixels]; a pivot ``"outside"`` is not looked for.
     count : int, optional
         How many balls swing; None finds out.
     optics : Optics, optional
@@ -99,14 +101,14 @@ def propose(
         counts = [len(group) for group in members if group]
         count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
     members = [group[:count] for group in members]
-    known = np.array(pivot, float) if pivot is not None else None
+    known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     colours = Colours.of(video)
     radius = float(np.median([disc.radius for group in members for disc in group]))
     shift, radius = _by_edge(frames, colours, members, radius, known)
     places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
     lens, size = optics or Optics(), (video.width, video.height)
     places = [undistorted(group, size, lens) for group in places]
-    orbit = None if known is not None else _pivot(video, frames, places)
+    orbit = _pivot(video, frames, places) if pivot is None else None
     hinge = known if known is not None else orbit.centre if orbit else None
     if orbit is not None:
         hinge = distorted(orbit.centre, size, lens)
