@@ -229,6 +229,10 @@ def summarise(table: Any) -> dict[str, Any]:
         "circle_residual",
         "metres_per_pixel",
         "angle_offset_sigma",
+        "pivot_source",
+        "angle_scale_sigma",
+        "origin_u",
+        "origin_v",
         "period",
         "period_sigma",
     ):
@@ -240,6 +244,8 @@ def summarise(table: Any) -> dict[str, Any]:
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a summary as names and texts for reading."""
+    from latolato.experiment.quality import unseen_pivot
+
     if "is_proposed" in summary:
         clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in summary["ball"])
         if summary["pivot"] is not None:
@@ -270,7 +276,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
             f"({rate / tau:.5g} Hz)"
         )
     elif summary["geometry"] != "unknown":
-        lines["pivot"] = "rests"
+        lines["pivot"] = unseen_pivot(summary) or "rests"
     if "exposure" in summary:
         lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
     for k, text in enumerate(summary["warnings"]):

@@ -71,11 +71,14 @@ def places_of(table: xr.Dataset, size: tuple[int, int]) -> tuple[np.ndarray, np.
             return columns(f"{name}_u", f"{name}_v")
 
     pivot = pixels_of("pivot")
+    is_seen = attrs.get("pivot_source", "picture") == "picture"
     centres = np.stack([pixels_of(f"ball_{b}") for b in balls], axis=1)
     optics = Optics(
         lens_k1=float(attrs.get("lens_k1", 0.0)), lens_k2=float(attrs.get("lens_k2", 0.0))
     )
-    return distorted(pivot, size, optics), distorted(centres, size, optics)
+    # Far out of the picture the lens's polynomial means nothing.
+    seen = distorted(pivot, size, optics) if is_seen else pivot
+    return seen, distorted(centres, size, optics)
 
 
 def write_overlay(

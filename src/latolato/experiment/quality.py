@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +36,22 @@ def typical_sigma(table: xr.Dataset) -> float | None:
     )
     sigmas = sigmas[np.isfinite(sigmas)]
     return float(np.median(sigmas)) if sigmas.size else None
+
+
+def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
+    """Return where a pivot is that the picture does not show, and how well it is known, in words.
+
+    None for a pivot in the picture, and where there is none.
+    """
+    source = attributes.get("pivot_source", "picture")
+    if source == "picture":
+        return None
+    known = "as declared" if source == "declared" else "from the arc"
+    return (
+        f"out of the picture at ({attributes['origin_u']:.0f}, {attributes['origin_v']:.0f}) "
+        f"{known}, taken to rest; angles and scale are known to "
+        f"{100.0 * attributes['angle_scale_sigma']:.2g} %"
+    )
 
 
 def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:

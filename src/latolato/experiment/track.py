@@ -452,6 +452,12 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         away = (places - origin) * scale
         return away @ right, -(away @ down)
 
+    if hinge.source == "arc":
+        task.warnings.append(
+            f"the pivot is not in the picture: it is taken to rest at ({origin[0]:.0f}, "
+            f"{origin[1]:.0f}), the centre of the ball's arc; all angles, and the scale, share an "
+            f"error of {100.0 * hinge.scale_sigma:.2g} %"
+        )
     columns: dict[str, Any] = {"time": seen.times}
     columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
     if not length:
