@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.track_table import FLAGS, balls_of
+from latolato.experiment.track_table import FLAGS, balls_of, has_own_pivots, table_of_ball
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,6 +59,8 @@ def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
 
     Shape (frame,).
     """
+    if has_own_pivots(table):
+        table, ball = table_of_ball(table, ball), 1
     ends = "xy" if np.isfinite(table["pivot_x"].values).any() else "uv"
     if f"pivot_{ends[0]}" not in table.variables:
         return np.full(table.sizes["frame"], np.nan)

@@ -402,7 +402,7 @@ def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray
     places = centres[np.isfinite(centres).all(axis=1)]
     height, width = picture.shape[:2]
     centre = places[-1] if len(places) else np.array([width / 2.0, height / 2.0])
-    half = int(max(_AROUND * artist.radius, 24.0))
+    half = int(max(_AROUND * max(artist.radii), 24.0))
     u, v = np.rint(centre).astype(int)
     padded = np.pad(picture, ((half, half), (half, half), (0, 0)), mode="edge")
     u, v = int(np.clip(u, 0, width - 1)), int(np.clip(v, 0, height - 1))

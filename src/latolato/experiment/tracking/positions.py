@@ -69,3 +69,12 @@ class Positions:
         self.flags[doubtful] = "lost"
         for numbers in (self.centres, self.angles, self.sigmas, self.spreads):
             numbers[doubtful] = np.nan
+
+
+def meetings(one: Positions, other: Positions) -> np.ndarray:
+    """Return in which frames the balls of two tracks met, shape (frame,): they touch, or nearly.
+
+    Within a frame their distance changes by half of what it does from the last to the next.
+    """
+    away = np.linalg.norm(one.centres[:, 0] - other.centres[:, 0], axis=-1)
+    return np.asarray(away <= one.radius + other.radius + 0.5 * np.abs(np.gradient(away)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
-from latolato.experiment.sidecar import Place, Setup
+from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.appearance import Colours
 from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
@@ -18,8 +18,6 @@ from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
-# What is given for a pivot that the picture does not show, and whose place is not known.
-OUTSIDE = "outside"
 # Discs are of one ball if their changes point the same way, and their radii agree by this factor.
 _ALIKE, _SIZE = 0.75, 1.7
 # Share of frames that must show a ball, and show two for two to be proposed.
@@ -46,11 +44,20 @@ _EDGES = 9
 
 def proposal_text(setup: Setup) -> str:
     """Return a proposal in words, with the options that say the same."""
-    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in setup.balls)
-    if setup.pivot is None:
-        return f"found in the video: {clicks}; no pivot was found in the picture"
-    u, v = setup.pivot
-    return f"found in the video: --pivot {u:g},{v:g} {clicks}"
+    options = options_of(setup)
+    if setup.pivot is None and not setup.has_own_pivots:
+        return f"found in the video: {options}; no pivot was found in the picture"
+    return f"found in the video: {options}"
+
+
+def options_of(setup: Setup) -> str:
+    """Return the options of `latolato track` that point at pivots and balls."""
+    pivots = [setup.pivot, setup.pivot_2] if setup.has_own_pivots else [setup.pivot]
+    named = [("pivot", place) for place in pivots] + [("ball", place) for place in setup.balls]
+    return " ".join(
+        f"--{name} {OUTSIDE if place is None else f'{place[0]:g},{place[1]:g}'}"
+        for name, place in named
+    )
 
 
 def propose(
