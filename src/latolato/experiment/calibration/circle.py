@@ -28,7 +28,7 @@ _ROUND, _ROUND_SHARE = 3.0, 0.02
 # its amplitude must be [standard deviations].
 _STILL, _STILL_SHARE, _BETTER, _SURE = 0.5, 0.002, 0.5, 5.0
 # Frequencies of a pivot's motion that are tried [Hz], how finely over the clip, and most places.
-_SLOWEST, _FASTEST, _FINENESS, _MOST = 0.3, 12.0, 4, 800
+_SLOWEST, _FASTEST, _FINENESS, _MOST = 0.3, 12.0, 8, 800
 
 
 @dataclass(frozen=True)
@@ -103,15 +103,16 @@ def fit_circle(
     bow, spread = bow.fitted(points, sigma, bent)
     warnings, is_declared = [], False
     if declared is not None:
-        error = math.hypot(CLICK, _DECLARED * float(np.hypot(*(declared - bow.origin))))
-        centre, covariance = bow.centre[:2], bow.covariance(spread)[:2, :2]
-        apart = centre - declared
-        both = covariance + error**2 * np.eye(2)
+        about = bow.about(declared)
+        error = math.hypot(CLICK, _DECLARED * about.centre[2])
+        # Directions and curvatures have errors that are alike on both sides; far centres have not.
+        apart = (about.shape - bow.shape)[1:]
+        both = spread[1:, 1:] + np.diag([1.0, about.shape[2]]) ** 2 * (error / about.centre[2]) ** 2
         is_declared = bool(apart @ np.linalg.solve(both, apart) <= _AGREES**2)
         if is_declared:
-            bow, spread = bow.about(declared).fitted(points, sigma, bent, (declared, error))
+            bow, spread = about.fitted(points, sigma, bent, (declared, error))
         else:
-            away = np.sqrt(np.diag(covariance))
+            centre, away = bow.centre, np.sqrt(np.diag(bow.covariance(spread)))
             warnings = [
                 f"the pivot declared at ({declared[0]:.0f}, {declared[1]:.0f}) is not the centre "
                 f"of the ball's arc, ({centre[0]:.0f}, {centre[1]:.0f}) give or take "
@@ -160,8 +161,10 @@ class _Bow:
     def about(self, centre: np.ndarray) -> _Bow:
         """Return the circle about a centre through the origin."""
         away = self.origin - centre
-        arm = float(np.hypot(*away))
-        return _Bow(self.origin, away / arm, self.unit, np.array([0.0, 0.0, self.unit / arm]))
+        across = _turned(self.outwards, 0.5 * math.pi)
+        turn = math.atan2(float(away @ across), float(away @ self.outwards))
+        bend = self.unit / max(float(np.hypot(*away)), 1e-9)
+        return replace(self, shape=np.array([0.0, turn, bend]))
 
     @property
     def centre(self) -> tuple[float, float, float]:

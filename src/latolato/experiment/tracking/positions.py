@@ -9,6 +9,9 @@ import numpy as np
 
 from latolato.experiment.track_table import MEASURED
 
+# Time between frames in which balls that come to touch have met, as a share.
+_NEAR = 0.25
+
 
 @dataclass
 class Positions:
@@ -72,9 +75,11 @@ class Positions:
 
 
 def meetings(one: Positions, other: Positions) -> np.ndarray:
-    """Return in which frames the balls of two tracks met, shape (frame,): they touch, or nearly.
+    """Return in which frames the balls of two tracks met, shape (frame,).
 
-    Within a frame their distance changes by half of what it does from the last to the next.
+    They touch, or would within a quarter of the time between frames.
     """
     away = np.linalg.norm(one.centres[:, 0] - other.centres[:, 0], axis=-1)
-    return np.asarray(away <= one.radius + other.radius + 0.5 * np.abs(np.gradient(away)))
+    steps = np.abs(np.diff(away))
+    fastest = np.fmax(np.append(steps, 0.0), np.append(0.0, steps))
+    return np.asarray(away <= one.radius + other.radius + _NEAR * fastest)
