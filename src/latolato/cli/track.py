@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of, with_options
+from latolato.cli.options import JsonOption, pivots_of, place_of, with_options
 from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
@@ -21,9 +21,11 @@ def track(
     videos: Annotated[list[Path], typer.Argument(help="Videos.")],
     balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
     pivot: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
-            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            help="Column and row of the pivot in the first frame as displayed: 640,194. Out of the "
+            "picture it must rest; outside has it fitted to the ball's arc. Given twice for two "
+            "balls about pivots of their own.",
             metavar="U,V",
         ),
     ] = None,
@@ -84,9 +86,9 @@ def track(
     places = tuple(place_of("--ball", text) for text in ball or ())
     _check_places(balls, places)
     if sidecar is not None:
-        _check_sidecar(sidecar, videos, pivot is not None or bool(places))
+        _check_sidecar(sidecar, videos, bool(pivot or places))
     common: dict[str, Any] = {
-        "pivot": None if pivot is None else place_of("--pivot", pivot),
+        "pivot": pivots_of(pivot),
         "balls": places or balls,
         "values": _in_si(values, limit or []),
         "sidecar": sidecar,

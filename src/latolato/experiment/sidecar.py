@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import ANY
@@ -21,6 +21,9 @@ from latolato.physics.pendulum import GRAVITY
 
 SUFFIX = ".track.toml"
 Place = tuple[float, float]
+# What is given for a pivot that the picture does not show, and whose place is not known.
+OUTSIDE: Final = "outside"
+Pivot = Place | Literal["outside"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +37,10 @@ class Setup:
         in the picture.
     balls : tuple of tuple of float
         The same of each ball's centre.
+    pivot_2 : tuple of float or None
+        The same of the second ball's own pivot.
+    has_own_pivots : bool
+        Whether the second of two balls has a pivot of its own.
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
     gravity : float
@@ -57,6 +64,8 @@ class Setup:
     slow_motion: float = 1.0
     limits: Limits = field(default_factory=Limits)
     is_proposed: bool = False
+    pivot_2: Place | None = None
+    has_own_pivots: bool = False
 
 
 def sidecar_path(table: str | Path) -> Path:
@@ -97,6 +106,8 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
 
     geometry = {
         "pivot": setup.pivot,
+        "pivot_2": setup.pivot_2,
+        "own_pivots": setup.has_own_pivots or None,
         "balls": setup.balls,
         "length": setup.length,
         "radius": setup.radius,
@@ -175,18 +186,28 @@ def _parsed(path: Path) -> dict[str, Any]:
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
     _check_names("", tables, ("video", "sha256", "latolato", "geometry", "camera", "limits"))
-    geometry = _table(
-        tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
-    )
+    geometry = _table(tables, "geometry", (
+        "pivot", "pivot_2", "own_pivots", "balls", "length", "radius", "gravity", "proposed",
+    ))  # fmt: skip
     camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
     limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
     limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
-    pivot, balls = geometry.pop("pivot", None), geometry.pop("balls", [])
+    pivots = {
+        name: checked_place(f"geometry.{name}", geometry.pop(name))
+        for name in ("pivot", "pivot_2")
+        if name in geometry
+    }
+    balls = geometry.pop("balls", [])
     is_proposed = bool(geometry.pop("proposed", False))
+    has_own_pivots = bool(geometry.pop("own_pivots", False))
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
+    if has_own_pivots and len(balls) != 2:
+        raise InputError("geometry.own_pivots are those of two balls")
     return Setup(
-        pivot=None if pivot is None else checked_place("geometry.pivot", pivot),
+        pivot=pivots.get("pivot"),
+        pivot_2=pivots.get("pivot_2"),
+        has_own_pivots=has_own_pivots,
         balls=tuple(checked_place("geometry.balls", ball) for ball in balls),
         slow_motion=camera.pop("slow_motion", 1.0),
         optics=Optics(**camera),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 import warnings as alarms
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -16,8 +17,10 @@ from latolato.core.errors import InputError, reading
 from latolato.core.quantities import POSITIVE, QUANTITIES
 from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
+from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.sidecar import (
+    OUTSIDE,
     Setup,
     checked_place,
     read_sidecar,
@@ -28,7 +31,7 @@ from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
-from latolato.experiment.tracking.positions import Positions
+from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.wander import follow_path, period_of
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Place = Sequence[float]
+Pivot = Place | Literal["outside"]
 Progress = Callable[[float], None]
 # Difference of declared and measured radius that is worth a warning.
 _RADIUS_TOLERANCE = 0.03
@@ -51,8 +55,11 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
-# Shares of the work: the first reading, learning the scene.
-_READ, _LEARNED = 0.25, 0.35
+# Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
+# learning the scene.
+_READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# How far from the picture a pivot may be, in diagonals of the picture.
+_FARTHEST = 10.0
 
 
 @dataclass
@@ -68,10 +75,27 @@ class Task:
     setup_file: Path | None = None
 
 
+@dataclass(frozen=True)
+class _Track:
+    """Balls that were followed about one pivot."""
+
+    scene: ImageModel
+    seen: Positions
+    measured: Calibration
+
+
+@dataclass(frozen=True)
+class _Path:
+    """Balls whose pivot is not known, and why."""
+
+    seen: Positions
+    doubt: str
+
+
 def track(
     path: str | Path,
     *,
-    pivot: Place | None = None,
+    pivot: Pivot | Sequence[Pivot] | None = None,
     balls: int | Sequence[Place] | None = None,
     length: float | None = None,
     radius: float | None = None,
@@ -88,8 +112,11 @@ def track(
     ----------
     path : str or Path
         The video.
-    pivot : sequence of float, optional
-        Column and row of the pivot in the first frame as displayed [pixels].
+    pivot : sequence of float or "outside", or a sequence of two of these, optional
+        Column and row of the pivot in the first frame as displayed [pixels]. A pivot out of the
+        picture must rest: declare its place (which counts as known to 2 % of its distance from
+        the ball), or say ``"outside"`` to have it fitted from the arc on which the ball runs. Two
+        are the own pivots of two balls, in their order if these are pointed at.
     balls : int or sequence of sequence of float, optional
         How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
         What is not pointed at is found in the video, and a warning names it.
@@ -121,9 +148,13 @@ def track(
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
         hidden), predicted (carried on by the equation of motion) and lost. The attribute
-        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` without a pivot in the
-        picture, where angles are NaN, flags are about the ball's image alone, and ``period`` and
-        ``period_sigma`` [s] come from its path. ``warnings`` repeats what was warned of.
+        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` where no pivot is in
+        the picture and the arc does not show one at rest: angles are then NaN, flags are about the
+        ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
+        ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
+        two all angles share the relative error ``angle_scale_sigma``, which is in no
+        ``angle_sigma_1``. The second ball's own pivot has columns ``pivot_2_x`` and so on, and
+        attributes that end in ``_2``. ``warnings`` repeats what was warned of.
 
     Raises
     ------
@@ -131,8 +162,9 @@ def track(
         If there is no such file.
     InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a place lies outside the frame, no ball is found, what was followed is not the ball, the
-        camera moves, or the sidecar is another video's.
+        a ball lies outside the frame or a pivot too far from it, no ball is found, what was
+        followed is not the ball, the camera moves, one length cannot be that of two balls about
+        pivots of their own, or the sidecar is another video's.
         Without the extra `video`.
 
     Warns
@@ -174,7 +206,7 @@ def track(
 
 def prepare(
     path: Path,
-    pivot: Place | None,
+    pivot: Pivot | Sequence[Pivot] | None,
     balls: int | Sequence[Place] | None,
     settings: dict[str, Any],
     sidecar: str | Path | None = None,
@@ -192,6 +224,11 @@ def prepare(
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
+    own = _own_pivots(pivot)
+    if own:
+        if count == 1:
+            raise InputError("two pivots need two balls", parameter="balls", value=count)
+        count = 2
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
             setup = with_changes(read_sidecar(sidecar, path), settings)
@@ -203,31 +240,64 @@ def prepare(
             video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
+        pivots = own or (None if pivot is None else _checked_pivot(pivot), None)
         setup = Setup(
-            pivot=None if pivot is None else checked_place("pivot", pivot),
+            pivot=pivots[0],
+            pivot_2=pivots[1],
+            has_own_pivots=bool(own),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
         setup = with_changes(_checked(setup, video), settings)
         if pivot is not None and clicks is not None:
-            return Task(video, setup)
+            return Task(video, _right_first(setup))
         sample = _sample_of(video, progress)
+        known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
-            video, sample, pivot=pivot, balls=clicks, count=count, optics=setup.optics
+            video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
         )
+        if own:
+            places = [place for place in own if place is not None]
+            if clicks is None and len(places) == 2:
+                pivots = tuple(sorted(places, reverse=True))
+            proposal = replace(proposal, pivot=pivots[0], pivot_2=pivots[1], has_own_pivots=True)
         setup = with_changes(proposal, settings)
         return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
+def _checked_pivot(pivot: Any) -> tuple[float, float] | None:
+    """Return a pivot's place [pixels], None where it is out of the picture and to be fitted."""
+    return None if isinstance(pivot, str) and pivot == OUTSIDE else checked_place("pivot", pivot)
+
+
+def _own_pivots(pivot: Any) -> tuple[tuple[float, float] | None, ...]:
+    """Return the places of two pivots, nothing for one or none."""
+    if pivot is None or isinstance(pivot, str) or all(isinstance(one, Real) for one in pivot):
+        return ()
+    if len(pivot) != 2:
+        raise InputError("must be one pivot, or two", parameter="pivot", value=len(pivot))
+    return tuple(_checked_pivot(one) for one in pivot)
+
+
+def _right_first(setup: Setup) -> Setup:
+    """Return a set-up whose right-hand ball comes first if balls have pivots of their own."""
+    if not setup.has_own_pivots or setup.balls[0][0] >= setup.balls[1][0]:
+        return setup
+    return replace(setup, balls=setup.balls[::-1], pivot=setup.pivot_2, pivot_2=setup.pivot)
+
+
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
-    video, pivot = task.video, task.setup.pivot
+    video, setup = task.video, task.setup
     with reading(video.path):
         sample = task.sample or _sample_of(video, progress)
-        balls = [np.array(ball) for ball in task.setup.balls]
-        if pivot is None:
-            table = _wandered(task, sample, balls, progress)
+        if setup.has_own_pivots:
+            table = _apart(task, sample, progress)
         else:
-            table = _tracked(task, sample, np.array(pivot), balls, progress)
+            found = _found(task, sample, _part(progress, _READ, 1.0))
+            if isinstance(found, _Track):
+                table = _table(task, [found])
+            else:
+                table = _wandered(task, sample, found)
     if progress:
         progress(1.0)
     missing = video.frame_count - table.sizes["frame"]
@@ -237,8 +307,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             "decoded: is it whole?"
         )
     if task.warnings:
-        # One text, whose parts a semicolon tells apart.
-        task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
+        # One text, whose parts a semicolon tells apart, and each part once.
+        task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
 
@@ -252,36 +322,111 @@ def _sample_of(video: Video, progress: Progress | None) -> Sample:
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose places lie inside the frame."""
-    named = [("ball", place) for place in setup.balls]
-    if setup.pivot is not None:
-        named.insert(0, ("pivot", setup.pivot))
-    for name, (u, v) in named:
-        if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
+    """Return a set-up whose balls lie inside the frame, and whose pivot is not too far from it."""
+    for u, v in setup.balls:
+        if not _is_inside((u, v), video):
             raise InputError(
-                f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
+                f"ball at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
+            )
+    reach = _FARTHEST * math.hypot(video.width, video.height)
+    for u, v in filter(None, (setup.pivot, setup.pivot_2)):
+        if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
+            raise InputError(
+                f"the pivot at ({u:g}, {v:g}) is farther than {reach:.0f} pixels from the picture",
+                way_out=f"say '{OUTSIDE}' to have it fitted from the arc",
             )
     return setup
 
 
-def _tracked(
+def _is_inside(place: Place, video: Video) -> bool:
+    """Return whether a place lies in the picture."""
+    return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
+
+
+def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
+    """Return the table of two balls, each of which was followed about a pivot of its own."""
+    tracks: list[_Track] = []
+    for b, pivot in enumerate((task.setup.pivot, task.setup.pivot_2)):
+        alone = replace(
+            task.setup, pivot=pivot, balls=task.setup.balls[b : b + 1], has_own_pivots=False
+        )
+        low = _READ + 0.5 * b * (1.0 - _READ)
+        tell = _part(progress, low, low + 0.5 * (1.0 - _READ))
+        found = _found(replace(task, setup=alone), sample, tell)
+        if isinstance(found, _Path):
+            balls = [np.array(ball) for ball in task.setup.balls]
+            return _wandered(
+                task, sample, _Path(follow_path(task.video, sample, balls), found.doubt)
+            )
+        tracks.append(found)
+    right, left = (track.seen for track in tracks)
+    is_meeting = meetings(right, left)
+    for seen in (right, left):
+        seen.flags[(is_meeting & (seen.flags[:, 0] == "ok"))[:, None]] = "collision"
+    return _table(task, tracks)
+
+
+def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _Path:
+    """Return balls about one pivot: in the picture, or where the arc shows it."""
+    pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
+    if pivot is not None and _is_inside(pivot, task.video):
+        scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
+        return _Track(scene, seen, _calibrated(task, sample, scene, seen))
+    path = follow_path(task.video, sample, balls, _part(progress, 0.0, _FOLLOWED))
+    circle, doubt = _circle_of(task, path)
+    if circle is None or doubt is not None:
+        return _Path(path, f"{doubt}")
+    before = len(task.warnings)
+    tell = _part(progress, _FOLLOWED, 1.0)
+    scene, seen = _followed(task, sample, circle.centre, balls, tell, path)
+    circle, doubt = _circle_of(task, seen)
+    if circle is None or doubt is not None:
+        del task.warnings[before:]  # they are about a track that is given up
+        return _Path(path, f"{doubt}")
+    return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
+
+
+def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
+    """Return the circle about a pivot that is not seen, and why it cannot be believed."""
+    video, setup, optics = task.video, task.setup, task.setup.optics
+    size = video.width, video.height
+    clean = np.where((seen.flags == "ok")[..., None], seen.centres, np.nan)
+    places = undistorted(clean, size, optics)
+    declared = None if setup.pivot is None else np.array(setup.pivot)
+    has_lens = bool(optics.lens_k1 or optics.lens_k2)
+    circle = fit_circle(places, size, declared=declared, has_lens=has_lens)
+    return circle, doubt_about(seen.times, places, circle)
+
+
+def _followed(
     task: Task,
     sample: Sample,
     pivot: np.ndarray,
     balls: list[np.ndarray],
     progress: Progress | None,
-) -> xr.Dataset:
-    """Return the table about a pivot in the picture."""
+    path: Positions | None = None,
+) -> tuple[ImageModel, Positions]:
+    """Return what was learned of a clip, and where its balls are about the pivot.
+
+    `path` is that of balls about a pivot that the picture does not show.
+    """
     video, setup = task.video, task.setup
     length, radius = setup.length, setup.radius
+    if path is not None:
+        scene = learn_image_model(
+            video, sample, pivot, balls, None, _part(progress, 0.0, _LEARNED),
+            unseen_radius=path.radius,
+        )  # fmt: skip
+        period, _ = period_of(path.times, path.centres[:, 0])
+        stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
+        seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+        return scene, _believed(task, sample, seen, balls)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     expected = radius / length * arm if radius and length else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_image_model(
-        video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
-    )
+    scene = learn_image_model(video, sample, pivot, balls, expected, _part(progress, 0.0, _LEARNED))
     if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
@@ -292,6 +437,18 @@ def _tracked(
             scene = free
     stiffness = setup.gravity / length if length else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    declared = radius / length * scene.arm if radius and length else None
+    return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _believed(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    balls: list[np.ndarray],
+    radius: float | None = None,
+) -> Positions:
+    """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     share = float(seen.is_measured.mean())
     if share == 0.0:
         raise InputError(
@@ -307,11 +464,19 @@ def _tracked(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
             "at?"
         )
-    declared = radius / length * scene.arm if radius and length else None
-    _examine(task, sample, seen, balls, declared)
+    _examine(task, sample, seen, balls, radius)
+    return seen
+
+
+def _calibrated(
+    task: Task, sample: Sample, scene: ImageModel, seen: Positions, circle: Circle | None = None
+) -> Calibration:
+    """Return angles about the hinge, or about the centre of a circle where no pivot is seen."""
+    video = task.video
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
-    measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    size = video.width, video.height
+    measured = calibrate(seen, size, video.rotation, task.setup.optics, circle)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
@@ -320,7 +485,7 @@ def _tracked(
             "the ball has a pattern that turns with it: where the pattern resembles the "
             f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
         )
-    return _table(task, scene, seen, measured)
+    return measured
 
 
 def _examine(
@@ -342,9 +507,9 @@ def _examine(
             seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: ImageModel) -> float:
+def _doubt(scene: ImageModel, scale_sigma: float = 0.0) -> float:
     """Return by which share the radius measured may differ from that declared."""
-    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius + 2.0 * scale_sigma
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -355,83 +520,137 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
     return lambda share: tell(low + (high - low) * share)
 
 
-def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
-    """Return the table in metres, or in pixels where the length is unknown."""
-    length, radius = task.setup.length, task.setup.radius
-    task.warnings += measured.warnings
-    scale = length / measured.hinge.arm if length else math.nan
-    measured_radius = scene.look.radius * scale
-    turn = measured.gravity.direction
+def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
+    """Return the table in metres, or in pixels where the length is unknown.
+
+    The second track, if there is one, is that of a ball about a pivot of its own.
+    """
+    length, first = task.setup.length, tracks[0].measured
+    for track in tracks:
+        task.warnings += track.measured.warnings
+    scale = length / _common_arm(tracks) if length else math.nan
+    turn = first.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
-    origin = np.nanmean(measured.pivots, axis=0)
+    origin = np.nanmean(first.pivots, axis=0)
+    columns: dict[str, Any] = {"time": tracks[0].seen.times}
 
-    def metres(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def put(name: str, places: np.ndarray) -> None:
         away = (places - origin) * scale
-        return away @ right, -(away @ down)
+        columns[f"{name}_x"], columns[f"{name}_y"] = away @ right, -(away @ down)
+        if not length:
+            columns[f"{name}_u"], columns[f"{name}_v"] = places.T
 
-    columns: dict[str, Any] = {"time": seen.times}
-    columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
+    for k, track in enumerate(tracks):
+        seen, measured = track.seen, track.measured
+        put("pivot_2" if k else "pivot", measured.pivots)
+        for b in range(seen.centres.shape[1]):
+            number = k + b + 1
+            put(f"ball_{number}", measured.centres[:, b])
+            columns[f"angle_{number}"] = measured.angles[:, b]
+            columns[f"angle_sigma_{number}"] = measured.sigmas[:, b]
+            columns[f"flag_{number}"] = seen.flags[:, b]
+        _warn_of(task, track, scale)
     if not length:
-        columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
         task.warnings.append(
             "the length is unknown: positions are in pixels only; give the length for the scale"
-        )
-    for b in range(seen.centres.shape[1]):
-        columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])
-        columns[f"angle_{b + 1}"] = measured.angles[:, b]
-        columns[f"angle_sigma_{b + 1}"] = measured.sigmas[:, b]
-        columns[f"flag_{b + 1}"] = seen.flags[:, b]
-        if not length:
-            columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
-        task.warnings.append(
-            f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
-            f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
         )
     attributes = {
         **_declared(task, "metric" if length else "angles"),
         "metres_per_pixel": scale if length else None,
-        "measured_radius": measured_radius if length else None,
-        "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
-        "radius_pixels": scene.look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
-        "gravity_direction": measured.gravity.direction,
-        "gravity_source": measured.gravity.source,
-        "angle_offset_sigma": measured.angle_offset_sigma,
-        "exposure": scene.look.exposure,
-        "pivot_offset_x": float(measured.hinge.offset[0]),
-        "pivot_offset_y": float(measured.hinge.offset[1]),
-        "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
-        "pivot_offset_y_sigma": float(measured.hinge.sigma[1]),
-        "arm_pixels": measured.hinge.arm,
-        "arc": measured.hinge.arc,
-        "circle_residual": measured.hinge.residual,
     }
+    for k, track in enumerate(tracks):
+        own = _measured(track, scale)
+        attributes |= {f"{name}_2": each for name, each in own.items()} if k else own
     return track_table(columns, attributes)
 
 
-def _wandered(
-    task: Task, sample: Sample, balls: list[np.ndarray], progress: Progress | None
-) -> xr.Dataset:
-    """Return the table of balls about an unseen pivot: their places in the image, no angles."""
-    path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
-    _examine(task, sample, path, balls)
-    columns: dict[str, Any] = {"time": path.times}
-    for b in range(len(balls)):
-        columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
-        columns[f"flag_{b + 1}"] = path.flags[:, b]
+def _common_arm(tracks: list[_Track]) -> float:
+    """Return the distance of pivot and ball [pixels]; of two, which must have the same, the mean.
+
+    Raises
+    ------
+    InputError
+        If they differ by more than their errors and 3 %.
+    """
+    arms = [track.measured.hinge.arm for track in tracks]
+    sigma = math.hypot(*(track.measured.hinge.scale_sigma for track in tracks))
+    if max(arms) / min(arms) - 1.0 > _RADIUS_TOLERANCE + 2.0 * sigma:
+        raise InputError(
+            f"the balls are {arms[0]:.0f} and {arms[1]:.0f} pixels from their pivots: one length "
+            "cannot be that of both",
+            way_out="leave the length out, and give it to fits of each ball",
+        )
+    return float(np.mean(arms))
+
+
+def _warn_of(task: Task, track: _Track, scale: float) -> None:
+    """Warn of a pivot that was fitted from the arc, and of a radius that does not fit the scale."""
+    hinge, radius, measured = (
+        track.measured.hinge,
+        task.setup.radius,
+        track.scene.look.radius * scale,
+    )
+    if hinge.source == "arc":
+        u, v = track.measured.pivots[0]
+        task.warnings.append(
+            f"the pivot is not in the picture: it is taken to rest at ({u:.0f}, {v:.0f}), the "
+            "centre of the ball's arc; all angles, and the scale, share an error of "
+            f"{100.0 * hinge.scale_sigma:.2g} %"
+        )
+    if radius and abs(measured / radius - 1.0) > _doubt(track.scene, hinge.scale_sigma):
+        task.warnings.append(
+            f"the balls' radius is {measured * 1e3:.2f} mm by the length's scale, declared "
+            f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
+        )
+
+
+def _measured(track: _Track, scale: float) -> dict[str, Any]:
+    """Return the attributes of balls about one pivot; the scale [m/pixel] is NaN if unknown."""
+    look, measured = track.scene.look, track.measured
+    hinge, gravity = measured.hinge, measured.gravity
+    is_known, radius = math.isfinite(scale), look.radius * scale
+    radius_sigma = math.hypot(look.radius_sigma * scale, radius * hinge.scale_sigma)
+    return {
+        "measured_radius": radius if is_known else None,
+        "measured_radius_sigma": radius_sigma if is_known else None,
+        "radius_pixels": look.radius,
+        "gravity_direction": gravity.direction,
+        "gravity_source": gravity.source,
+        "angle_offset_sigma": measured.angle_offset_sigma,
+        "exposure": look.exposure,
+        "pivot_source": hinge.source,
+        "angle_scale_sigma": None if hinge.is_seen else hinge.scale_sigma,
+        "pivot_offset_x": float(hinge.offset[0]) if hinge.is_seen else None,
+        "pivot_offset_y": float(hinge.offset[1]) if hinge.is_seen else None,
+        "pivot_offset_x_sigma": float(hinge.sigma[0]),
+        "pivot_offset_y_sigma": float(hinge.sigma[1]),
+        "arm_pixels": hinge.arm,
+        "arc": hinge.arc,
+        "circle_residual": hinge.residual,
+    }
+
+
+def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
+    """Return the table of balls about an unknown pivot: their places in the image, no angles."""
+    seen = path.seen
+    _examine(task, sample, seen, [np.array(ball) for ball in task.setup.balls])
+    columns: dict[str, Any] = {"time": seen.times}
+    for b in range(seen.centres.shape[1]):
+        columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T
+        columns[f"flag_{b + 1}"] = seen.flags[:, b]
     task.warnings.append(
-        "no pivot is known: the geometry is unknown, there are no angles, the ball's places are in "
+        f"{path.doubt}: the geometry is unknown, there are no angles, the ball's places are in "
         "pixels; its period is in the table's attributes"
     )
-    period, sigma = period_of(path.times, path.centres[:, 0])
+    period, sigma = period_of(seen.times, seen.centres[:, 0])
     if math.isnan(period):
         task.warnings.append("no period: fewer than three swings were seen")
     attributes = {
         **_declared(task, "unknown"),
-        "radius_pixels": path.radius,
+        "radius_pixels": seen.radius,
         "period": None if math.isnan(period) else period,
         "period_sigma": None if math.isnan(sigma) else sigma,
     }
@@ -441,7 +660,8 @@ def _wandered(
 def _declared(task: Task, geometry: str) -> dict[str, Any]:
     """Return the attributes that record the request."""
     video, setup = task.video, task.setup
-    places = {} if setup.pivot is None else {"pivot": setup.pivot}
+    pivots = {"pivot": setup.pivot, "pivot_2": setup.pivot_2}
+    places = {name: place for name, place in pivots.items() if place is not None}
     places |= {f"ball_{k + 1}": ball for k, ball in enumerate(setup.balls)}
     clicks = {
         f"{name}_pixel_{axis}": number

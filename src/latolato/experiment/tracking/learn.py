@@ -78,6 +78,8 @@ def learn_image_model(
     balls: list[np.ndarray],
     radius: float | None,
     progress: Callable[[float], None] | None = None,
+    *,
+    unseen_radius: float | None = None,
 ) -> ImageModel:
     """Return what a clip looks like.
 
@@ -86,11 +88,14 @@ def learn_image_model(
     video, sample : Video, Sample
         The clip and the frames to learn from.
     pivot : numpy.ndarray, shape (2,)
-        Pivot in the first frame (column, row) [pixels].
+        Pivot in the first frame (column, row) [pixels], in the picture or out of it.
     balls : list of numpy.ndarray, shape (2,)
         Centre of each ball in the first frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
+    unseen_radius : float, optional
+        Of balls about a pivot that the picture does not show, which is taken to rest: their rough
+        radius [pixels].
 
     Raises
     ------
@@ -101,13 +106,17 @@ def learn_image_model(
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    guess = radius or 0.08 * arm
+    guess = radius or unseen_radius or 0.08 * arm
     centres[0], size = disc_at(frames[0], colours, centres[0], guess, pivot, radius is not None)
     for k in range(1, len(centres)):
         centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
-    tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
+    pivot = np.asarray(pivot, float)
+    if unseen_radius is None:
+        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
+    else:
+        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
-from latolato.experiment.sidecar import Place, Setup
+from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.appearance import Colours
 from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
@@ -44,18 +44,27 @@ _EDGES = 9
 
 def proposal_text(setup: Setup) -> str:
     """Return a proposal in words, with the options that say the same."""
-    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in setup.balls)
-    if setup.pivot is None:
-        return f"found in the video: {clicks}; no pivot was found in the picture"
-    u, v = setup.pivot
-    return f"found in the video: --pivot {u:g},{v:g} {clicks}"
+    options = options_of(setup)
+    if setup.pivot is None and not setup.has_own_pivots:
+        return f"found in the video: {options}; no pivot was found in the picture"
+    return f"found in the video: {options}"
+
+
+def options_of(setup: Setup) -> str:
+    """Return the options of `latolato track` that point at pivots and balls."""
+    pivots = [setup.pivot, setup.pivot_2] if setup.has_own_pivots else [setup.pivot]
+    named = [("pivot", place) for place in pivots] + [("ball", place) for place in setup.balls]
+    return " ".join(
+        f"--{name} {OUTSIDE if place is None else f'{place[0]:g},{place[1]:g}'}"
+        for name, place in named
+    )
 
 
 def propose(
     video: Video,
     sample: Sample,
     *,
-    pivot: Sequence[float] | None = None,
+    pivot: Sequence[float] | str | None = None,
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
     optics: Optics | None = None,
@@ -69,7 +78,7 @@ def propose(
     video, sample : Video, Sample
         The clip and its first reading.
     pivot, balls : sequence, optional
-        What is known already [pixels].
+        What is known already [pixels]; a pivot ``"outside"`` is not looked for.
     count : int, optional
         How many balls swing; None finds out.
     optics : Optics, optional
@@ -99,14 +108,14 @@ def propose(
         counts = [len(group) for group in members if group]
         count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
     members = [group[:count] for group in members]
-    known = np.array(pivot, float) if pivot is not None else None
+    known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     colours = Colours.of(video)
     radius = float(np.median([disc.radius for group in members for disc in group]))
     shift, radius = _by_edge(frames, colours, members, radius, known)
     places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
     lens, size = optics or Optics(), (video.width, video.height)
     places = [undistorted(group, size, lens) for group in places]
-    orbit = None if known is not None else _pivot(video, frames, places)
+    orbit = _pivot(video, frames, places) if pivot is None else None
     hinge = known if known is not None else orbit.centre if orbit else None
     if orbit is not None:
         hinge = distorted(orbit.centre, size, lens)
