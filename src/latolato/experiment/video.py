@@ -148,7 +148,8 @@ class Video:
         last = first = -float("inf")
         number = 0
         size = (0, 0)
-        shown = (self.width, self.height)[:: -1 if self.rotation % 180 else 1]
+        is_turned = self.rotation % 180 == 90
+        shown = (self.height, self.width) if is_turned else (self.width, self.height)
         with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
             stream.thread_type = "AUTO"
@@ -228,9 +229,7 @@ def open_video(
                 raise _unreadable(path, "it holds no video stream, only sound or data")
             stream = container.streams.video[0]
             context = stream.codec_context
-            width, height = square_size(
-                context.width, context.height, stream.sample_aspect_ratio
-            )
+            width, height = square_size(context.width, context.height, stream.sample_aspect_ratio)
             if width * height == 0:
                 raise _unreadable(path, "the size of its frames is unknown")
             clock = declared_clock(container, stream)
