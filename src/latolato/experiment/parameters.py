@@ -8,7 +8,7 @@ from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
 
 def _of_camera(
     name: str, label: str, description: str, *, unit: str = "1", allowed: Range = ANY,
-    default: float = 0.0,
+    default: float | None = 0.0,
 ) -> Parameter:  # fmt: skip
     return Parameter(
         name=name, owner="camera", kind=float, description=description,
@@ -25,7 +25,8 @@ def _of_toy(name: str, description: str) -> Parameter:
 CAMERA = (
     _of_camera(
         "slow_motion", "slow motion: how many times slower than life it plays",
-        "how many times slower than life it plays", allowed=POSITIVE, default=1.0,
+        "how many times slower than life it plays, by default as the file says", allowed=POSITIVE,
+        default=None,
     ),
     _of_camera(
         "row_time", "time from row to row of a rolling shutter",

@@ -19,6 +19,7 @@ from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
 from latolato.experiment.calibration.lens import Optics, undistorted
+from latolato.experiment.calibration.pace import motion_of, pace_warnings
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Setup,
@@ -130,7 +131,8 @@ def track(
     optics : Optics, optional
         Row time of a rolling shutter and radial distortion of the lens.
     slow_motion : float, optional
-        How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz.
+        How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz. By default
+        what the file declares without doubt, else 1.
     limits : Limits, optional
         Largest duration, size and memory that a video may ask for.
     sidecar : str or Path, optional
@@ -216,10 +218,7 @@ def prepare(
     for name in ("length", "radius", "gravity"):
         if settings.get(name) is not None:
             checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
-    slower = settings.get("slow_motion")
-    video = open_video(
-        path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
-    )
+    video = open_video(path, slow_motion=settings.get("slow_motion"), limits=settings.get("limits"))
     clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
@@ -247,6 +246,7 @@ def prepare(
             has_own_pivots=bool(own),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
+        settings = {**settings, "slow_motion": video.slow_motion}
         setup = with_changes(_checked(setup, video), settings)
         if pivot is not None and clicks is not None:
             return Task(video, _right_first(setup))
@@ -303,8 +303,15 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     missing = video.frame_count - table.sizes["frame"]
     if missing > _FEW_MISSING:
         task.warnings.append(
-            f"{missing} of the {video.frame_count} frames that the file declares could not be "
-            "decoded: is it whole?"
+            f"{missing} of the {video.frame_count} frames that the file declares "
+            + ("are missing: it is cut off" if video.is_cut_off else "could not be decoded")
+        )
+    clock = video.clock
+    if video.slow_motion == 1.0 and not clock.is_sure:
+        task.warnings.append(
+            f"the file says that {clock.capture_rate:.4g} frames a second were filmed and "
+            f"{clock.shown_rate:.4g} are shown: if it is slow motion, declare one of "
+            f"{clock.slow_motion:.3g}"
         )
     if task.warnings:
         # One text, whose parts a semicolon tells apart, and each part once.
@@ -472,11 +479,13 @@ def _calibrated(
     task: Task, sample: Sample, scene: ImageModel, seen: Positions, circle: Circle | None = None
 ) -> Calibration:
     """Return angles about the hinge, or about the centre of a circle where no pivot is seen."""
-    video = task.video
+    video, setup = task.video, task.setup
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
-    measured = calibrate(seen, size, video.rotation, task.setup.optics, circle)
+    measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    stiffness = setup.gravity / setup.length if setup.length else None
+    task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
@@ -668,6 +677,8 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         for name, place in places.items()
         for axis, number in zip("uv", place, strict=True)
     }
+    clock = video.clock
+    is_other = clock.slow_motion != 1.0
     return {
         "source": video.path.name,
         "source_sha256": digest_of(video.path),
@@ -676,6 +687,8 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "radius": setup.radius,
         "gravity": setup.gravity,
         "slow_motion": setup.slow_motion,
+        "capture_rate": clock.capture_rate if is_other else None,
+        "shown_rate": clock.shown_rate if is_other else None,
         "row_time": setup.optics.row_time,
         "lens_k1": setup.optics.lens_k1,
         "lens_k2": setup.optics.lens_k2,

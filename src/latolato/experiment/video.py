@@ -15,6 +15,13 @@ import numpy as np
 from latolato.core.errors import InputError, import_extra, reading
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
+from latolato.experiment.container import (
+    Clock,
+    declared_clock,
+    displayed_turn,
+    missing_bytes,
+    square_size,
+)
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
@@ -35,6 +42,10 @@ _AS_VIDEO = (
 )
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
+# ITU-T H.273: luma coefficients, and tone curves of high dynamic range.
+_MATRICES = {1: "bt709", 5: "bt601", 6: "bt601", 9: "bt2020", 10: "bt2020"}
+_TONES = {16: "pq", 18: "hlg"}
+_WRITE_AGAIN = "write the frames again, e.g. with ffmpeg -i VIDEO -crf 16 NEW.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,31 +98,43 @@ class Video:
     path : Path
         The file.
     width, height : int
-        Size as displayed, after its rotation [pixels].
+        Size as displayed, after its rotation and with square pixels.
     rotation : int
         Clockwise turn that the container asks for [degrees]: 0, 90, 180 or 270.
+    is_mirrored : bool
+        Whether it asks for left and right to be swapped before the turn.
     frame_rate : float
-        Mean number of frames per second as declared; 0 if unknown.
+        Mean number of frames per second of the scene's time as declared; 0 if unknown.
     frame_count : int
         Number of frames that the container shows, without those that an edit list cuts away; 0 if
         unknown.
     matrix : str
-        Which luma coefficients turn planes into colours: ``"bt601"`` or ``"bt709"``.
+        Which luma coefficients turn planes into colours: ``"bt601"``, ``"bt709"`` or ``"bt2020"``.
+    tone : str
+        The tone curve: ``"srgb"``, or ``"hlg"`` or ``"pq"`` of high dynamic range.
     is_full_range : bool
         Whether luma runs from 0 to 255 instead of 16 to 235.
     slow_motion : float
         Factor by which the container's clock is slower than the scene's.
+    clock : Clock
+        What the container declares about it.
+    is_cut_off : bool
+        Whether the end of the file is missing.
     """
 
     path: Path
     width: int
     height: int
     rotation: int
+    is_mirrored: bool
     frame_rate: float
     frame_count: int
     matrix: str
+    tone: str
     is_full_range: bool
     slow_motion: float
+    clock: Clock
+    is_cut_off: bool
     limits: Limits
 
     def frames(self, until: float = float("inf")) -> Iterator[Frame]:
@@ -124,16 +147,22 @@ class Video:
         """
         last = first = -float("inf")
         number = 0
-        size = (self.width, self.height)[:: -1 if self.rotation % 180 else 1]
+        size = (0, 0)
+        is_turned = self.rotation % 180 == 90
+        shown = (self.height, self.width) if is_turned else (self.width, self.height)
         with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
             stream.thread_type = "AUTO"
-            for picture in _pictures(container, stream):
+            for picture in _pictures(self.path, container, stream):
                 if picture.pts is None:
-                    raise InputError(f"frame {number} has no time stamp")
+                    raise InputError(
+                        f"frame {number} has no time stamp",
+                        way_out="declare the frame rate, e.g. with ffmpeg -framerate 30 -i VIDEO "
+                        "-c copy NEW.mp4",
+                    )
                 time = float(picture.pts * stream.time_base) / self.slow_motion
                 if number == 0:
-                    first = time
+                    first, size = time, (picture.width, picture.height)
                 if (picture.width, picture.height) != size:
                     raise InputError(
                         f"frame {number} has another size than those before, {picture.width} x "
@@ -144,19 +173,20 @@ class Video:
                     raise InputError(
                         f"time stamps must increase, frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
-                        way_out="write the file again, e.g. with ffmpeg -c copy",
+                        way_out=_WRITE_AGAIN,
                     )
                 self.limits.check("frames", number + 1, f"{number + 1} frames are there")
                 if time > until:
                     return
-                yield Frame(number, time, *_planes(picture, self.rotation))
+                planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
+                yield Frame(number, time, *planes)
                 last = time
                 number += 1
             declared = _duration(container, stream) / self.slow_motion
-            if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
+            if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
                 raise InputError(
-                    f"the file is cut off: {number} of {self.frame_count} frames are there, "
-                    f"{last - first:.2f} of {declared:.2f} s",
+                    f"the file is cut off: {number} frames are there, {last - first:.2f} of "
+                    f"{declared:.2f} s",
                     way_out="copy it again",
                 )
             if number == 0:
@@ -164,7 +194,7 @@ class Video:
 
 
 def open_video(
-    path: str | Path, *, slow_motion: float = 1.0, limits: Limits | None = None
+    path: str | Path, *, slow_motion: float | None = None, limits: Limits | None = None
 ) -> Video:
     """Return what a video file is, after its first frame was decoded.
 
@@ -173,7 +203,8 @@ def open_video(
     path : str or Path
         The video.
     slow_motion : float
-        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8.
+        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8. By
+        default what the file declares without doubt, else 1.
     limits : Limits
         Refuse what is larger.
 
@@ -187,41 +218,55 @@ def open_video(
     """
     path = Path(path)
     limits = limits or Limits()
-    checked_number("slow_motion", slow_motion, POSITIVE, "1")
+    if slow_motion is not None:
+        checked_number("slow_motion", slow_motion, POSITIVE, "1")
     with reading(path):
         _check_file(path)
         with _opened(path) as container:
             if not len(container.streams):
-                raise InputError("it cannot be read as a video: nothing is in it; is it whole?")
+                raise _unreadable(path, "it cannot be read as a video: nothing is in it")
             if not container.streams.video:
-                raise InputError("it holds no video stream, only sound or data, or is cut off")
+                raise _unreadable(path, "it holds no video stream, only sound or data")
             stream = container.streams.video[0]
             context = stream.codec_context
-            size = context.width * context.height
-            if size == 0:
-                raise InputError("the size of its frames is unknown; is the file whole?")
+            width, height = square_size(context.width, context.height, stream.sample_aspect_ratio)
+            if width * height == 0:
+                raise _unreadable(path, "the size of its frames is unknown")
+            clock = declared_clock(container, stream)
+            if slow_motion is None:
+                slow_motion = clock.slow_motion if clock.is_sure else 1.0
             count = _frame_count(container, stream)
-            words = f"frames of {context.width} x {context.height} pixels"
-            limits.check("pixels", size, words)
-            limits.check("memory", size * _PER_PIXEL, f"{words} take memory")
+            words = f"frames of {width} x {height} pixels"
+            limits.check("pixels", width * height, words)
+            limits.check("memory", width * height * _PER_PIXEL, f"{words} take memory")
             duration = _duration(container, stream) / slow_motion
             limits.check("duration", duration, f"it is {duration:.4g} s long")
             limits.check("frames", count, f"it has {count} frames")
-            picture = next(_pictures(container, stream), None)
+            picture = next(_pictures(path, container, stream), None)
             if picture is None:
-                raise InputError("no frame could be decoded")
-            rotation = round(-picture.rotation / 90.0) % 4 * 90
-            width, height = (picture.width, picture.height)[:: -1 if rotation % 180 else 1]
+                raise _unreadable(path, "no frame could be decoded")
+            if picture.interlaced_frame:
+                raise InputError(
+                    "its frames are interlaced: odd and even rows were filmed at different times",
+                    way_out="make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 "
+                    "NEW.mp4",
+                )
+            rotation, is_mirrored = displayed_turn(picture)
+            shown = _square(picture, (width, height))
             return Video(
                 path=path,
-                width=width,
-                height=height,
+                width=(width, height)[rotation % 180 // 90],
+                height=(height, width)[rotation % 180 // 90],
                 rotation=rotation,
+                is_mirrored=is_mirrored,
                 frame_rate=float(stream.average_rate or 0.0) * slow_motion,
                 frame_count=count,
-                matrix=_matrix(picture),
-                is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
+                matrix=_matrix(shown),
+                tone=_TONES.get(int(picture.color_trc), "srgb"),
+                is_full_range=shown.color_range == 2 or shown.format.name.startswith("yuvj"),
                 slow_motion=slow_motion,
+                clock=clock,
+                is_cut_off=missing_bytes(path) > 0,
                 limits=limits,
             )
 
@@ -271,6 +316,16 @@ def _pictures_in(folder: Path) -> str:
     return f"pictures {numbers[0]} to {numbers[-1]}{gaps}"
 
 
+def _unreadable(path: Path, reason: str) -> InputError:
+    """Return the error for a file that cannot be read: that its end is missing, if it is."""
+    missing = missing_bytes(path)
+    if missing:
+        return InputError(
+            f"the file is cut off: its last {missing} bytes are missing", way_out="copy it again"
+        )
+    return InputError(reason)
+
+
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """Open a container, with FFmpeg's reasons in one line."""
@@ -281,19 +336,19 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
-        raise InputError(f"it cannot be read as a video: {error.strerror}") from None
+        raise _unreadable(path, f"it cannot be read as a video: {error.strerror}") from None
     with container:
         yield container
 
 
-def _pictures(container: Any, stream: Any) -> Iterator[Any]:
+def _pictures(path: Path, container: Any, stream: Any) -> Iterator[Any]:
     """Decode one stream, with FFmpeg's reasons in one line."""
     import av
 
     try:
         yield from container.decode(stream)
     except av.error.FFmpegError as error:
-        raise InputError(f"decoding fails ({error.strerror}); is the file whole?") from None
+        raise _unreadable(path, f"decoding fails ({error.strerror})") from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:
@@ -317,20 +372,22 @@ def _duration(container: Any, stream: Any) -> float:
 
 def _matrix(picture: Any) -> str:
     """Return which luma coefficients the frames carry; untagged ones go by their height."""
-    space = int(picture.colorspace)
-    if space == 1:
-        return "bt709"
-    if space in (5, 6):
-        return "bt601"
-    return "bt709" if min(picture.height, picture.width) >= 720 else "bt601"
+    named = _MATRICES.get(int(picture.colorspace))
+    return named or ("bt709" if min(picture.height, picture.width) >= 720 else "bt601")
 
 
-def _planes(picture: Any, rotation: int) -> tuple[np.ndarray, ...]:
+def _square(picture: Any, size: tuple[int, int]) -> Any:
+    """Return a decoded picture in 8-bit planes, with square pixels."""
+    if picture.format.name in _PLANAR and (picture.width, picture.height) == size:
+        return picture
+    return picture.reformat(*size, format="yuv420p")
+
+
+def _planes(picture: Any, rotation: int, is_mirrored: bool) -> tuple[np.ndarray, ...]:
     """Return luma and chroma planes, turned as displayed."""
-    if picture.format.name not in _PLANAR:
-        picture = picture.reformat(format="yuv420p")
     planes = []
     for plane in picture.planes:
         rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
-        planes.append(np.rot90(rows[:, : plane.width], -rotation // 90))
+        rows = rows[:, : plane.width]
+        planes.append(np.rot90(rows[:, ::-1] if is_mirrored else rows, -rotation // 90))
     return tuple(planes)

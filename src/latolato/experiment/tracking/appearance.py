@@ -37,7 +37,7 @@ class Colours(NamedTuple):
     def of(cls, video: Video) -> Colours:
         """Return the conversion that a video's tags ask for."""
         mix = kernels.colour_coefficients(video.matrix, video.is_full_range)
-        return cls(kernels.linear_light(), mix)
+        return cls(kernels.linear_light(video.tone), mix)
 
     def window(
         self,
