@@ -23,7 +23,7 @@ def track(
     pivot: Annotated[
         str | None,
         typer.Option(
-            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            help="Column and row of the pivot in the clicked frame as displayed: 640,194.",
             metavar="U,V",
         ),
     ] = None,

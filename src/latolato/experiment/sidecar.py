@@ -16,6 +16,7 @@ from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.parameters import CLIP
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
@@ -30,10 +31,14 @@ class Setup:
     Parameters
     ----------
     pivot : tuple of float or None
-        Column and row of the pivot in the first frame as displayed [pixels]; None where it is not
+        Column and row of the pivot in the clicked frame as displayed [pixels]; None where it is not
         in the picture.
     balls : tuple of tuple of float
         The same of each ball's centre.
+    start, end : float or None
+        First and last instant used [s].
+    click_frame : int
+        Number in the file of the frame in which pivot and balls are pointed at.
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
     gravity : float
@@ -50,6 +55,9 @@ class Setup:
 
     pivot: Place | None
     balls: tuple[Place, ...]
+    start: float | None = None
+    end: float | None = None
+    click_frame: int = 0
     length: float | None = None
     radius: float | None = None
     gravity: float = GRAVITY
@@ -103,6 +111,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "gravity": setup.gravity,
         "proposed": setup.is_proposed,
     }
+    clip = {one.name: getattr(setup, one.name) for one in CLIP}
     camera = {"slow_motion": setup.slow_motion, **asdict(setup.optics)}
     head = {
         "video": Path(video).name,
@@ -111,8 +120,11 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     }
     lines = [
         "# How this video was tracked: latolato track reads this file and makes the same table.",
-        "# Places are columns and rows of the first frame as displayed; all else is in SI units.",
+        "# Places are columns and rows of the clicked frame as displayed; all else is in SI units.",
         *_lines(head),
+        "",
+        "[clip]",
+        *_lines(clip),
         "",
         "[geometry]",
         *_lines(geometry),
@@ -174,7 +186,9 @@ def _parsed(path: Path) -> dict[str, Any]:
 
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
-    _check_names("", tables, ("video", "sha256", "latolato", "geometry", "camera", "limits"))
+    known = ("video", "sha256", "latolato", "clip", "geometry", "camera", "limits")
+    _check_names("", tables, known)
+    clip = _table(tables, "clip", tuple(one.name for one in CLIP))
     geometry = _table(
         tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
     )
@@ -183,6 +197,8 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
     pivot, balls = geometry.pop("pivot", None), geometry.pop("balls", [])
     is_proposed = bool(geometry.pop("proposed", False))
+    numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
+    numbers |= {one.name: one.checked(clip[one.name]) for one in CLIP if one.name in clip}
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
     return Setup(
@@ -192,7 +208,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         optics=Optics(**camera),
         limits=Limits(**limits),
         is_proposed=is_proposed,
-        **_numbers({"geometry": geometry}, "geometry", tuple(geometry)),
+        **numbers,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings as alarms
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +13,9 @@ import numpy as np
 
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import POSITIVE, QUANTITIES
-from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     Setup,
     checked_place,
@@ -73,6 +72,9 @@ def track(
     *,
     pivot: Place | None = None,
     balls: int | Sequence[Place] | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    click_frame: int | None = None,
     length: float | None = None,
     radius: float | None = None,
     gravity: float | None = None,
@@ -89,10 +91,15 @@ def track(
     path : str or Path
         The video.
     pivot : sequence of float, optional
-        Column and row of the pivot in the first frame as displayed [pixels].
+        Column and row of the pivot in the clicked frame as displayed [pixels].
     balls : int or sequence of sequence of float, optional
-        How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
+        How many balls swing, 1 or 2; or column and row of each ball's centre in the clicked frame.
         What is not pointed at is found in the video, and a warning names it.
+    start, end : float, optional
+        First and last instant used, as in the column ``time`` [s].
+    click_frame : int, optional
+        Number of the clicked frame: that in which pivot and balls are pointed at, or found. The
+        first one of the file is 0; by default it is the first one used.
     length : float, optional
         From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
         positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
@@ -116,7 +123,7 @@ def track(
     Returns
     -------
     xarray.Dataset
-        One row per decoded frame on the dimension ``frame``: ``time``, positions of pivot and balls
+        One row per frame used on the dimension ``frame``: ``time``, positions of pivot and balls
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
@@ -154,6 +161,9 @@ def track(
     """
     path = checked_path("path", path)
     settings = {
+        "start": start,
+        "end": end,
+        "click_frame": click_frame,
         "length": length,
         "radius": radius,
         "gravity": gravity,
@@ -181,40 +191,47 @@ def prepare(
     progress: Progress | None = None,
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
-    for name in ("length", "radius", "gravity"):
-        if settings.get(name) is not None:
-            checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
-    slower = settings.get("slow_motion")
-    video = open_video(
-        path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
-    )
+    for name, value in settings.items():
+        if value is not None and name in VIDEO_PARAMETERS:
+            VIDEO_PARAMETERS[name].checked(value)
     clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-            setup = with_changes(read_sidecar(sidecar, path), settings)
+            stored = read_sidecar(sidecar, path)
+            if settings.get("click_frame") not in (None, stored.click_frame):
+                raise InputError(
+                    f"is {stored.click_frame} in '{sidecar}', which has the places of that frame",
+                    parameter="click_frame",
+                    way_out="remove the file, or point at pivot and balls",
+                )
+            setup = with_changes(stored, settings)
             if count is not None and count != len(setup.balls):
                 raise InputError(
                     f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                     way_out="remove it, or point at pivot and balls",
                 )
-            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+            video = _video_of(path, setup)
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
         setup = Setup(
             pivot=None if pivot is None else checked_place("pivot", pivot),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
-        setup = with_changes(_checked(setup, video), settings)
+        setup = with_changes(setup, settings)
+        video = _video_of(path, setup)
+        if settings.get("click_frame") is None:
+            setup = replace(setup, click_frame=video.first_frame)
+        setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
             return Task(video, setup)
-        sample = _sample_of(video, progress)
+        sample = _sample_of(video, setup, progress)
         proposal, size = propose(
             video, sample, pivot=pivot, balls=clicks, count=count, optics=setup.optics
         )
-        setup = with_changes(proposal, settings)
+        setup = replace(setup, pivot=proposal.pivot, balls=proposal.balls, is_proposed=True)
         return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
@@ -222,7 +239,7 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
     video, pivot = task.video, task.setup.pivot
     with reading(video.path):
-        sample = task.sample or _sample_of(video, progress)
+        sample = task.sample or _sample_of(video, task.setup, progress)
         balls = [np.array(ball) for ball in task.setup.balls]
         if pivot is None:
             table = _wandered(task, sample, balls, progress)
@@ -230,10 +247,10 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             table = _tracked(task, sample, np.array(pivot), balls, progress)
     if progress:
         progress(1.0)
-    missing = video.frame_count - table.sizes["frame"]
-    if missing > _FEW_MISSING:
+    missing = video.expected_count - table.sizes["frame"]
+    if missing > _FEW_MISSING and video.end == math.inf:
         task.warnings.append(
-            f"{missing} of the {video.frame_count} frames that the file declares could not be "
+            f"{missing} of the {video.expected_count} frames that the file declares could not be "
             "decoded: is it whole?"
         )
     if task.warnings:
@@ -243,9 +260,21 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     return table
 
 
-def _sample_of(video: Video, progress: Progress | None) -> Sample:
+def _video_of(path: Path, setup: Setup) -> Video:
+    """Return the part of a video that a set-up names."""
+    start = -math.inf if setup.start is None else setup.start
+    end = math.inf if setup.end is None else setup.end
+    if not start < end:
+        raise InputError(f"must lie after start ({start:g} s)", parameter="end", value=end)
+    return open_video(
+        path, slow_motion=setup.slow_motion, limits=setup.limits, start=start, end=end
+    )
+
+
+def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
     """Return the first reading of a video that shows a motion."""
-    sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
+    tell = progress and (lambda share: progress(_READ * share))
+    sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
     return sample
@@ -294,13 +323,11 @@ def _tracked(
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
     share = float(seen.is_measured.mean())
     if share == 0.0:
-        raise InputError(
-            "the ball was found in no frame", way_out="point at its centre in the first frame"
-        )
+        raise InputError("the ball was found in no frame", way_out="point at its centre")
     if share < _NEVER:
         raise InputError(
             f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
-            way_out="point at the ball's centre in the first frame",
+            way_out="point at the middle of the ball",
         )
     if share < _SELDOM:
         task.warnings.append(
@@ -370,7 +397,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         away = (places - origin) * scale
         return away @ right, -(away @ down)
 
-    columns: dict[str, Any] = {"time": seen.times}
+    columns: dict[str, Any] = _frames(task, seen.times)
     columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
     if not length:
         columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
@@ -418,7 +445,7 @@ def _wandered(
     """Return the table of balls about an unseen pivot: their places in the image, no angles."""
     path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
     _examine(task, sample, path, balls)
-    columns: dict[str, Any] = {"time": path.times}
+    columns: dict[str, Any] = _frames(task, path.times)
     for b in range(len(balls)):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
         columns[f"flag_{b + 1}"] = path.flags[:, b]
@@ -438,6 +465,11 @@ def _wandered(
     return track_table(columns, attributes)
 
 
+def _frames(task: Task, times: np.ndarray) -> dict[str, Any]:
+    """Return the columns that say which frames the rows are of."""
+    return {"frame": task.video.first_frame + np.arange(len(times)), "time": times}
+
+
 def _declared(task: Task, geometry: str) -> dict[str, Any]:
     """Return the attributes that record the request."""
     video, setup = task.video, task.setup
@@ -452,6 +484,9 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "source": video.path.name,
         "source_sha256": digest_of(video.path),
         "geometry": geometry,
+        "start": setup.start,
+        "end": setup.end,
+        "click_frame": setup.click_frame,
         "length": setup.length,
         "radius": setup.radius,
         "gravity": setup.gravity,

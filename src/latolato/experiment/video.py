@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +36,8 @@ _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "fi
 _AS_VIDEO = (
     "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
 )
+# Error of a time stamp as a decimal number [s].
+_ROUNDED = 1e-6
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
 
@@ -69,7 +74,10 @@ class Limits:
 
 
 class Frame(NamedTuple):
-    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved)."""
+    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved).
+
+    Numbers count from the first frame between `Video.start` and `Video.end` on.
+    """
 
     number: int
     time: float
@@ -101,6 +109,10 @@ class Video:
         Whether luma runs from 0 to 255 instead of 16 to 235.
     slow_motion : float
         Factor by which the container's clock is slower than the scene's.
+    start, end : float
+        Times between which frames are decoded, both included [s].
+    first_frame : int
+        Number in the file of the first of these frames.
     """
 
     path: Path
@@ -113,16 +125,28 @@ class Video:
     is_full_range: bool
     slow_motion: float
     limits: Limits
+    start: float = -math.inf
+    end: float = math.inf
+    first_frame: int = 0
 
-    def frames(self, until: float = float("inf")) -> Iterator[Frame]:
-        """Decode the frames in order.
+    @property
+    def expected_count(self) -> int:
+        """About how many frames lie between start and end, 0 if that is unknown."""
+        last: float = self.frame_count
+        if self.end < math.inf:
+            last = min(last, self.end * self.frame_rate + 1.0)
+        return max(math.ceil(last) - self.first_frame, 0)
+
+    def frames(self) -> Iterator[Frame]:
+        """Decode the frames between start and end in order.
 
         Raises
         ------
         InputError
-            If a frame's time stamp is missing or does not increase, or a limit is passed.
+            If a frame's time stamp is missing or does not increase, a limit is passed, or no frame
+            lies between start and end.
         """
-        last = first = -float("inf")
+        last = first = since = -math.inf
         number = 0
         size = (self.width, self.height)[:: -1 if self.rotation % 180 else 1]
         with reading(self.path), _opened(self.path) as container:
@@ -139,34 +163,47 @@ class Video:
                         f"frame {number} has another size than those before, {picture.width} x "
                         f"{picture.height} pixels"
                     )
-                self.limits.check("duration", time - first, f"{time - first:.4g} s are there")
                 if not time > last:
                     raise InputError(
                         f"time stamps must increase, frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
                         way_out="write the file again, e.g. with ffmpeg -c copy",
                     )
-                self.limits.check("frames", number + 1, f"{number + 1} frames are there")
-                if time > until:
-                    return
-                yield Frame(number, time, *_planes(picture, self.rotation))
+                if time > self.end + _ROUNDED:
+                    break
+                if time >= self.start - _ROUNDED:
+                    since = time if since == -math.inf else since
+                    self.limits.check("duration", time - since, f"{time - since:.4g} s are there")
+                    count = number - self.first_frame + 1
+                    self.limits.check("frames", count, f"{count} frames are there")
+                    yield Frame(count - 1, time, *_planes(picture, self.rotation))
                 last = time
                 number += 1
-            declared = _duration(container, stream) / self.slow_motion
-            if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
+            else:
+                declared = _duration(container, stream) / self.slow_motion
+                if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
+                    raise InputError(
+                        f"the file is cut off: {number} of {self.frame_count} frames are there, "
+                        f"{last - first:.2f} of {declared:.2f} s",
+                        way_out="copy it again",
+                    )
+                if number == 0:
+                    raise InputError("no frame could be decoded")
+            if since == -math.inf:
                 raise InputError(
-                    f"the file is cut off: {number} of {self.frame_count} frames are there, "
-                    f"{last - first:.2f} of {declared:.2f} s",
-                    way_out="copy it again",
+                    f"no frame lies between start ({self.start:g} s) and end ({self.end:g} s)"
                 )
-            if number == 0:
-                raise InputError("no frame could be decoded")
 
 
 def open_video(
-    path: str | Path, *, slow_motion: float = 1.0, limits: Limits | None = None
+    path: str | Path,
+    *,
+    slow_motion: float = 1.0,
+    limits: Limits | None = None,
+    start: float = -math.inf,
+    end: float = math.inf,
 ) -> Video:
-    """Return what a video file is, after its first frame was decoded.
+    """Return what a video file is, after its frames up to the first at `start` were decoded.
 
     Parameters
     ----------
@@ -176,13 +213,15 @@ def open_video(
         How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8.
     limits : Limits
         Refuse what is larger.
+    start, end : float
+        Times between which frames are decoded later, both included [s].
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     InputError
-        If it is no video, holds no picture or exceeds a limit.
+        If it is no video, holds no picture, exceeds a limit or ends before `start`.
         If PyAV is missing.
     """
     path = Path(path)
@@ -205,14 +244,17 @@ def open_video(
             limits.check("pixels", size, words)
             limits.check("memory", size * _PER_PIXEL, f"{words} take memory")
             duration = _duration(container, stream) / slow_motion
-            limits.check("duration", duration, f"it is {duration:.4g} s long")
-            limits.check("frames", count, f"it has {count} frames")
-            picture = next(_pictures(container, stream), None)
+            pictures = _pictures(container, stream)
+            picture = next(pictures, None)
             if picture is None:
                 raise InputError("no frame could be decoded")
+            first_frame = 0
+            if start > -math.inf:
+                slower = stream.time_base / Fraction(slow_motion)
+                first_frame = _number_at(start, chain([picture], pictures), slower)
             rotation = round(-picture.rotation / 90.0) % 4 * 90
             width, height = (picture.width, picture.height)[:: -1 if rotation % 180 else 1]
-            return Video(
+            video = Video(
                 path=path,
                 width=width,
                 height=height,
@@ -223,7 +265,25 @@ def open_video(
                 is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
                 slow_motion=slow_motion,
                 limits=limits,
+                start=start,
+                end=end,
+                first_frame=first_frame,
             )
+            part = min(end, duration) - max(start, 0.0)
+            limits.check("duration", part, f"it is {part:.4g} s long")
+            limits.check("frames", video.expected_count, f"it has {video.expected_count} frames")
+            return video
+
+
+def _number_at(start: float, pictures: Iterable[Any], tick: Fraction) -> int:
+    """Return the number of the first picture at or after a time [s], in ticks of a length [s]."""
+    time = -math.inf
+    for number, picture in enumerate(pictures):
+        time = time if picture.pts is None else float(picture.pts * tick)
+        if time >= start - _ROUNDED:
+            return number
+    rule = f"must lie before the end of the video at {time:.6g} s"
+    raise InputError(rule, parameter="start", value=start)
 
 
 def _check_file(path: Path) -> None:

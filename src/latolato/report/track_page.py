@@ -387,8 +387,10 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {number}")
-        text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
+        image = _image(
+            encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {artist.numbers[number]}"
+        )
+        text = escape(f"frame {artist.numbers[number]}, {artist.times[number]:.3f} s: {reason}")
         cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"
 
