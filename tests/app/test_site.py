@@ -153,15 +153,18 @@ def test_a_figure_that_cannot_be_loaded_says_so_and_is_asked_for_again(visit, we
     asked = []
     visit.route("**/paper/contents.json", lambda route: route.fulfill(json=contents))
     visit.route("**/*.block", lambda route: route.abort())
-    visit.on("request", lambda request: asked.append(request.url))
+    visit.on("request", lambda r: r.url.endswith("fig13.block") and asked.append(r.url))
     visit.goto(f"{web[0]}?view=paper&paper.figure=fig13")
     said = visit.locator("#paper-fig13").get_by_role("alert")
     said.get_by_text("This figure could not be loaded").wait_for()
     assert visit.locator("#paper-fig13").get_by_text("Waiting").is_hidden()
+    # A service worker that has come by then asks too.
+    before = len(asked)
+    assert before > 0
     visit.get_by_role("button", name="Judge everything now").click()
     last = visit.locator("#paper-text_model").get_by_role("alert")
     last.get_by_text("This figure could not be loaded").wait_for()
-    assert sum(url.endswith("fig13.block") for url in asked) == 2
+    assert len(asked) > before
     assert all(fault.startswith("Failed to load resource") for fault in visit.faults)
 
 
