@@ -13,6 +13,24 @@ from latolato.experiment.track_table import read_table
 from latolato.experiment.video import open_video
 
 
+def _pictures(clip):
+    """Return the pictures of a clip, red, green and blue."""
+    with av.open(str(clip.path)) as file:
+        return [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
+
+
+def _changed(clip, path, change):
+    """Write a clip whose pictures are changed by a function of their number."""
+    pictures = (change(number, picture) for number, picture in enumerate(_pictures(clip)))
+    planes = (
+        (round(time * TICKS), av.VideoFrame.from_ndarray(picture, format="rgb24"))
+        for time, picture in zip(clip.truth.time.values, pictures, strict=True)
+    )
+    frames = ((stamp, frame.to_ndarray(format="yuv420p")) for stamp, frame in planes)
+    write_video(path, frames, fps=60.0, crf=20, rotation=0)
+    return path
+
+
 def _assert_true(table, clip, ball=1):
     """Check the angles of a table, and that most of them were measured."""
     ok = table[f"flag_{ball}"].values != "lost"
@@ -61,21 +79,8 @@ def test_balls_are_found_in_the_frame_that_is_chosen(swing):
 
 
 def test_a_ball_that_comes_later_is_pointed_at_where_it_is(swing, tmp_path):
-    with av.open(str(swing.path)) as file:
-        frames = [(f.time, f.to_ndarray(format="rgb24")) for f in file.decode(video=0)]
-    # Frame 38 has the ball far from where it is in frames 0 to 14.
-    late = [(t, frames[38][1] if k < 15 else picture) for k, (t, picture) in enumerate(frames)]
-    wall = np.median([picture for _, picture in frames[::5]], axis=0).astype(np.uint8)
-    late = [(t, wall if k < 15 else picture) for k, (t, picture) in enumerate(late)]
-    path = tmp_path / "late.mp4"
-    planes = (
-        (
-            round(t * TICKS),
-            av.VideoFrame.from_ndarray(p, format="rgb24").to_ndarray(format="yuv420p"),
-        )
-        for t, p in late
-    )
-    write_video(path, planes, fps=60.0, crf=20, rotation=0)
+    wall = np.median(_pictures(swing), axis=0).astype(np.uint8)
+    path = _changed(swing, tmp_path / "late.mp4", lambda k, each: wall if k < 15 else each)
     pivot, balls = swing.places_at(40)
     table = ll.track(path, pivot=pivot, balls=balls, length=swing.length, click_frame=40)
     flags = table.flag_1.values
@@ -111,3 +116,57 @@ def test_the_frame_of_a_set_up_stays_that_of_its_places(swing, tmp_path):
         table = ll.track(swing.path, sidecar=sidecar, start=1.0)
     assert int(table.frame[0]) == 60
     _assert_true(table, swing)
+
+
+@pytest.fixture(scope="session")
+def fair(swing, tmp_path_factory):
+    """A swing below a larger ball that runs to and fro."""
+    v, u = np.mgrid[:240, :320]
+
+    def disturbed(number, picture):
+        picture = picture.copy()
+        picture[np.hypot(u - 160 - 130 * np.cos(0.06 * number), v - 20) < 14] = (20, 60, 200)
+        return picture
+
+    return _changed(swing, tmp_path_factory.mktemp("fair") / "fair.mp4", disturbed)
+
+
+def test_balls_are_looked_for_in_the_region_only(swing, fair):
+    with pytest.warns(RuntimeWarning, match="found in the video"):
+        table = ll.track(fair, length=swing.length, region=(0, 60, 319, 239))
+    assert table.attrs["region"] == "0,60,319,239"
+    _assert_true(table, swing)
+    with pytest.raises(InputError):
+        _assert_true(ll.track(fair, balls=1, pivot=swing.pivot, length=swing.length), swing)
+
+
+def test_a_ball_outside_the_region_is_not_seen(swing, tmp_path):
+    output = tmp_path / "part.csv"
+    arguments = ["track", str(swing.path), *swing.options, "--output", str(output)]
+    assert main([*arguments, "--region", "150,100,319,239"]) == 0
+    table = read_table(output)
+    truth = swing.truth.ball_1_x.values - swing.truth.pivot_x.values
+    outside = truth < -0.1
+    assert outside.any()
+    assert set(table.flag_1.values[outside]) <= {"predicted", "lost"}
+    inside = truth > 0.0
+    assert np.isin(table.flag_1.values[inside], ["ok", "occluded"]).mean() > 0.95
+    error = (table.angle_1.values - swing.truth.angle_1.values)[table.flag_1.values == "ok"]
+    assert np.sqrt(np.mean(error**2)) < 4e-3
+    first = output.read_text()
+    assert main(["track", str(swing.path), "--output", str(output)]) == 0
+    assert output.read_text() == first
+
+
+@pytest.mark.parametrize(
+    "region, match",
+    [
+        ((10, 10, 5, 50), "region must be left, top, right and bottom in pixels"),
+        ((10, 10, 50), "region must be left, top, right and bottom in pixels"),
+        ((0, 0, 400, 239), r"corner of the region at \(400, 239\) lies outside the frame"),
+        ((0, 0, 100, 100), "lies outside the region from"),
+    ],
+)
+def test_a_region_that_is_none_is_refused(swing, region, match):
+    with pytest.raises(InputError, match=match):
+        ll.track(swing.path, pivot=swing.pivot, balls=swing.balls, region=region)

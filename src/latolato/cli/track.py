@@ -9,11 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of, with_options
+from latolato.cli.options import JsonOption, pixels_of, place_of, with_options
 from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import VIDEO_PARAMETERS
+from latolato.experiment.sidecar import checked_region
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -33,6 +34,14 @@ def track(
             help="The same of a ball's centre; given twice for two balls. What is not pointed at "
             "is found in the video.",
             metavar="U,V",
+        ),
+    ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option(
+            help="Left, top, right and bottom of the part of the picture in which balls are "
+            "looked for.",
+            metavar="U,V,U,V",
         ),
     ] = None,
     sidecar: Annotated[
@@ -88,7 +97,7 @@ def track(
     common: dict[str, Any] = {
         "pivot": None if pivot is None else place_of("--pivot", pivot),
         "balls": places or balls,
-        "values": _in_si(values, limit or []),
+        "values": _in_si(values, limit or []) | _edges(region),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -130,6 +139,14 @@ def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -
         raise FileNotFoundError(f"there is no file '{sidecar}'")
     if is_pointed_at:
         raise InputError("give either --sidecar or places, not both")
+
+
+def _edges(region: str | None) -> dict[str, Any]:
+    """Return the part of the picture in which balls are looked for."""
+    if region is None:
+        return {}
+    example = "left, top, right and bottom in pixels such as 100,50,900,700"
+    return {"region": checked_region(pixels_of("--region", region, example))}
 
 
 def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:

@@ -39,6 +39,8 @@ class Setup:
         First and last instant used [s].
     click_frame : int
         Number in the file of the frame in which pivot and balls are pointed at.
+    region : tuple of float or None
+        Left, top, right and bottom of the part in which balls are looked for [pixels].
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
     gravity : float
@@ -58,6 +60,7 @@ class Setup:
     start: float | None = None
     end: float | None = None
     click_frame: int = 0
+    region: tuple[float, float, float, float] | None = None
     length: float | None = None
     radius: float | None = None
     gravity: float = GRAVITY
@@ -111,7 +114,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "gravity": setup.gravity,
         "proposed": setup.is_proposed,
     }
-    clip = {one.name: getattr(setup, one.name) for one in CLIP}
+    clip = {one.name: getattr(setup, one.name) for one in CLIP} | {"region": setup.region}
     camera = {"slow_motion": setup.slow_motion, **asdict(setup.optics)}
     head = {
         "video": Path(video).name,
@@ -188,7 +191,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
     known = ("video", "sha256", "latolato", "clip", "geometry", "camera", "limits")
     _check_names("", tables, known)
-    clip = _table(tables, "clip", tuple(one.name for one in CLIP))
+    clip = _table(tables, "clip", (*(one.name for one in CLIP), "region"))
     geometry = _table(
         tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
     )
@@ -208,6 +211,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         optics=Optics(**camera),
         limits=Limits(**limits),
         is_proposed=is_proposed,
+        region=checked_region(clip["region"]) if "region" in clip else None,
         **numbers,
     )
 
@@ -242,6 +246,19 @@ def checked_place(name: str, value: Any) -> Place:
     if not is_pair or not all(isinstance(one, Real) and math.isfinite(one) for one in value):
         raise InputError("must be a column and a row in pixels", parameter=name, value=value)
     return float(value[0]), float(value[1])
+
+
+def checked_region(value: Any) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom of a part of the picture [pixels], or raise."""
+    try:
+        left, top, right, bottom = (float(one) for one in value)
+    except (TypeError, ValueError):
+        left, top, right, bottom = 4 * (math.nan,)
+    if not (left < right and top < bottom and math.isfinite(right - left + bottom - top)):
+        raise InputError(
+            "must be left, top, right and bottom in pixels", parameter="region", value=value
+        )
+    return left, top, right, bottom
 
 
 def _lines(values: Mapping[str, Any]) -> list[str]:

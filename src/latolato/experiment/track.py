@@ -19,6 +19,7 @@ from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     Setup,
     checked_place,
+    checked_region,
     read_sidecar,
     with_changes,
     write_sidecar,
@@ -75,6 +76,7 @@ def track(
     start: float | None = None,
     end: float | None = None,
     click_frame: int | None = None,
+    region: Sequence[float] | None = None,
     length: float | None = None,
     radius: float | None = None,
     gravity: float | None = None,
@@ -100,6 +102,9 @@ def track(
     click_frame : int, optional
         Number of the clicked frame: that in which pivot and balls are pointed at, or found. The
         first one of the file is 0; by default it is the first one used.
+    region : sequence of float, optional
+        Left, top, right and bottom of the part of the picture in which balls are looked for
+        [pixels]; the pivot may lie outside.
     length : float, optional
         From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
         positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
@@ -164,6 +169,7 @@ def track(
         "start": start,
         "end": end,
         "click_frame": click_frame,
+        "region": None if region is None else checked_region(region),
         "length": length,
         "radius": radius,
         "gravity": gravity,
@@ -266,9 +272,10 @@ def _video_of(path: Path, setup: Setup) -> Video:
     end = math.inf if setup.end is None else setup.end
     if not start < end:
         raise InputError(f"must lie after start ({start:g} s)", parameter="end", value=end)
-    return open_video(
+    video = open_video(
         path, slow_motion=setup.slow_motion, limits=setup.limits, start=start, end=end
     )
+    return replace(video, region=setup.region)
 
 
 def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
@@ -281,10 +288,19 @@ def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose places lie inside the frame."""
+    """Return a set-up whose places lie inside the frame, the balls inside the region."""
     named = [("ball", place) for place in setup.balls]
     if setup.pivot is not None:
         named.insert(0, ("pivot", setup.pivot))
+    if setup.region is not None:
+        left, top, right, bottom = setup.region
+        named += [("corner of the region", corner) for corner in ((left, top), (right, bottom))]
+        for u, v in setup.balls:
+            if not (left <= u <= right and top <= v <= bottom):
+                raise InputError(
+                    f"ball at ({u:g}, {v:g}) lies outside the region from ({left:g}, {top:g}) to "
+                    f"({right:g}, {bottom:g})"
+                )
     for name, (u, v) in named:
         if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
             raise InputError(
@@ -487,6 +503,7 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "start": setup.start,
         "end": setup.end,
         "click_frame": setup.click_frame,
+        "region": setup.region and ",".join(f"{edge:g}" for edge in setup.region),
         "length": setup.length,
         "radius": setup.radius,
         "gravity": setup.gravity,

@@ -113,6 +113,8 @@ class Video:
         Times between which frames are decoded, both included [s].
     first_frame : int
         Number in the file of the first of these frames.
+    region : tuple of float, optional
+        Left, top, right and bottom of the part in which balls are looked for [pixels].
     """
 
     path: Path
@@ -128,6 +130,14 @@ class Video:
     start: float = -math.inf
     end: float = math.inf
     first_frame: int = 0
+    region: tuple[float, float, float, float] | None = None
+
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """First column and row in which balls are looked for, and the first ones beyond."""
+        left, top, right, bottom = self.region or (0.0, 0.0, self.width - 1.0, self.height - 1.0)
+        low, high = np.floor([left, top]).astype(int), np.ceil([right, bottom]).astype(int) + 1
+        return np.maximum(low, 0), np.minimum(high, [self.width, self.height])
 
     @property
     def expected_count(self) -> int:

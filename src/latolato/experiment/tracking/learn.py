@@ -112,7 +112,9 @@ def learn_image_model(
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
-    low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
+    # No ball is found where the background is unknown.
+    first, beyond = video.bounds
+    low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:

@@ -88,7 +88,7 @@ def propose(
     rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
     """
     frames = sample.from_click
-    backdrop = Backdrop(frames)
+    backdrop = Backdrop(frames, video.bounds)
     seen = [backdrop.discs(frame) for frame in frames]
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:

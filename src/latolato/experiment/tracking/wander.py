@@ -43,7 +43,7 @@ def follow_path(
     -----
     A ball is the disc that differs from the background nearest to where the last two frames lead.
     """
-    backdrop = Backdrop(sample.frames)
+    backdrop = Backdrop(sample.frames, video.bounds)
     count, balls = len(sample.times), len(starts)
     out = Positions.unknown(sample.times, balls)
     radii: list[float] = []
