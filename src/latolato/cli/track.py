@@ -14,7 +14,7 @@ from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import VIDEO_PARAMETERS
-from latolato.experiment.sidecar import checked_region
+from latolato.experiment.sidecar import checked_region, checked_stick
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -41,6 +41,13 @@ def track(
         typer.Option(
             help="Left, top, right and bottom of the part of the picture in which balls are "
             "looked for.",
+            metavar="U,V,U,V",
+        ),
+    ] = None,
+    stick: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of both ends of a stick of known length beside the swing.",
             metavar="U,V,U,V",
         ),
     ] = None,
@@ -97,7 +104,7 @@ def track(
     common: dict[str, Any] = {
         "pivot": None if pivot is None else place_of("--pivot", pivot),
         "balls": places or balls,
-        "values": _in_si(values, limit or []) | _edges(region),
+        "values": _in_si(values, limit or []) | _places(region, stick),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -141,12 +148,17 @@ def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -
         raise InputError("give either --sidecar or places, not both")
 
 
-def _edges(region: str | None) -> dict[str, Any]:
-    """Return the part of the picture in which balls are looked for."""
-    if region is None:
-        return {}
-    example = "left, top, right and bottom in pixels such as 100,50,900,700"
-    return {"region": checked_region(pixels_of("--region", region, example))}
+def _places(region: str | None, stick: str | None) -> dict[str, Any]:
+    """Return the part of the picture in which balls are looked for, and both ends of the stick."""
+    places: dict[str, Any] = {}
+    if region is not None:
+        example = "left, top, right and bottom in pixels such as 100,50,900,700"
+        places["region"] = checked_region(pixels_of("--region", region, example))
+    if stick is not None:
+        example = "column and row of one end and of the other such as 100,200,400,210"
+        one_u, one_v, other_u, other_v = pixels_of("--stick", stick, example)
+        places["stick"] = checked_stick([(one_u, one_v), (other_u, other_v)])
+    return places
 
 
 def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:

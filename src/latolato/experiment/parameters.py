@@ -57,7 +57,14 @@ VIDEO_PARAMETERS = {
     parameter.name: parameter
     for parameter in (
         _of_toy("length", "from pivot to ball centre: the scale"),
-        _of_toy("radius", "radius of a ball, checked against the length"),
+        _of_toy("radius", "radius of a ball: checked against the scale, or the scale without any"),
+        Parameter(
+            name="stick_length",
+            kind=float,
+            description="length of the stick",
+            allowed=POSITIVE,
+            quantity=Quantity("m", "", "length of the stick"),
+        ),
         _of_toy("gravity", "9.8 by default"),
         *CLIP,
         *CAMERA,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sized
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
@@ -21,6 +21,8 @@ from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
 SUFFIX = ".track.toml"
+# Shortest stick whose ends are told apart well enough for a scale [pixels].
+_SHORTEST = 8.0
 Place = tuple[float, float]
 
 
@@ -43,6 +45,10 @@ class Setup:
         Left, top, right and bottom of the part in which balls are looked for [pixels].
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
+    stick : tuple of tuple of float or None
+        Column and row of both ends of a stick of known length [pixels].
+    stick_length : float or None
+        Its length [m].
     gravity : float
         Gravitational acceleration [m/s^2].
     optics : Optics
@@ -63,6 +69,8 @@ class Setup:
     region: tuple[float, float, float, float] | None = None
     length: float | None = None
     radius: float | None = None
+    stick: tuple[Place, Place] | None = None
+    stick_length: float | None = None
     gravity: float = GRAVITY
     optics: Optics = field(default_factory=Optics)
     slow_motion: float = 1.0
@@ -111,6 +119,8 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "balls": setup.balls,
         "length": setup.length,
         "radius": setup.radius,
+        "stick": setup.stick,
+        "stick_length": setup.stick_length,
         "gravity": setup.gravity,
         "proposed": setup.is_proposed,
     }
@@ -192,13 +202,13 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     known = ("video", "sha256", "latolato", "clip", "geometry", "camera", "limits")
     _check_names("", tables, known)
     clip = _table(tables, "clip", (*(one.name for one in CLIP), "region"))
-    geometry = _table(
-        tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
-    )
+    names = ("length", "radius", "stick_length", "gravity")
+    geometry = _table(tables, "geometry", ("pivot", "balls", "stick", *names, "proposed"))
     camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
     limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
     limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
     pivot, balls = geometry.pop("pivot", None), geometry.pop("balls", [])
+    stick = geometry.pop("stick", None)
     is_proposed = bool(geometry.pop("proposed", False))
     numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
     numbers |= {one.name: one.checked(clip[one.name]) for one in CLIP if one.name in clip}
@@ -212,6 +222,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         limits=Limits(**limits),
         is_proposed=is_proposed,
         region=checked_region(clip["region"]) if "region" in clip else None,
+        stick=None if stick is None else checked_stick(stick),
         **numbers,
     )
 
@@ -246,6 +257,18 @@ def checked_place(name: str, value: Any) -> Place:
     if not is_pair or not all(isinstance(one, Real) and math.isfinite(one) for one in value):
         raise InputError("must be a column and a row in pixels", parameter=name, value=value)
     return float(value[0]), float(value[1])
+
+
+def checked_stick(value: Any) -> tuple[Place, Place]:
+    """Return both ends of a stick [pixels], or raise if they are none or hardly apart."""
+    if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 2:
+        raise InputError("must be two places in pixels", parameter="stick", value=value)
+    one, other = (checked_place("stick", end) for end in value)
+    if math.dist(one, other) < _SHORTEST:
+        raise InputError(
+            f"must be {_SHORTEST:g} pixels long or more in the picture", parameter="stick"
+        )
+    return one, other
 
 
 def checked_region(value: Any) -> tuple[float, float, float, float]:

@@ -15,16 +15,19 @@ from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     Setup,
     checked_place,
     checked_region,
+    checked_stick,
     read_sidecar,
     with_changes,
     write_sidecar,
 )
 from latolato.experiment.track_table import track_table
+from latolato.experiment.tracking.appearance import Appearance
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
@@ -39,8 +42,8 @@ if TYPE_CHECKING:
 
 Place = Sequence[float]
 Progress = Callable[[float], None]
-# Difference of declared and measured radius that is worth a warning.
-_RADIUS_TOLERANCE = 0.03
+# Share by which a declared size must differ from the measured one to be worth a warning.
+_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
@@ -79,6 +82,8 @@ def track(
     region: Sequence[float] | None = None,
     length: float | None = None,
     radius: float | None = None,
+    stick: Sequence[Place] | None = None,
+    stick_length: float | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -106,10 +111,17 @@ def track(
         Left, top, right and bottom of the part of the picture in which balls are looked for
         [pixels]; the pivot may lie outside.
     length : float, optional
-        From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
-        positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
+        From pivot to ball centre [m]: the scale of the picture. Without it the scale is that of
+        the stick, without that one of the radius; the others are checked against it. Without any,
+        angles are known, and positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so
+        on).
     radius : float, optional
-        Radius of a ball [m], which is checked against the length's scale.
+        Radius of a ball [m].
+    stick : sequence of sequence of float, optional
+        Column and row of both ends of a stick of known length, in the plane of the swing
+        [pixels].
+    stick_length : float, optional
+        Its length [m].
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
@@ -133,7 +145,7 @@ def track(
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
         hidden), predicted (carried on by the equation of motion) and lost. The attribute
-        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` without a pivot in the
+        ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` without a pivot in the
         picture, where angles are NaN, flags are about the ball's image alone, and ``period`` and
         ``period_sigma`` [s] come from its path. ``warnings`` repeats what was warned of.
 
@@ -150,8 +162,9 @@ def track(
     Warns
     -----
     RuntimeWarning
-        For a set-up that was read, what was found instead of pointed at, a radius that does not fit
-        the length, a path that is no circle, an unknown direction of gravity, an unknown geometry.
+        For a set-up that was read, what was found instead of pointed at, a radius or a stick that
+        does not fit the scale, a path that is no circle, an unknown direction of gravity, an
+        unknown geometry.
 
     Notes
     -----
@@ -172,6 +185,8 @@ def track(
         "region": None if region is None else checked_region(region),
         "length": length,
         "radius": radius,
+        "stick": None if stick is None else checked_stick(stick),
+        "stick_length": stick_length,
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -288,8 +303,12 @@ def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose places lie inside the frame, the balls inside the region."""
+    """Return a set-up that is complete, with places in the frame and balls in the region."""
+    if (setup.stick is None) != (setup.stick_length is None):
+        missing = "stick" if setup.stick is None else "stick_length"
+        raise InputError(f"{missing} is missing: both ends of a stick and its length are needed")
     named = [("ball", place) for place in setup.balls]
+    named += [("end of the stick", place) for place in setup.stick or ()]
     if setup.pivot is not None:
         named.insert(0, ("pivot", setup.pivot))
     if setup.region is not None:
@@ -319,9 +338,10 @@ def _tracked(
 ) -> xr.Dataset:
     """Return the table about a pivot in the picture."""
     video, setup = task.video, task.setup
-    length, radius = setup.length, setup.radius
+    size, radius = (video.width, video.height), setup.radius
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
-    expected = radius / length * arm if radius and length else None
+    scale = scale_of(setup, size, (arm, 0.0))
+    expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
     scene = learn_image_model(
@@ -335,7 +355,8 @@ def _tracked(
             free = scene
         if free.explained > scene.explained:
             scene = free
-    stiffness = setup.gravity / length if length else 0.0
+    scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
+    stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
     share = float(seen.is_measured.mean())
     if share == 0.0:
@@ -350,11 +371,11 @@ def _tracked(
             f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
             "at?"
         )
-    declared = radius / length * scene.arm if radius and length else None
+    declared = radius / scale.metres if radius and scale else None
     _examine(task, sample, seen, balls, declared)
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
-    measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    measured = calibrate(seen, size, video.rotation, setup.optics)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
@@ -387,7 +408,7 @@ def _examine(
 
 def _doubt(scene: ImageModel) -> float:
     """Return by which share the radius measured may differ from that declared."""
-    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    return _TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -399,45 +420,52 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
 
 
 def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
-    """Return the table in metres, or in pixels where the length is unknown."""
-    length, radius = task.setup.length, task.setup.radius
+    """Return the table in metres, or in pixels where no scale is known."""
+    video, setup, look = task.video, task.setup, scene.look
+    size = (video.width, video.height)
+    scale = scale_of(setup, size, measured.arm, (look.radius, look.radius_sigma))
     task.warnings += measured.warnings
-    scale = length / measured.hinge.arm if length else math.nan
-    measured_radius = scene.look.radius * scale
+    metres_per_pixel = scale.metres if scale else math.nan
     turn = measured.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
     origin = np.nanmean(measured.pivots, axis=0)
 
     def metres(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        away = (places - origin) * scale
+        away = (places - origin) * metres_per_pixel
         return away @ right, -(away @ down)
 
     columns: dict[str, Any] = _frames(task, seen.times)
     columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
-    if not length:
+    if scale is None:
         columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give the length for the scale"
+            "the length is unknown: positions are in pixels only; give the length for the scale, "
+            "or a stick, or the radius of a ball"
         )
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])
         columns[f"angle_{b + 1}"] = measured.angles[:, b]
         columns[f"angle_sigma_{b + 1}"] = measured.sigmas[:, b]
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
-        if not length:
+        if scale is None:
             columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
-        task.warnings.append(
-            f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
-            f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
-        )
-    attributes = {
-        **_declared(task, "metric" if length else "angles"),
-        "metres_per_pixel": scale if length else None,
-        "measured_radius": measured_radius if length else None,
-        "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
-        "radius_pixels": scene.look.radius,
+    attributes = _declared(task, "metric" if scale else "angles")
+    if scale is not None:
+        arm, arm_sigma = measured.arm
+        share = math.hypot(scale.share, arm_sigma / arm)
+        attributes |= {
+            "length": setup.length or arm * scale.metres,
+            "length_sigma": None if setup.length else share * arm * scale.metres,
+            "scale_source": scale.source,
+            "metres_per_pixel": scale.metres,
+            "metres_per_pixel_sigma": scale.share * scale.metres,
+            "measured_radius": look.radius * scale.metres,
+            "measured_radius_sigma": look.radius_sigma * scale.metres,
+        }
+        _compare(task, scale, look)
+    attributes |= {
+        "radius_pixels": look.radius,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
         "gravity_direction": measured.gravity.direction,
@@ -453,6 +481,23 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         "circle_residual": measured.hinge.residual,
     }
     return track_table(columns, attributes)
+
+
+def _compare(task: Task, scale: Scale, look: Appearance) -> None:
+    """Warn of a radius and a stick that differ from what the scale says."""
+    setup, video = task.setup, task.video
+    about = "length from pivot to ball centre" if scale.source == "length" else scale.source
+    sizes = [("radius of a ball", setup.radius, look.radius, look.radius_sigma)]
+    if setup.stick is not None:
+        pixels = stick_pixels(setup, (video.width, video.height))
+        sizes.append(("stick", setup.stick_length, pixels, math.sqrt(2.0)))
+    for name, declared, pixels, sigma in sizes:
+        doubt = _TOLERANCE + math.hypot(sigma / pixels, scale.share)
+        if declared and abs(pixels * scale.metres / declared - 1.0) > doubt:
+            task.warnings.append(
+                f"the {name} is {pixels * scale.metres * 1e3:.2f} mm by the scale of the "
+                f"{scale.source}, declared were {declared * 1e3:.2f} mm: is the {about} right?"
+            )
 
 
 def _wandered(

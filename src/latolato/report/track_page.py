@@ -48,8 +48,8 @@ MEANINGS = {
     "lost": "not seen, and no number given",
 }
 GEOMETRIES = {
-    "metric": "scale by the length, angles about the moving pivot",
-    "angles": "no length was given: angles are known, positions in pixels only",
+    "metric": "positions in metres, angles about the moving pivot",
+    "angles": "no scale was given: angles are known, positions in pixels only",
     "unknown": "no pivot in the picture: positions of the ball in pixels, no angles",
 }
 # Frames shown as thumbnails, and their half width in radii of the ball.
@@ -301,8 +301,11 @@ def _numbers(table: xr.Dataset) -> str:
         rows.append(("pivot", f"{size} at {rate}, one harmonic over the whole clip"))
     elif attrs["geometry"] != "unknown":
         rows.append(("pivot", "rests"))
+    source = attrs.get("scale_source", "length")
+    length = "declared" if source == "length" else f"by the scale of the {source}"
     texts = {
-        "length": ("length, declared", 1e3, "mm"),
+        "length": (f"length, {length}", 1e3, "mm"),
+        "length_sigma": ("its standard deviation", 1e3, "mm"),
         "metres_per_pixel": ("scale", 1e3, "mm a pixel"),
         "radius": ("radius, declared", 1e3, "mm"),
         "measured_radius": ("radius, measured by that scale", 1e3, "mm"),

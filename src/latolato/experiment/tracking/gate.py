@@ -95,7 +95,7 @@ def examine(
     clicks : sequence of numpy.ndarray, shape (2,)
         Where the balls are in the clicked frame according to the user [pixels].
     expected_radius : float, optional
-        Radius of a ball according to the user, by the length's scale [pixels].
+        Radius of a ball according to the user, by the scale [pixels].
     """
     checks: tuple[Callable[[], Finding | None], ...] = (
         lambda: clicked_ball(track, clicks, sample.click),
@@ -146,7 +146,7 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
         return None
     return Finding(
         f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
-        f"{expected:.1f} pixels by the length's scale",
+        f"{expected:.1f} pixels by the scale",
         "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
         "without a radius it is measured",
     )
