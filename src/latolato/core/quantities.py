@@ -167,7 +167,7 @@ QUANTITIES: dict[str, Quantity] = {
     "decay_rate": Quantity("1/s", "k", "amplitude decay rate C/(2ml)"),
     "contact_angle_low": Quantity("rad", r"\theta_{low}", "contact angle at the bottom"),
     "contact_angle_high": Quantity("rad", r"\theta_{high}", "contact angle at the top"),
-    "contact_separation": Quantity("rad", r"\Theta", "angle between the rods at bottom contact"),
+    "contact_separation": Quantity("rad", r"\Theta", "angle between the balls at bottom contact"),
     "clamp_step": Quantity("s", "h", "fixed step of contact 'clamp'"),
     "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
     # drive
