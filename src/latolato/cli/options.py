@@ -93,14 +93,26 @@ def place_of(flag: str, text: str) -> tuple[float, float]:
     >>> place_of("--pivot", "640.5, 194")
     (640.5, 194.0)
     """
+    u, v = pixels_of(flag, text, "a column and a row in pixels such as 640,200")
+    return u, v
+
+
+def pixels_of(flag: str, text: str, example: str) -> list[float]:
+    """Return numbers with commas between them, as many as the last word of an example has.
+
+    Examples
+    --------
+    >>> pixels_of("--region", "0, 20, 500.5, 300", "four edges such as 0,0,640,480")
+    [0.0, 20.0, 500.5, 300.0]
+    """
     parts = text.split(",")
     try:
-        u, v = (float(part) for part in parts)
+        numbers = [float(part) for part in parts]
     except ValueError:
-        raise InputError(
-            "must be a column and a row in pixels such as 640,200", parameter=flag, value=text
-        ) from None
-    return u, v
+        numbers = []
+    if len(numbers) != 1 + example.split()[-1].count(","):
+        raise InputError(f"must be {example}", parameter=flag, value=text)
+    return numbers
 
 
 def pivots_of(texts: Sequence[str] | None) -> Pivot | tuple[Pivot, ...] | None:

@@ -236,6 +236,9 @@ def summarise(table: Any) -> dict[str, Any]:
         "exposure",
         "circle_residual",
         "metres_per_pixel",
+        "scale_source",
+        "length",
+        "length_sigma",
         "angle_offset_sigma",
         "pivot_source",
         "angle_scale_sigma",
@@ -270,6 +273,10 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         lines["geometry"] = "unknown: positions in pixels, no angles"
     elif summary["geometry"] == "angles":
         lines["geometry"] = "angles only: positions in pixels"
+    if "length_sigma" in summary:
+        length, sigma = (1e2 * summary[name] for name in ("length", "length_sigma"))
+        by = f"by the scale of the {summary['scale_source']}"
+        lines["length"] = f"{length:.5g} cm, sigma {sigma:.2g} cm, {by}"
     if "period" in summary:
         lines["period"] = f"{summary['period']:.6g} s, sigma {summary['period_sigma']:.2g} s"
     if summary["drive_amplitude"] is not None:

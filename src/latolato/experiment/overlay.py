@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -154,7 +155,7 @@ class Artist:
         self.pivots = [pivot, own_pivot_of(table, size)] if has_own_pivots(table) else [pivot] * 2
         radius = float(table.attrs.get("radius_pixels", 0.02 * min(size)))
         self.radii = [radius, float(table.attrs.get("radius_pixels_2", radius))]
-        self.times = table["time"].values
+        self.times, self.numbers = table["time"].values, table["frame"].values
         balls = range(1, balls_of(table) + 1)
         self.flags = np.stack([table[f"flag_{b}"].values for b in balls], axis=-1)
         self.angles = np.stack([table[f"angle_{b}"].values for b in balls], axis=-1)
@@ -187,7 +188,7 @@ class Artist:
             for angle in self.angles[number]
             if math.isfinite(angle)
         )
-        text = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
+        text = f"frame {self.numbers[number]}   {self.times[number]:.3f} s   {degrees}"
         self._write(picture, text, 1, _PIVOT)
         return picture
 
@@ -232,13 +233,16 @@ def _fixed(place: Any) -> tuple[int, int]:
 def draw_proposal(
     video: Video, setup: Setup, path: str | Path, radius: float | None = None
 ) -> Path:
-    """Write the first frame with pivot and balls marked as PNG and return the path."""
+    """Write the clicked frame with pivot and balls marked as PNG and return the path."""
     from latolato.core.atomic import atomic_path
     from latolato.io.files import check_suffix
 
     path = Path(path)
     check_suffix(path, (".png",), "the name of a picture")
-    picture = np.ascontiguousarray(picture_of(next(iter(video.frames())), video))
+    whole = replace(video, start=-math.inf, end=math.inf)
+    at = setup.click_frame - video.first_frame
+    frame = next(frame for frame in whole.frames() if frame.number >= at)
+    picture = np.ascontiguousarray(picture_of(frame, video))
     side = min(video.width, video.height)
     line, size = max(1, round(side / 400.0)), radius or 0.03 * side
     pivots = [setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot]

@@ -14,16 +14,18 @@ import numpy as np
 
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import POSITIVE, QUANTITIES
-from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.pace import motion_of, pace_warnings
+from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Setup,
     checked_place,
+    checked_region,
+    checked_stick,
     read_sidecar,
     with_changes,
     write_sidecar,
@@ -44,8 +46,8 @@ if TYPE_CHECKING:
 Place = Sequence[float]
 Pivot = Place | Literal["outside"]
 Progress = Callable[[float], None]
-# Difference of declared and measured radius that is worth a warning.
-_RADIUS_TOLERANCE = 0.03
+# Share by which a declared size must differ from the measured one to be worth a warning.
+_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
@@ -98,8 +100,14 @@ def track(
     *,
     pivot: Pivot | Sequence[Pivot] | None = None,
     balls: int | Sequence[Place] | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    click_frame: int | None = None,
+    region: Sequence[float] | None = None,
     length: float | None = None,
     radius: float | None = None,
+    stick: Sequence[Place] | None = None,
+    stick_length: float | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -114,18 +122,33 @@ def track(
     path : str or Path
         The video.
     pivot : sequence of float or "outside", or a sequence of two of these, optional
-        Column and row of the pivot in the first frame as displayed [pixels]. A pivot out of the
+        Column and row of the pivot in the clicked frame as displayed [pixels]. A pivot out of the
         picture must rest: declare its place (which counts as known to 2 % of its distance from
         the ball), or say ``"outside"`` to have it fitted from the arc on which the ball runs. Two
         are the own pivots of two balls, in their order if these are pointed at.
     balls : int or sequence of sequence of float, optional
-        How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
+        How many balls swing, 1 or 2; or column and row of each ball's centre in the clicked frame.
         What is not pointed at is found in the video, and a warning names it.
+    start, end : float, optional
+        First and last instant used, as in the column ``time`` [s].
+    click_frame : int, optional
+        Number of the clicked frame: that in which pivot and balls are pointed at, or found. The
+        first one of the file is 0; by default it is the first one used.
+    region : sequence of float, optional
+        Left, top, right and bottom of the part of the picture in which balls are looked for
+        [pixels]; the pivot may lie outside.
     length : float, optional
-        From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
-        positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
+        From pivot to ball centre [m]: the scale of the picture. Without it the scale is that of
+        the stick, without that one of the radius; the others are checked against it. Without any,
+        angles are known, and positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so
+        on).
     radius : float, optional
-        Radius of a ball [m], which is checked against the length's scale.
+        Radius of a ball [m].
+    stick : sequence of sequence of float, optional
+        Column and row of both ends of a stick of known length, in the plane of the swing
+        [pixels].
+    stick_length : float, optional
+        Its length [m].
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
@@ -145,12 +168,12 @@ def track(
     Returns
     -------
     xarray.Dataset
-        One row per decoded frame on the dimension ``frame``: ``time``, positions of pivot and balls
+        One row per frame used on the dimension ``frame``: ``time``, positions of pivot and balls
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
         hidden), predicted (carried on by the equation of motion) and lost. The attribute
-        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` where no pivot is in
+        ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
         the picture and the arc does not show one at rest: angles are then NaN, flags are about the
         ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
         ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
@@ -172,8 +195,9 @@ def track(
     Warns
     -----
     RuntimeWarning
-        For a set-up that was read, what was found instead of pointed at, a radius that does not fit
-        the length, a path that is no circle, an unknown direction of gravity, an unknown geometry.
+        For a set-up that was read, what was found instead of pointed at, a radius or a stick that
+        does not fit the scale, a path that is no circle, an unknown direction of gravity, an
+        unknown geometry.
 
     Notes
     -----
@@ -188,8 +212,14 @@ def track(
     """
     path = checked_path("path", path)
     settings = {
+        "start": start,
+        "end": end,
+        "click_frame": click_frame,
+        "region": None if region is None else checked_region(region),
         "length": length,
         "radius": radius,
+        "stick": None if stick is None else checked_stick(stick),
+        "stick_length": stick_length,
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -215,10 +245,9 @@ def prepare(
     progress: Progress | None = None,
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
-    for name in ("length", "radius", "gravity"):
-        if settings.get(name) is not None:
-            checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
-    video = open_video(path, slow_motion=settings.get("slow_motion"), limits=settings.get("limits"))
+    for name, value in settings.items():
+        if value is not None and name in VIDEO_PARAMETERS:
+            VIDEO_PARAMETERS[name].checked(value)
     clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
@@ -230,13 +259,20 @@ def prepare(
         count = 2
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-            setup = with_changes(read_sidecar(sidecar, path), settings)
+            stored = read_sidecar(sidecar, path)
+            if settings.get("click_frame") not in (None, stored.click_frame):
+                raise InputError(
+                    f"is {stored.click_frame} in '{sidecar}', which has the places of that frame",
+                    parameter="click_frame",
+                    way_out="remove the file, or point at pivot and balls",
+                )
+            setup = with_changes(stored, settings)
             if count is not None and count != len(setup.balls):
                 raise InputError(
                     f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                     way_out="remove it, or point at pivot and balls",
                 )
-            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+            video = _video_of(path, setup, setup.slow_motion)
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
         pivots = own or (None if pivot is None else _checked_pivot(pivot), None)
@@ -246,21 +282,28 @@ def prepare(
             has_own_pivots=bool(own),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
-        settings = {**settings, "slow_motion": video.slow_motion}
-        setup = with_changes(_checked(setup, video), settings)
+        setup = with_changes(setup, settings)
+        video = _video_of(path, setup, settings.get("slow_motion"))
+        setup = replace(setup, slow_motion=video.slow_motion)
+        if settings.get("click_frame") is None:
+            setup = replace(setup, click_frame=video.first_frame)
+        setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
             return Task(video, _right_first(setup))
-        sample = _sample_of(video, progress)
+        sample = _sample_of(video, setup, progress)
         known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
             video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
         )
+        pivot_1, pivot_2 = proposal.pivot, None
         if own:
             places = [place for place in own if place is not None]
             if clicks is None and len(places) == 2:
                 pivots = tuple(sorted(places, reverse=True))
-            proposal = replace(proposal, pivot=pivots[0], pivot_2=pivots[1], has_own_pivots=True)
-        setup = with_changes(proposal, settings)
+            pivot_1, pivot_2 = pivots
+        setup = replace(
+            setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True
+        )
         return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
@@ -289,7 +332,7 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
     video, setup = task.video, task.setup
     with reading(video.path):
-        sample = task.sample or _sample_of(video, progress)
+        sample = task.sample or _sample_of(video, setup, progress)
         if setup.has_own_pivots:
             table = _apart(task, sample, progress)
         else:
@@ -300,10 +343,10 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
                 table = _wandered(task, sample, found)
     if progress:
         progress(1.0)
-    missing = video.frame_count - table.sizes["frame"]
-    if missing > _FEW_MISSING:
+    missing = video.expected_count - table.sizes["frame"]
+    if missing > _FEW_MISSING and video.end == math.inf:
         task.warnings.append(
-            f"{missing} of the {video.frame_count} frames that the file declares "
+            f"{missing} of the {video.expected_count} frames that the file declares "
             + ("are missing: it is cut off" if video.is_cut_off else "could not be decoded")
         )
     clock = video.clock
@@ -320,20 +363,45 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     return table
 
 
-def _sample_of(video: Video, progress: Progress | None) -> Sample:
+def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
+    """Return the part of a video that a set-up names, at the file's own pace if none is known."""
+    start = -math.inf if setup.start is None else setup.start
+    end = math.inf if setup.end is None else setup.end
+    if not start < end:
+        raise InputError(f"must lie after start ({start:g} s)", parameter="end", value=end)
+    video = open_video(path, slow_motion=slow_motion, limits=setup.limits, start=start, end=end)
+    return replace(video, region=setup.region)
+
+
+def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
     """Return the first reading of a video that shows a motion."""
-    sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
+    tell = progress and (lambda share: progress(_READ * share))
+    sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
     return sample
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose balls lie inside the frame, and whose pivot is not too far from it."""
-    for u, v in setup.balls:
+    """Return a set-up that is complete: balls in frame and region, the pivot not too far away."""
+    if (setup.stick is None) != (setup.stick_length is None):
+        missing = "stick" if setup.stick is None else "stick_length"
+        raise InputError(f"{missing} is missing: both ends of a stick and its length are needed")
+    named = [("ball", place) for place in setup.balls]
+    named += [("end of the stick", place) for place in setup.stick or ()]
+    if setup.region is not None:
+        left, top, right, bottom = setup.region
+        named += [("corner of the region", corner) for corner in ((left, top), (right, bottom))]
+        for u, v in setup.balls:
+            if not (left <= u <= right and top <= v <= bottom):
+                raise InputError(
+                    f"ball at ({u:g}, {v:g}) lies outside the region from ({left:g}, {top:g}) to "
+                    f"({right:g}, {bottom:g})"
+                )
+    for name, (u, v) in named:
         if not _is_inside((u, v), video):
             raise InputError(
-                f"ball at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
+                f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
     reach = _FARTHEST * math.hypot(video.width, video.height)
@@ -419,7 +487,7 @@ def _followed(
     `path` is that of balls about a pivot that the picture does not show.
     """
     video, setup = task.video, task.setup
-    length, radius = setup.length, setup.radius
+    size, radius = (video.width, video.height), setup.radius
     if path is not None:
         scene = learn_image_model(
             video, sample, pivot, balls, None, _part(progress, 0.0, _LEARNED),
@@ -430,7 +498,8 @@ def _followed(
         seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
         return scene, _believed(task, sample, seen, balls)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
-    expected = radius / length * arm if radius and length else None
+    scale = scale_of(setup, size, (arm, 0.0))
+    expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
     scene = learn_image_model(video, sample, pivot, balls, expected, _part(progress, 0.0, _LEARNED))
@@ -442,9 +511,10 @@ def _followed(
             free = scene
         if free.explained > scene.explained:
             scene = free
-    stiffness = setup.gravity / length if length else 0.0
+    scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
+    stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
-    declared = radius / length * scene.arm if radius and length else None
+    declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
 
 
@@ -458,13 +528,11 @@ def _believed(
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     share = float(seen.is_measured.mean())
     if share == 0.0:
-        raise InputError(
-            "the ball was found in no frame", way_out="point at its centre in the first frame"
-        )
+        raise InputError("the ball was found in no frame", way_out="point at its centre")
     if share < _NEVER:
         raise InputError(
             f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
-            way_out="point at the ball's centre in the first frame",
+            way_out="point at the middle of the ball",
         )
     if share < _SELDOM:
         task.warnings.append(
@@ -518,7 +586,7 @@ def _examine(
 
 def _doubt(scene: ImageModel, scale_sigma: float = 0.0) -> float:
     """Return by which share the radius measured may differ from that declared."""
-    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius + 2.0 * scale_sigma
+    return _TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -530,24 +598,25 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
 
 
 def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
-    """Return the table in metres, or in pixels where the length is unknown.
+    """Return the table in metres, or in pixels where no scale is known.
 
     The second track, if there is one, is that of a ball about a pivot of its own.
     """
-    length, first = task.setup.length, tracks[0].measured
+    first = tracks[0].measured
     for track in tracks:
         task.warnings += track.measured.warnings
-    scale = length / _common_arm(tracks) if length else math.nan
+    scale = _scale(task, tracks)
+    metres_per_pixel = scale.metres if scale else math.nan
     turn = first.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
     origin = np.nanmean(first.pivots, axis=0)
-    columns: dict[str, Any] = {"time": tracks[0].seen.times}
+    columns = _frames(task, tracks[0].seen.times)
 
     def put(name: str, places: np.ndarray) -> None:
-        away = (places - origin) * scale
+        away = (places - origin) * metres_per_pixel
         columns[f"{name}_x"], columns[f"{name}_y"] = away @ right, -(away @ down)
-        if not length:
+        if scale is None:
             columns[f"{name}_u"], columns[f"{name}_v"] = places.T
 
     for k, track in enumerate(tracks):
@@ -559,49 +628,55 @@ def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
             columns[f"angle_{number}"] = measured.angles[:, b]
             columns[f"angle_sigma_{number}"] = measured.sigmas[:, b]
             columns[f"flag_{number}"] = seen.flags[:, b]
+    for track in tracks:
         _warn_of(task, track, scale)
-    if not length:
+    if scale is None:
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give the length for the scale"
+            "the length is unknown: positions are in pixels only; give the length for the scale, "
+            "or a stick, or the radius of a ball"
         )
     attributes = {
-        **_declared(task, "metric" if length else "angles"),
-        "metres_per_pixel": scale if length else None,
+        **_declared(task, "metric" if scale else "angles"),
+        "scale_source": scale.source if scale else None,
+        "metres_per_pixel": scale.metres if scale else None,
+        "metres_per_pixel_sigma": scale.share * scale.metres if scale else None,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
     }
     for k, track in enumerate(tracks):
-        own = _measured(track, scale)
+        own = _measured(task, track, scale)
         attributes |= {f"{name}_2": each for name, each in own.items()} if k else own
     return track_table(columns, attributes)
 
 
-def _common_arm(tracks: list[_Track]) -> float:
-    """Return the distance of pivot and ball [pixels]; of two, which must have the same, the mean.
+def _scale(task: Task, tracks: list[_Track]) -> Scale | None:
+    """Return the scale of the picture; from two balls about pivots of their own, by their means.
 
     Raises
     ------
     InputError
-        If they differ by more than their errors and 3 %.
+        If one length is declared for balls whose distances from their pivots differ by more than
+        their errors and 3 %.
     """
-    arms = [track.measured.hinge.arm for track in tracks]
-    sigma = math.hypot(*(track.measured.hinge.scale_sigma for track in tracks))
-    if max(arms) / min(arms) - 1.0 > _RADIUS_TOLERANCE + 2.0 * sigma:
+    video, setup = task.video, task.setup
+    arms = np.array([track.measured.arm for track in tracks])
+    looks = np.array([(each.scene.look.radius, each.scene.look.radius_sigma) for each in tracks])
+    longest, shortest = arms[np.argmax(arms[:, 0])], arms[np.argmin(arms[:, 0])]
+    doubt = _TOLERANCE + 2.0 * math.hypot(*(arms[:, 1] / arms[:, 0]))
+    if setup.length and longest[0] / shortest[0] - 1.0 > doubt:
         raise InputError(
-            f"the balls are {arms[0]:.0f} and {arms[1]:.0f} pixels from their pivots: one length "
-            "cannot be that of both",
+            f"the balls are {arms[0, 0]:.0f} and {arms[1, 0]:.0f} pixels from their pivots: one "
+            "length cannot be that of both",
             way_out="leave the length out, and give it to fits of each ball",
         )
-    return float(np.mean(arms))
+    arm, radius = arms.mean(axis=0), looks.mean(axis=0)
+    return scale_of(setup, (video.width, video.height), tuple(arm), tuple(radius))
 
 
-def _warn_of(task: Task, track: _Track, scale: float) -> None:
-    """Warn of a pivot that was fitted from the arc, and of a radius that does not fit the scale."""
-    hinge, radius, measured = (
-        track.measured.hinge,
-        task.setup.radius,
-        track.scene.look.radius * scale,
-    )
+def _warn_of(task: Task, track: _Track, scale: Scale | None) -> None:
+    """Warn of a pivot that was fitted from the arc, and of sizes that do not fit the scale."""
+    setup, video = task.setup, task.video
+    hinge, look = track.measured.hinge, track.scene.look
     if hinge.source == "arc":
         u, v = track.measured.pivots[0]
         task.warnings.append(
@@ -609,22 +684,37 @@ def _warn_of(task: Task, track: _Track, scale: float) -> None:
             "centre of the ball's arc; all angles, and the scale, share an error of "
             f"{100.0 * hinge.scale_sigma:.2g} %"
         )
-    if radius and abs(measured / radius - 1.0) > _doubt(track.scene, hinge.scale_sigma):
-        task.warnings.append(
-            f"the balls' radius is {measured * 1e3:.2f} mm by the length's scale, declared "
-            f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
-        )
+    if scale is None:
+        return
+    about = "length from pivot to ball centre" if scale.source == "length" else scale.source
+    sizes = [("radius of a ball", setup.radius, look.radius, look.radius_sigma)]
+    if setup.stick is not None:
+        pixels = stick_pixels(setup, (video.width, video.height))
+        sizes.append(("stick", setup.stick_length, pixels, math.sqrt(2.0)))
+    for name, declared, pixels, sigma in sizes:
+        doubt = _TOLERANCE + math.hypot(sigma / pixels, 2.0 * scale.share)
+        if declared and abs(pixels * scale.metres / declared - 1.0) > doubt:
+            task.warnings.append(
+                f"the {name} is {pixels * scale.metres * 1e3:.2f} mm by the scale of the "
+                f"{scale.source}, declared were {declared * 1e3:.2f} mm: is the {about} right?"
+            )
 
 
-def _measured(track: _Track, scale: float) -> dict[str, Any]:
-    """Return the attributes of balls about one pivot; the scale [m/pixel] is NaN if unknown."""
+def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
+    """Return the attributes of balls about one pivot."""
     look, measured = track.scene.look, track.measured
     hinge, gravity = measured.hinge, measured.gravity
-    is_known, radius = math.isfinite(scale), look.radius * scale
-    radius_sigma = math.hypot(look.radius_sigma * scale, radius * hinge.scale_sigma)
-    return {
-        "measured_radius": radius if is_known else None,
-        "measured_radius_sigma": radius_sigma if is_known else None,
+    attributes: dict[str, Any] = {}
+    if scale is not None:
+        attributes["measured_radius"] = look.radius * scale.metres
+        attributes["measured_radius_sigma"] = scale.metres * math.hypot(
+            look.radius_sigma, look.radius * scale.share
+        )
+        if not task.setup.length:
+            arm, arm_sigma = measured.arm
+            attributes["length"] = arm * scale.metres
+            attributes["length_sigma"] = scale.metres * math.hypot(arm_sigma, arm * scale.share)
+    return attributes | {
         "radius_pixels": look.radius,
         "gravity_direction": gravity.direction,
         "gravity_source": gravity.source,
@@ -646,7 +736,7 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
     """Return the table of balls about an unknown pivot: their places in the image, no angles."""
     seen = path.seen
     _examine(task, sample, seen, [np.array(ball) for ball in task.setup.balls])
-    columns: dict[str, Any] = {"time": seen.times}
+    columns = _frames(task, seen.times)
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
@@ -666,6 +756,11 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
     return track_table(columns, attributes)
 
 
+def _frames(task: Task, times: np.ndarray) -> dict[str, Any]:
+    """Return the columns that say which frames the rows are of."""
+    return {"frame": task.video.first_frame + np.arange(len(times)), "time": times}
+
+
 def _declared(task: Task, geometry: str) -> dict[str, Any]:
     """Return the attributes that record the request."""
     video, setup = task.video, task.setup
@@ -683,6 +778,10 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "source": video.path.name,
         "source_sha256": digest_of(video.path),
         "geometry": geometry,
+        "start": setup.start,
+        "end": setup.end,
+        "click_frame": setup.click_frame,
+        "region": setup.region and ",".join(f"{edge:g}" for edge in setup.region),
         "length": setup.length,
         "radius": setup.radius,
         "gravity": setup.gravity,

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,6 +43,8 @@ _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "fi
 _AS_VIDEO = (
     "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
 )
+# Error of a time stamp as a decimal number [s].
+_ROUNDED = 1e-6
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
 # ITU-T H.273: luma coefficients, and tone curves of high dynamic range.
@@ -80,7 +85,10 @@ class Limits:
 
 
 class Frame(NamedTuple):
-    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved)."""
+    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved).
+
+    Numbers count from the first frame between `Video.start` and `Video.end` on.
+    """
 
     number: int
     time: float
@@ -120,6 +128,12 @@ class Video:
         What the container declares about it.
     is_cut_off : bool
         Whether the end of the file is missing.
+    start, end : float
+        Times between which frames are decoded, both included [s].
+    first_frame : int
+        Number in the file of the first of these frames.
+    region : tuple of float, optional
+        Left, top, right and bottom of the part in which balls are looked for [pixels].
     """
 
     path: Path
@@ -136,16 +150,36 @@ class Video:
     clock: Clock
     is_cut_off: bool
     limits: Limits
+    start: float = -math.inf
+    end: float = math.inf
+    first_frame: int = 0
+    region: tuple[float, float, float, float] | None = None
 
-    def frames(self, until: float = float("inf")) -> Iterator[Frame]:
-        """Decode the frames in order.
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """First column and row in which balls are looked for, and the first ones beyond."""
+        left, top, right, bottom = self.region or (0.0, 0.0, self.width - 1.0, self.height - 1.0)
+        low, high = np.floor([left, top]).astype(int), np.ceil([right, bottom]).astype(int) + 1
+        return np.maximum(low, 0), np.minimum(high, [self.width, self.height])
+
+    @property
+    def expected_count(self) -> int:
+        """About how many frames lie between start and end, 0 if that is unknown."""
+        last: float = self.frame_count
+        if self.end < math.inf:
+            last = min(last, self.end * self.frame_rate + 1.0)
+        return max(math.ceil(last) - self.first_frame, 0)
+
+    def frames(self) -> Iterator[Frame]:
+        """Decode the frames between start and end in order.
 
         Raises
         ------
         InputError
-            If a frame's time stamp is missing or does not increase, or a limit is passed.
+            If a frame's time stamp is missing or does not increase, a limit is passed, or no frame
+            lies between start and end.
         """
-        last = first = -float("inf")
+        last = first = since = -math.inf
         number = 0
         size = (0, 0)
         is_turned = self.rotation % 180 == 90
@@ -168,35 +202,46 @@ class Video:
                         f"frame {number} has another size than those before, {picture.width} x "
                         f"{picture.height} pixels"
                     )
-                self.limits.check("duration", time - first, f"{time - first:.4g} s are there")
                 if not time > last:
                     raise InputError(
                         f"time stamps must increase, frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
                         way_out=_WRITE_AGAIN,
                     )
-                self.limits.check("frames", number + 1, f"{number + 1} frames are there")
-                if time > until:
-                    return
-                planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
-                yield Frame(number, time, *planes)
+                if time > self.end + _ROUNDED:
+                    break
+                if time >= self.start - _ROUNDED:
+                    since = time if since == -math.inf else since
+                    self.limits.check("duration", time - since, f"{time - since:.4g} s are there")
+                    count = number - self.first_frame + 1
+                    self.limits.check("frames", count, f"{count} frames are there")
+                    planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
+                    yield Frame(count - 1, time, *planes)
                 last = time
                 number += 1
-            declared = _duration(container, stream) / self.slow_motion
-            if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
+            else:
+                declared = _duration(container, stream) / self.slow_motion
+                if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
+                    raise InputError(
+                        f"the file is cut off: {number} frames are there, {last - first:.2f} of "
+                        f"{declared:.2f} s",
+                        way_out="copy it again",
+                    )
+            if since == -math.inf:
                 raise InputError(
-                    f"the file is cut off: {number} frames are there, {last - first:.2f} of "
-                    f"{declared:.2f} s",
-                    way_out="copy it again",
+                    f"no frame lies between start ({self.start:g} s) and end ({self.end:g} s)"
                 )
-            if number == 0:
-                raise InputError("no frame could be decoded")
 
 
 def open_video(
-    path: str | Path, *, slow_motion: float | None = None, limits: Limits | None = None
+    path: str | Path,
+    *,
+    slow_motion: float | None = None,
+    limits: Limits | None = None,
+    start: float = -math.inf,
+    end: float = math.inf,
 ) -> Video:
-    """Return what a video file is, after its first frame was decoded.
+    """Return what a video file is, after its frames up to the first at `start` were decoded.
 
     Parameters
     ----------
@@ -207,13 +252,15 @@ def open_video(
         default what the file declares without doubt, else 1.
     limits : Limits
         Refuse what is larger.
+    start, end : float
+        Times between which frames are decoded later, both included [s].
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     InputError
-        If it is no video, holds no picture or exceeds a limit.
+        If it is no video, holds no picture, exceeds a limit or ends before `start`.
         If PyAV is missing.
     """
     path = Path(path)
@@ -240,9 +287,8 @@ def open_video(
             limits.check("pixels", width * height, words)
             limits.check("memory", width * height * _PER_PIXEL, f"{words} take memory")
             duration = _duration(container, stream) / slow_motion
-            limits.check("duration", duration, f"it is {duration:.4g} s long")
-            limits.check("frames", count, f"it has {count} frames")
-            picture = next(_pictures(path, container, stream), None)
+            pictures = _pictures(path, container, stream)
+            picture = next(pictures, None)
             if picture is None:
                 raise _unreadable(path, "no frame could be decoded")
             if picture.interlaced_frame:
@@ -251,9 +297,13 @@ def open_video(
                     way_out="make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 "
                     "NEW.mp4",
                 )
+            first_frame = 0
+            if start > -math.inf:
+                slower = stream.time_base / Fraction(slow_motion)
+                first_frame = _number_at(start, chain([picture], pictures), slower)
             rotation, is_mirrored = displayed_turn(picture)
             shown = _square(picture, (width, height))
-            return Video(
+            video = Video(
                 path=path,
                 width=(width, height)[rotation % 180 // 90],
                 height=(height, width)[rotation % 180 // 90],
@@ -268,7 +318,25 @@ def open_video(
                 clock=clock,
                 is_cut_off=missing_bytes(path) > 0,
                 limits=limits,
+                start=start,
+                end=end,
+                first_frame=first_frame,
             )
+            part = min(end, duration) - max(start, 0.0)
+            limits.check("duration", part, f"it is {part:.4g} s long")
+            limits.check("frames", video.expected_count, f"it has {video.expected_count} frames")
+            return video
+
+
+def _number_at(start: float, pictures: Iterable[Any], tick: Fraction) -> int:
+    """Return the number of the first picture at or after a time [s], in ticks of a length [s]."""
+    time = -math.inf
+    for number, picture in enumerate(pictures):
+        time = time if picture.pts is None else float(picture.pts * tick)
+        if time >= start - _ROUNDED:
+            return number
+    rule = f"must lie before the end of the video at {time:.6g} s"
+    raise InputError(rule, parameter="start", value=start)
 
 
 def _check_file(path: Path) -> None:

@@ -49,8 +49,8 @@ MEANINGS = {
     "lost": "not seen, and no number given",
 }
 GEOMETRIES = {
-    "metric": "scale by the length, angles about the moving pivot",
-    "angles": "no length was given: angles are known, positions in pixels only",
+    "metric": "positions in metres, angles about the moving pivot",
+    "angles": "no scale was given: angles are known, positions in pixels only",
     "unknown": "no pivot is known: positions of the ball in pixels, no angles",
 }
 # Frames shown as thumbnails, and their half width in radii of the ball.
@@ -302,8 +302,11 @@ def _numbers(table: xr.Dataset) -> str:
         rows.append(("pivot", f"{size} at {rate}, one harmonic over the whole clip"))
     elif attrs["geometry"] != "unknown":
         rows.append(("pivot", unseen_pivot(attrs) or "rests"))
+    source = attrs.get("scale_source", "length")
+    length = "declared" if source == "length" else f"by the scale of the {source}"
     texts = {
-        "length": ("length, declared", 1e3, "mm"),
+        "length": (f"length, {length}", 1e3, "mm"),
+        "length_sigma": ("its standard deviation", 1e3, "mm"),
         "metres_per_pixel": ("scale", 1e3, "mm a pixel"),
         "radius": ("radius, declared", 1e3, "mm"),
         "measured_radius": ("radius, measured by that scale", 1e3, "mm"),
@@ -388,8 +391,10 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {number}")
-        text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
+        image = _image(
+            encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {artist.numbers[number]}"
+        )
+        text = escape(f"frame {artist.numbers[number]}, {artist.times[number]:.3f} s: {reason}")
         cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"
 

@@ -59,6 +59,14 @@ class Calibration:
     angle_offset_sigma: float
     warnings: list[str] = field(default_factory=list)
 
+    @property
+    def arm(self) -> tuple[float, float]:
+        """Distance from hinge to ball and its standard deviation [pixels]."""
+        hinge = self.hinge
+        if hinge.is_seen:
+            return hinge.arm, _along(self.gravity, hinge)
+        return hinge.arm, hinge.arm * hinge.scale_sigma
+
 
 def calibrate(
     seen: Positions,
@@ -194,9 +202,13 @@ def _shared_error(angles: np.ndarray, down: Gravity, shared: float, hinge: Hinge
         shared = angle_offset_sigma(level, hinge)
     if not hinge.is_seen:
         return np.full_like(angles, shared)
+    return np.hypot(shared, np.sin(angles - down.direction) * _along(down, hinge) / hinge.arm)
+
+
+def _along(down: Gravity, hinge: Hinge) -> float:
+    """Return the standard deviation of the hinge's place along gravity [pixels]."""
     turn = down.direction
-    along = math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
-    return np.hypot(shared, np.sin(angles - turn) * along / hinge.arm)
+    return math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
 
 
 def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:

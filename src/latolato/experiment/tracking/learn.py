@@ -56,8 +56,8 @@ class ImageModel:
     balls : int
         How many balls are followed.
     starts, speeds : numpy.ndarray, shape (ball,)
-        Angles in the first frame from straight down in the image [rad], right ball first, and how
-        much they grow per frame interval; NaN if the second frame does not tell.
+        Angles in the clicked frame from straight down in the image [rad], right ball first, and
+        how much they grow per frame interval; NaN if the next frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
     """
@@ -88,9 +88,9 @@ def learn_image_model(
     video, sample : Video, Sample
         The clip and the frames to learn from.
     pivot : numpy.ndarray, shape (2,)
-        Pivot in the first frame (column, row) [pixels], in the picture or out of it.
+        Pivot in the clicked frame (column, row) [pixels], in the picture or out of it.
     balls : list of numpy.ndarray, shape (2,)
-        Centre of each ball in the first frame [pixels].
+        Centre of each ball in the clicked frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
     unseen_radius : float, optional
@@ -102,7 +102,7 @@ def learn_image_model(
     InputError
         If no ball is found in most of the sample.
     """
-    frames = sample.frames
+    frames = sample.from_click
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
@@ -121,7 +121,9 @@ def learn_image_model(
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
-    low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
+    # No ball is found where the background is unknown.
+    first, beyond = video.bounds
+    low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:
@@ -141,7 +143,7 @@ def learn_image_model(
             raise InputError(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
                 "frames",
-                way_out="point at the ball's centre in the first frame",
+                way_out="point at the middle of the ball",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if round_ == 0:

@@ -69,7 +69,7 @@ def propose(
     count: int | None = None,
     optics: Optics | None = None,
 ) -> tuple[Setup, float]:
-    """Return where pivot and balls are in the first frame, and a ball's radius [pixels].
+    """Return where pivot and balls are in the clicked frame, and a ball's radius [pixels].
 
     The right-hand ball comes first; no pivot is in the picture if none is found.
 
@@ -96,14 +96,12 @@ def propose(
     where the circle's centre is, and both are repeated until they agree. It can miss: balls that
     rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
     """
-    frames = sample.frames
-    backdrop = Backdrop(frames)
+    frames = sample.from_click
+    backdrop = Backdrop(frames, video.bounds)
     seen = [backdrop.discs(frame) for frame in frames]
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:
-        raise InputError(
-            "no moving ball was found", way_out="point at pivot and ball in the first frame"
-        )
+        raise InputError("no moving ball was found", way_out="point at pivot and ball")
     if count is None:
         counts = [len(group) for group in members if group]
         count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
@@ -122,7 +120,9 @@ def propose(
     if balls is not None:
         starts = [np.array(ball, float) for ball in balls]
     else:
-        starts = [distorted(ball, size, lens) for ball in _starts(places, orbit, count, radius)]
+        number = video.first_frame + sample.click
+        found = _starts(places, orbit, count, radius, number)
+        starts = [distorted(ball, size, lens) for ball in found]
     starts.sort(key=lambda ball: -float(ball[0]))
     setup = Setup(
         pivot=None if hinge is None else _rounded(hinge),
@@ -282,9 +282,9 @@ def _coarse(frame: Frame, fold: int) -> Frame:
 
 
 def _starts(
-    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float
+    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float, number: int
 ) -> list[np.ndarray]:
-    """Return the balls in the first frame, from there or from where they are a frame later."""
+    """Return the balls in the clicked frame, from there or from where they are a frame later."""
     for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
         group = places[k]
         shift = orbit.shifts[min(k, len(orbit.shifts) - 1)] if orbit else np.zeros(2)
@@ -298,7 +298,7 @@ def _starts(
         if len(on_circle) >= count:
             return list(on_circle[:count])
     raise InputError(
-        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in its "
-        "first frame",
-        way_out="point at pivot and ball there",
+        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in frame "
+        f"{number}",
+        way_out="point at pivot and ball, or look in another frame (--click-frame)",
     )
