@@ -44,7 +44,7 @@ _RADIUS_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.25, 0.4
+_NEVER, _SELDOM = 0.25, 0.5
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:

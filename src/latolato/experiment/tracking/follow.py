@@ -29,8 +29,11 @@ _WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
 # A ball that moved by this many standard deviations more than was expected, long after a contact
 # [s], and of which less than this share is seen, is drawn aside by what hides it.
 _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
-# Time after which a ball that was not seen is lost [s].
-_PATIENCE = 0.3
+# Time after which a ball that was not seen is lost [s]; errors of what is expected from which it is
+# lost at once, and from which whole turns are not told [rad].
+_PATIENCE, _VAGUE, _TURNS = 0.3, 0.5, 1.0
+# How much faster than in the sample a ball may be.
+_FASTER = 2.0
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
 # Error of the pivot's smear that is worth a second look [pixels].
@@ -59,7 +62,7 @@ def follow(
     video, sample, scene : Video, Sample, ImageModel
         The clip, its first reading and what was learned of it.
     stiffness : float
-        Gravity over length [1/s^2], 0 if unknown.
+        Gravity over length [1/s^2], 0 if unknown: it is then taken from the sample.
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
@@ -92,9 +95,11 @@ class _Follower:
     def __init__(self, scene: ImageModel, interval: float, stiffness: float) -> None:
         self.scene, self.interval = scene, interval
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
-        self.predictor = Predictor(stiffness, gap)
+        self.predictor = Predictor(stiffness or scene.stiffness, gap, is_known=stiffness > 0.0)
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
+        # When and at which angle balls were measured last.
+        self.last = [(-math.inf, float(angle)) for angle in scene.starts]
         self.is_begun = False
         self.pivot_cost = 0.0
         self.last_contact = -math.inf
@@ -173,11 +178,14 @@ class _Follower:
         places, lift = self._pivot_motion(instants)
         until = frame.time + self.near
         expected = predictor.predict(frame.time, instants, lift / scene.arm, until)
-        if np.any(self.unseen > _PATIENCE):
-            self._search(frame, pivot, expected)
+        if scene.balls == 2 and np.any(self.unseen > _PATIENCE):
+            self._search_both(frame, pivot, expected)
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
+            seen = self._measure(frame, pivot, places, expected, tolerant=2)
+            bad = self._is_bad(pivot, seen, expected)
+        if scene.balls == 1 and bad[0] and self._search(frame, pivot, expected):
             seen = self._measure(frame, pivot, places, expected, tolerant=2)
             bad = self._is_bad(pivot, seen, expected)
         predictor.accept(frame.time, expected)
@@ -271,15 +279,31 @@ class _Follower:
         allowed: np.ndarray = (between > gap) & (between < 2.0 * math.pi - gap)
         return allowed
 
-    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
+    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> bool:
+        """Expect the only ball where it is likeliest on the whole circle, if it can be there."""
+        scene = self.scene
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, 1)
+        time, last = self.last[0]
+        passed, size = frame.time - time, scene.look.radius / scene.arm
+        reach = _FASTER * scene.fastest * passed + size
+        if gain[0] <= _BELIEVED or abs(math.remainder(angles[0] - last, 2.0 * math.pi)) > reach:
+            return False
+        # Where it was expected tells how often it went round; else it is believed not to have.
+        is_vague = expected.covariance[0, 0, 0] > _TURNS**2
+        near = 2.0 * math.pi * round(last / (2.0 * math.pi)) if is_vague else expected.angles[0]
+        angle = near + math.remainder(angles[0] - near, 2.0 * math.pi)
+        self._restart(expected, 0, angle)
+        if passed <= _PATIENCE:
+            force = max(self.predictor.stiffness, self.predictor.noise)
+            expected.velocities[0] = (angle - last) / passed
+            expected.covariance[0] = size**2 * np.outer([1.0, 1.0 / passed], [1.0, 1.0 / passed])
+            expected.covariance[0, 1, 1] += (0.5 * force * passed) ** 2
+        return True
+
+    def _search_both(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
         """Look for balls that were lost on the whole circle."""
         scene = self.scene
         angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls)
-        if scene.balls == 1:
-            if gain[0] > _BELIEVED:
-                near = math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
-                self._restart(expected, 0, expected.angles[0] + near)
-            return
         if gain.min() < _BELIEVED:
             return
         lost = self.unseen > _PATIENCE
@@ -324,6 +348,7 @@ class _Follower:
         for b, explained in enumerate(seen.explained):
             if not bad[b]:
                 self.unseen[b] = 0.0
+                self.last[b] = frame.time, float(angles[b])
                 centres[b] = seen.centres[b]
                 off = abs(float(angles[b] - expected.angles[b]))
                 spread = math.hypot(math.sqrt(expected.covariance[b, 0, 0]), float(sigmas[b]))
@@ -344,10 +369,10 @@ class _Follower:
                     flags[b] = "collision" if is_contact else "ok"
                 continue
             self.unseen[b] += self.interval
-            if self.unseen[b] <= _PATIENCE:
+            spread = math.sqrt(expected.covariance[b, 0, 0])
+            if self.unseen[b] <= _PATIENCE and spread < _VAGUE:
                 flags[b] = "predicted"
-                angles[b] = expected.angles[b]
-                sigmas[b] = math.sqrt(expected.covariance[b, 0, 0])
+                angles[b], sigmas[b] = expected.angles[b], spread
                 centres[b] = pivot + scene.arm * np.array(
                     [math.sin(angles[b]), math.cos(angles[b])]
                 )
