@@ -302,13 +302,14 @@ def _tracked(
             f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
             way_out="point at the ball's centre in the first frame",
         )
-    if share < _SELDOM:
-        task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
-            "at?"
-        )
     declared = radius / length * scene.arm if radius and length else None
     _examine(task, sample, seen, balls, declared)
+    share = float(seen.is_measured.mean())
+    if share < _SELDOM:
+        task.warnings.append(
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: look at the "
+            "overlay"
+        )
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)

@@ -62,8 +62,6 @@ class ImageModel:
         much they grow per frame interval; NaN if the second frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
-    fastest : float
-        Largest angular velocity seen [rad/s]; infinite if it is unknown.
     stiffness : float
         What the swing seen says of gravity over length [1/s^2]; 0 if it is unknown.
     """
@@ -75,7 +73,6 @@ class ImageModel:
     starts: np.ndarray
     speeds: np.ndarray
     explained: float = 1.0
-    fastest: float = math.inf
     stiffness: float = 0.0
 
 
@@ -167,16 +164,16 @@ def learn_image_model(
 
 
 def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
-    """Learn how fast balls are, and what that says of gravity over length, as if they fell freely.
+    """Learn what the balls' speeds say of gravity over length, as if they fell freely.
 
     From rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
     """
     turns = np.array([abs(one.speed) for one in sightings])
     if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
         return
-    scene.fastest = float(np.nanquantile(turns, 0.95)) / interval
+    fastest = float(np.nanquantile(turns, 0.95)) / interval
     widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
-    scene.stiffness = scene.fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
+    scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
 
 
 def _first_noise(

@@ -16,6 +16,8 @@ _RESTITUTION, _UNSURE = 0.85, 0.15
 # Uncertainty of the angular acceleration, as a share of gravity over length, and at least [1/s^2]:
 # where these are known, and where the swing tells them.
 _UNSURE_FORCE, _LEAST_FORCE = {True: 0.08, False: 0.3}, {True: 1.0, False: 60.0}
+# Fewest accelerations that say how uncertain they are, and how much more they are believed to be.
+_FEWEST, _ROUGH = 12, 2.0
 
 
 @dataclass
@@ -54,12 +56,15 @@ class Predictor:
     gap : float
         Smallest angle between two balls [rad]; 0 for one ball.
     is_known : bool
-        Whether the stiffness is declared, not estimated.
+        Whether the stiffness is declared, not estimated: then `learn` corrects it.
     """
 
     def __init__(self, stiffness: float, gap: float, is_known: bool = True) -> None:
         self.stiffness = stiffness
+        self.is_known = is_known
         self.noise = max(_UNSURE_FORCE[is_known] * stiffness, _LEAST_FORCE[is_known])
+        # Sums of what accelerations say of the stiffness, which begin with what is believed.
+        self.sums = np.array([1.0, stiffness, stiffness**2, 0.0])
         self.gap = gap
         self.angles = np.zeros(0)
         self.velocities = np.zeros(0)
@@ -139,6 +144,18 @@ class Predictor:
                 error = _UNSURE * 2.0 * abs(self.velocities[b]) + 0.1
                 grown[b] += np.diag([(0.5 * error * interval) ** 2, error**2])
         return grown
+
+    def learn(self, angle: float, acceleration: float) -> None:
+        """Correct an estimated stiffness by an acceleration [rad/s^2] that gravity alone made."""
+        if self.is_known:
+            return
+        sine = -restoring_sine(angle)
+        self.sums += [sine**2, sine * acceleration, acceleration**2, 1.0]
+        squares, products, total, count = self.sums
+        self.stiffness = max(float(products / squares), 0.0)
+        if count >= _FEWEST:
+            left = max(float(total - products**2 / squares), 0.0)
+            self.noise = max(_ROUGH * math.sqrt(left / count), _LEAST_FORCE[True])
 
     def accept(self, time: float, expected: Prediction) -> None:
         """Take a prediction as the state."""
