@@ -274,6 +274,17 @@ def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
     assert "part of something larger" in finding.reason
 
 
+@pytest.mark.parametrize(
+    "extent,place,reason",
+    [(16.0, [100.0, 150.0], None), (16.0, [220.0, 150.0], "change"), (3.0, [100.0, 150.0], "too")],
+)
+def test_a_disc_that_moves_by_less_than_its_radius_is_believed_by_its_edge(extent, place, reason):
+    path = np.stack([0.5 * extent * np.cos(np.arange(30) / 4.0), np.zeros(30)], axis=-1)
+    sample = _drawn(np.array([100.0, 150.0]) + path, radius=40.0)
+    finding = gate.changing_pixels(sample, _track(np.array(place) + path, radius=40.0))
+    assert (finding.is_refusal and reason in finding.reason) if reason else finding is None
+
+
 def test_light_that_changes_for_all_changes_nothing():
     centres = _swinging()
     sample = _drawn(centres)

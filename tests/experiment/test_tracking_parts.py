@@ -188,6 +188,16 @@ def test_a_prediction_follows_the_pendulum_between_frames():
     assert found.velocities[0] == pytest.approx(run.angular_velocity.values[-1], abs=1e-3)
 
 
+def test_accelerations_tell_the_stiffness_where_no_length_is_declared():
+    predictor = Predictor(20.0, 0.0, is_known=False)
+    unsure = predictor.noise
+    noise = np.random.default_rng(1).normal(0.0, 0.5, 60)
+    for angle, error in zip(0.8 * np.cos(np.arange(60) / 5.0), noise, strict=True):
+        predictor.learn(angle, -50.0 * math.sin(angle) + error)
+    assert predictor.stiffness == pytest.approx(50.0, rel=0.05)
+    assert predictor.noise < 0.2 * unsure
+
+
 @pytest.mark.parametrize("middle", [0.0, math.pi])
 def test_predicted_balls_bounce_and_never_pass(middle):
     gap = 0.16

@@ -51,7 +51,7 @@ _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.25, 0.4
+_NEVER, _SELDOM = 0.25, 0.5
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -534,12 +534,13 @@ def _believed(
             f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
             way_out="point at the middle of the ball",
         )
+    _examine(task, sample, seen, balls, radius)
+    share = float(seen.is_measured.mean())
     if share < _SELDOM:
         task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
-            "at?"
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: look at the "
+            "overlay"
         )
-    _examine(task, sample, seen, balls, radius)
     return seen
 
 

@@ -115,7 +115,9 @@ def calibrate(
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
     reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
-    noise = float(np.nanmin([scatter_of(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
+    scatters = [scatter_of(seen.times, reach[:, b]) for b in range(balls)]
+    # Where no scatter is known, all that is off the circle may be the circle's fault.
+    noise = min((one for one in scatters if math.isfinite(one)), default=0.0)
     if circle is None:
         hinge = find_hinge(away[use], seen.angles[use], noise)
     else:

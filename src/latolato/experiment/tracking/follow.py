@@ -20,20 +20,23 @@ from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.predict import Prediction, Predictor
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
+from latolato.physics.pendulum import restoring_sine
 
-# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
-_MEASURED, _WHOLE = 0.4, 0.82
+# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole; and
+# the share of them that may look more like the wall: a long smear is nearly transparent.
+_MEASURED, _WHOLE, _WALL = 0.4, 0.82, 0.5
 # The same for a ball whose pattern turns through the light, or that no one template describes
 # because it looks otherwise from frame to frame: less than this share typically looks like it.
 _WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
 # A ball that moved by this many standard deviations more than was expected, long after a contact
 # [s], and of which less than this share is seen, is drawn aside by what hides it.
 _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
-# Time after which a ball that was not seen is lost [s].
-_PATIENCE = 0.3
+# Time after which a ball that was not seen is lost [s]; errors of what is expected from which it is
+# lost at once, and from which whole turns are not told [rad].
+_PATIENCE, _VAGUE, _TURNS = 0.3, 0.5, 1.0
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
-# Error of the pivot's smear that is worth a second look [pixels].
+# Error of a smear that is worth a second look [pixels].
 _SMEAR = 1.0
 # By how much the exposure may be longer than was learned, as a share of the interval.
 _UNSURE_EXPOSURE = 0.04
@@ -41,6 +44,8 @@ _UNSURE_EXPOSURE = 0.04
 _BEFORE = 0.25
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
+# Error of a place within a smear, as a share of the error of the smear's length.
+_IN_SMEAR = 0.3
 # How far from the circle a centre may lie, as a share of the ball's radius.
 _OFF_CIRCLE = 0.4
 
@@ -59,7 +64,7 @@ def follow(
     video, sample, scene : Video, Sample, ImageModel
         The clip, its first reading and what was learned of it.
     stiffness : float
-        Gravity over length [1/s^2], 0 if unknown.
+        Gravity over length [1/s^2], 0 if unknown: it is then taken from the sample.
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
@@ -78,12 +83,16 @@ def follow(
 
 @dataclass
 class _Measured:
-    """What fits to a frame give of each ball: angle and deviation [rad], centre, part explained."""
+    """What fits to a frame give of each ball.
+
+    Angle and deviation [rad], centre, and the parts that look like a ball and more like the wall.
+    """
 
     angles: np.ndarray
     sigmas: np.ndarray
     centres: np.ndarray
     explained: np.ndarray
+    hidden: np.ndarray
 
 
 class _Follower:
@@ -92,9 +101,13 @@ class _Follower:
     def __init__(self, scene: ImageModel, interval: float, stiffness: float, click: int) -> None:
         self.scene, self.interval, self.click = scene, interval, click
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
-        self.predictor = Predictor(stiffness, gap)
+        self.predictor = Predictor(stiffness or scene.stiffness, gap, is_known=stiffness > 0.0)
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
+        # When and at which angles balls were measured last, without a frame between.
+        self.last = [[(-math.inf, float(angle))] for angle in scene.starts]
+        # The pivot's acceleration over the arm [1/s^2].
+        self.lift = 0.0
         self.is_begun = False
         # Balls that were found in the last frame, with a velocity that is not known.
         self.is_found = np.zeros(scene.balls, bool)
@@ -171,19 +184,27 @@ class _Follower:
         count = samples_for(speed * exposure * scene.arm)
         instants = frame.time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
         places, lift = self._pivot_motion(instants)
+        self.lift = lift / scene.arm
         until = frame.time + self.near
-        expected = predictor.predict(frame.time, instants, lift / scene.arm, until)
+        expected = predictor.predict(frame.time, instants, self.lift, until)
         if self.is_found.any():
             self._retry(frame, pivot, expected, self.is_found)
             self.is_found[:] = False
         if frame.number == self.click:
             self._return_to(scene.starts, expected)
         if np.any(self.unseen > _PATIENCE):
-            self._search(frame, pivot, expected)
+            search = self._search if scene.balls == 1 else self._search_both
+            search(frame, pivot, expected)
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
             seen = self._measure(frame, pivot, places, expected, tolerant=2)
+            bad = self._is_bad(pivot, seen, expected)
+        if scene.balls == 1 and bad[0] and self._search(frame, pivot, expected):
+            seen = self._measure(frame, pivot, places, expected, tolerant=2)
+            bad = self._is_bad(pivot, seen, expected)
+        if self._bent(seen, expected, instants - frame.time, exposure) and not bad.any():
+            seen = self._measure(frame, pivot, places, expected, tolerant=0)
             bad = self._is_bad(pivot, seen, expected)
         predictor.accept(frame.time, expected)
         return self._verdict(frame, pivot, seen, bad, expected)
@@ -220,7 +241,8 @@ class _Follower:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
-        out = _Measured(np.empty(balls), np.empty(balls), np.empty((balls, 2)), np.empty(balls))
+        angles, sigmas, explained, hidden = np.empty((4, balls))
+        out = _Measured(angles, sigmas, np.empty((balls, 2)), explained, hidden)
         for group in groups:
             fit = fit_balls(
                 scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
@@ -240,7 +262,8 @@ class _Follower:
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
                 out.sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
                 self.spreads[b] = math.sqrt(outwards @ own @ outwards + _FLOOR**2)
-                out.centres[b], out.explained[b] = centre, fit.explained[k]
+                out.centres[b] = centre
+                out.explained[b], out.hidden[b] = fit.explained[k], fit.hidden[k]
         return out
 
     def _is_bad(self, pivot: np.ndarray, seen: _Measured, expected: Prediction) -> np.ndarray:
@@ -251,6 +274,7 @@ class _Follower:
         jump = np.abs(seen.angles - expected.angles)
         bad: np.ndarray = (
             (seen.explained < _MEASURED * scene.explained)
+            | (seen.hidden > _WALL)
             | (off > _OFF_CIRCLE * scene.look.radius)
             | (jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm)
         )
@@ -285,6 +309,20 @@ class _Follower:
                 moved = True
         return moved
 
+    def _bent(
+        self, seen: _Measured, expected: Prediction, instants: np.ndarray, exposure: float
+    ) -> bool:
+        """Expect the smears that what was measured says; return whether they are far different."""
+        moved = False
+        for b, covariance in enumerate(expected.covariance):
+            gain = covariance[1, 0] / (covariance[0, 0] + seen.sigmas[b] ** 2)
+            faster = gain * (seen.angles[b] - expected.angles[b])
+            if abs(faster) * exposure * self.scene.arm > _SMEAR:
+                expected.path[:, b] += seen.angles[b] - expected.guess[b] + faster * instants
+                expected.guess[b] = seen.angles[b]
+                moved = True
+        return moved
+
     def _allowed(self, trials: np.ndarray, ball: int, expected: Prediction) -> np.ndarray:
         """Return which angles do not put a ball into or beyond the other one."""
         between = (trials - expected.guess[1 - ball]) * (1.0 if ball == 0 else -1.0)
@@ -292,15 +330,27 @@ class _Follower:
         allowed: np.ndarray = (between > gap) & (between < 2.0 * math.pi - gap)
         return allowed
 
-    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
+    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> bool:
+        """Expect the only ball where it is likeliest on the whole circle, if it is there."""
+        scene = self.scene
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, 1)
+        if gain[0] <= _BELIEVED:
+            return False
+        time, last = self.last[0][-1]
+        passed, size = frame.time - time, scene.look.radius / scene.arm
+        angle = expected.angles[0] + math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
+        self._restart(expected, 0, angle)
+        if passed <= _PATIENCE:
+            force = max(self.predictor.stiffness, self.predictor.noise)
+            expected.velocities[0] = (angle - last) / passed
+            expected.covariance[0] = size**2 * np.outer([1.0, 1.0 / passed], [1.0, 1.0 / passed])
+            expected.covariance[0, 1, 1] += (0.5 * force * passed) ** 2
+        return True
+
+    def _search_both(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
         """Look for balls that were lost on the whole circle."""
         scene = self.scene
         angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls)
-        if scene.balls == 1:
-            if gain[0] > _BELIEVED:
-                near = math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
-                self._restart(expected, 0, expected.angles[0] + near)
-            return
         if gain.min() < _BELIEVED:
             return
         lost = self.unseen > _PATIENCE
@@ -328,6 +378,16 @@ class _Follower:
             [(self.scene.look.radius / self.scene.arm) ** 2, speed**2]
         )
 
+    def _learn_from(self, ball: int, time: float, angle: float) -> None:
+        """Keep what was measured, and learn from three neighbouring angles without a contact."""
+        is_next = self.unseen[ball] == 0.0 and time - self.last_contact > _CALM
+        self.last[ball] = [*(self.last[ball][-2:] if is_next else []), (time, angle)]
+        if len(self.last[ball]) == 3 and math.isfinite(self.last[ball][0][0]):
+            (t0, a0), (t1, a1), (t2, a2) = self.last[ball]
+            acceleration = 2.0 * ((a2 - a1) / (t2 - t1) - (a1 - a0) / (t1 - t0)) / (t2 - t0)
+            # What the pivot's acceleration does is known.
+            self.predictor.learn(a1, acceleration + self.lift * restoring_sine(a1))
+
     def _verdict(
         self,
         frame: Frame,
@@ -345,6 +405,7 @@ class _Follower:
         is_contact = any(-early <= t - frame.time <= self.near for t in expected.contact_times)
         for b, explained in enumerate(seen.explained):
             if not bad[b]:
+                self._learn_from(b, frame.time, float(angles[b]))
                 self.unseen[b] = 0.0
                 centres[b] = seen.centres[b]
                 off = abs(float(angles[b] - expected.angles[b]))
@@ -359,6 +420,9 @@ class _Follower:
                 if is_drawn:  # what hides a part of it has drawn it aside
                     sigmas[b] = max(float(sigmas[b]), off)
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
+                # Where in its smear a ball is depends on how long that is.
+                unsure = math.sqrt(predictor.covariance[b, 1, 1]) * scene.look.exposure
+                sigmas[b] = math.hypot(sigmas[b], _IN_SMEAR * unsure * self.interval)
                 whole = _WHOLE_TURNING if is_varied else _WHOLE
                 if is_drawn or explained < whole * scene.explained:
                     flags[b] = "occluded"
@@ -366,13 +430,17 @@ class _Follower:
                     flags[b] = "collision" if is_contact else "ok"
                 continue
             self.unseen[b] += self.interval
-            if self.unseen[b] <= _PATIENCE:
+            spread = math.sqrt(expected.covariance[b, 0, 0])
+            if self.unseen[b] <= _PATIENCE and spread < _VAGUE:
                 flags[b] = "predicted"
-                angles[b] = expected.angles[b]
-                sigmas[b] = math.sqrt(expected.covariance[b, 0, 0])
+                angles[b], sigmas[b] = expected.angles[b], spread
                 centres[b] = pivot + scene.arm * np.array(
                     [math.sin(angles[b]), math.cos(angles[b])]
                 )
             else:
                 angles[b] = sigmas[b] = np.nan
+            if spread > _TURNS and balls == 1:
+                # How often it goes round nothing tells: it is believed not to.
+                predictor.angles[b] = 2.0 * math.pi * round(self.last[b][-1][1] / (2.0 * math.pi))
+                predictor.velocities[b] = 0.0
         return centres, angles, sigmas, flags

@@ -52,8 +52,11 @@ _WHOLE, _ELSEWHERE = 0.9, 0.3
 # Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
 # part of something larger, and how many neighbours have a say in whether a stretch is believed.
 _PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
-# Fewest pixels that tell.
-_FEWEST = 4
+# Fewest pixels that tell, and the least share of the frames in which a ball was measured that must.
+_FEWEST, _TELLING = 4, 0.25
+# By how much a disc may be too small or too large for the pixels under it to be its own: as a share
+# of its radius, and where discs nearly cover each other, in pixels.
+_UNSURE_EDGE, _EDGE = 0.15, 1.0
 
 
 @dataclass(frozen=True)
@@ -303,8 +306,16 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     is_part = False
     for ball in range(track.centres.shape[1]):
         known = np.isfinite(shares[:, ball, 0])
-        if not known.any():
+        seen = track.is_measured[numbers, ball]
+        if seen.sum() < _FEWEST:
             continue
+        if known.sum() < max(_FEWEST, _TELLING * seen.sum()):
+            extent = _extent(track.centres[numbers[seen], ball])
+            return Finding(
+                f"what was followed moves by {extent:.1f} pixels, too little for a disc of "
+                f"{track.radius:.0f} pixels radius to be told from the wall",
+                "point at the middle of the ball that swings, or give its radius and length",
+            )
         under, beside, elsewhere, plain = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
         moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
@@ -373,7 +384,10 @@ def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndar
         here = window.picture(frames[k])
         changes = []
         for j in partners:
-            under, beside = _regions(window, track, numbers, int(k), int(j), int(ball))
+            at = int(k), int(j), int(ball)
+            under, beside = _regions(window, track, numbers, *at, _UNSURE_EDGE * track.radius)
+            if under.sum() < _FEWEST:
+                under, _ = _regions(window, track, numbers, *at, _EDGE)
             if under.sum() < _FEWEST or beside.sum() < _FEWEST:
                 continue
             change = here - window.picture(frames[j])
@@ -465,11 +479,18 @@ class _Window:
 
 
 def _regions(
-    window: _Window, track: Positions, numbers: np.ndarray, k: int, j: int, ball: int
+    window: _Window,
+    track: Positions,
+    numbers: np.ndarray,
+    k: int,
+    j: int,
+    ball: int,
+    unsure: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which pixels are under a ball of frame `k`, and which beside it.
 
     Both are free of other balls and of the balls of frame `j`, and what is beside is free of rods.
+    The disc's edge is where it is said to be give or take `unsure` [pixels].
     """
     u, v = window.places()
     radius = track.radius
@@ -482,14 +503,14 @@ def _regions(
             if not np.isfinite(place).all():
                 continue
             if (q, other) != (k, ball):
-                is_free &= np.hypot(u - place[0], v - place[1]) > 1.15 * radius + 1.0
+                is_free &= np.hypot(u - place[0], v - place[1]) > radius + unsure + 1.0
             # Without a pivot in the picture no rod is left out.
             rod = track.pivots[numbers[q]] - place
             x, y = rod / max(float(np.hypot(*rod)), 1e-9)
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    under = is_free & (distance < max(0.85 * radius, 1.5))
+    under = is_free & (distance < max(radius - unsure, 1.5))
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside
 

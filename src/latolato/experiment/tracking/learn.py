@@ -39,6 +39,8 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
+# Fewest turns between two frames that tell how fast balls are.
+_FEWEST_TURNS = 4
 
 
 @dataclass
@@ -60,6 +62,8 @@ class ImageModel:
         how much they grow per frame interval; NaN if the next frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
+    stiffness : float
+        What the swing seen says of gravity over length [1/s^2]; 0 if it is unknown.
     """
 
     pivot: PivotTracker
@@ -69,6 +73,7 @@ class ImageModel:
     starts: np.ndarray
     speeds: np.ndarray
     explained: float = 1.0
+    stiffness: float = 0.0
 
 
 def learn_image_model(
@@ -161,11 +166,25 @@ def learn_image_model(
         if progress:
             progress((round_ + 1) / _ROUNDS)
     scene.explained = float(np.median([one.explained for one in sightings]))
+    _learn_swing(scene, sightings, sample.interval)
     for b, start in enumerate(starts):
         own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < size / arm]
         if own:
             scene.speeds[b] = own[0].speed
     return scene
+
+
+def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
+    """Learn what the balls' speeds say of gravity over length, as if they fell freely.
+
+    From rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
+    """
+    turns = np.array([abs(one.speed) for one in sightings])
+    if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
+        return
+    fastest = float(np.nanquantile(turns, 0.95)) / interval
+    widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
+    scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
 
 
 def _first_noise(
