@@ -215,7 +215,7 @@ def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cro
     )
 
 
-@pytest.mark.filterwarnings("ignore:found in the video|no period|no pivot:RuntimeWarning")
+@pytest.mark.filterwarnings("ignore:found in the video|no period|the pivot seems:RuntimeWarning")
 def test_without_a_pivot_balls_are_followed_from_any_frame(cropped):
     tables = [ll.track(cropped, click_frame=number) for number in (0, 80)]
     places = [np.stack([t.ball_1_u, t.ball_1_v]) for t in tables]
