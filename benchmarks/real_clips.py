@@ -122,9 +122,9 @@ def main() -> int:
                 sys.stdout.flush()
                 if table is not None and len(sys.argv) == 3:
                     clicks = [str(case[name]) for name in ("pivot", "balls") if name in case]
-                    names = f"{clip['repository']} {clip['file']}", " ".join([case["name"], *clicks])
                     about = f"{100 * share:.0f} %", table.attrs["geometry"]
-                    rows.append("|".join([*names, *about, *_halves(table)]))
+                    cells = " ".join([case["name"], *clicks]), *about, *_halves(table)
+                    rows.append("|".join([f"{clip['repository']} {clip['file']}", *cells]))
     if len(sys.argv) == 3:
         Path(sys.argv[2]).write_text("".join(f"|{row}|\n" for row in rows), "utf-8")
     return 1 if failed else 0
