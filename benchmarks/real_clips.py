@@ -89,13 +89,12 @@ def _halves(table: Any) -> list[str]:
     """Return period or arm of the whole clip and of its halves, and by how much these differ."""
     is_late = (table.time > 0.5 * (table.time[0] + table.time[-1])).values
     parts = [table, table.isel(frame=~is_late), table.isel(frame=is_late)]
-    for measure, unit in ((_period, "s"), (_arm, "pixels")):
-        pairs = [measure(part) for part in parts]
-        if np.isfinite(pairs[1:]).all():
-            apart = abs(pairs[1][0] - pairs[2][0]) / math.hypot(pairs[1][1], pairs[2][1])
-            texts = [f"{value:.5g} ± {sigma:.2g} {unit}" for value, sigma in pairs]
-            return [*texts, f"{apart:.1f} sigma"]
-    return ["-"] * 4
+    measures = (_period, "s"), (_arm, "pixels")
+    measured = [([measure(part) for part in parts], unit) for measure, unit in measures]
+    pairs, unit = max(measured, key=lambda each: int(np.isfinite(each[0]).sum()))
+    texts = [f"{value:.5g} ± {sigma:.2g} {unit}" for value, sigma in pairs]
+    apart = abs(pairs[1][0] - pairs[2][0]) / math.hypot(pairs[1][1], pairs[2][1])
+    return ["-" if "nan" in text else text for text in (*texts, f"{apart:.1f} sigma")]
 
 
 def main() -> int:
@@ -122,9 +121,10 @@ def main() -> int:
                 print(f"  {case['name']:38} {100 * share:4.0f} % ok  {verdict:12} {text}")
                 sys.stdout.flush()
                 if table is not None and len(sys.argv) == 3:
-                    names = f"{clip['repository']} {clip['file']}", case["name"]
+                    clicks = [str(case[name]) for name in ("pivot", "balls") if name in case]
                     about = f"{100 * share:.0f} %", table.attrs["geometry"]
-                    rows.append("|".join([*names, *about, *_halves(table)]))
+                    cells = " ".join([case["name"], *clicks]), *about, *_halves(table)
+                    rows.append("|".join([f"{clip['repository']} {clip['file']}", *cells]))
     if len(sys.argv) == 3:
         Path(sys.argv[2]).write_text("".join(f"|{row}|\n" for row in rows), "utf-8")
     return 1 if failed else 0
