@@ -23,10 +23,15 @@ _FEWEST, _SHORTEST = 6, 4
 _PASSAGES, _INNER = 2, 1
 # Share of the swing by which a ball moves that is not being held.
 _HELD = 0.05
+# How near its circle a ball is whose string is taut, as a share of the radius.
+_TAUT = 0.05
+# How much larger than the scatter from frame to frame a swing must be.
+_CLEAR = 3.0
 # Residuals that count half, in their median.
 _OUTLYING = 3.0
-# How surely a pace must be known, and by which factor parts of a clip differ.
-_SURE, _OTHER = 0.15, 1.25
+# How surely a pace must be known, what it may leave over as a share of the accelerations, and by
+# which factor parts of a clip differ.
+_SURE, _LEFT_OVER, _OTHER = 0.15, 0.4, 1.25
 # Most averages that are compared; what one pace may leave over, as a share of the accelerations;
 # what a change of pace must save, in squares of that and of the noise.
 _MOST, _ROUGH, _CHANGE = 1500, 0.02, 40.0
@@ -72,8 +77,9 @@ class Motion(NamedTuple):
 
 
 def motion_of(seen: Positions, measured: Calibration) -> Motion:
-    """Return what was seen of balls and pivot, with samples near contacts marked."""
-    is_free = (seen.flags == "ok") & np.isfinite(measured.angles)
+    """Return what was seen of balls and pivot, free where nothing but rod and air act on a ball."""
+    away = np.hypot(*(measured.centres - measured.pivots[:, None]).transpose(2, 0, 1))
+    is_free = (seen.flags == "ok") & (np.abs(away / measured.hinge.arm - 1.0) < _TAUT)
     if seen.centres.shape[1] == 2:
         apart = np.hypot(*(seen.centres[:, 0] - seen.centres[:, 1]).T)
         closing = np.abs(np.gradient(apart))
@@ -96,7 +102,10 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
         return []
     values = np.array([part.stiffness for part in parts])
     factors = np.sqrt((stiffness or values.max()) / values)
-    if factors.max() > _OTHER * factors.min():
+    ratios = factors / factors.min()
+    if ratios.max() > _OTHER:
+        if np.max(np.abs(np.rint(ratios) / ratios - 1.0)) > _WHOLE:
+            return []
         paces = ", ".join(
             f"{_number(factor * slow_motion)} from {part.begin:.2f} to {part.end:.2f} s"
             for part, factor in zip(parts, factors, strict=True)
@@ -193,6 +202,9 @@ def _width(motion: Motion) -> float:
     if len(angles) < _FEWEST:
         return 0.0
     size = min(float(np.quantile(angles, _LARGEST)), 1.0)
+    bends = np.abs(np.diff(motion.angles, 2, axis=0))[motion.is_free[1:-1]]
+    if not size > _CLEAR * float(np.nanmedian(bends)):
+        return 0.0
     step = float(np.median(np.diff(motion.times)))
     width, lag = 0.0, 1
     for _ in range(4):  # noise makes speeds over short times large
@@ -259,14 +271,16 @@ def _fitted(motion: Motion, is_inner: bool = False) -> Part | None:
     sines = [
         np.sin(angle[free]) for angle, free in zip(motion.angles.T, motion.is_free.T, strict=True)
     ]
-    passages = max(np.count_nonzero(np.diff(np.sign(sine))) for sine in sines)
+    # Two balls keep to their sides: each one's middle is its own.
+    passages = max(np.count_nonzero(np.diff(sine > np.median(sine))) for sine in sines if len(sine))
     if passages < (_INNER if is_inner else _PASSAGES):
         return None
     (stiffness, _), rest, weight = _solved(rows)
     matrix = (rows[:, 2:] * weight[:, None]).T @ rows[:, 2:]
     spread = float(np.sum(weight * rest**2)) / (len(rows) - 2)
     sigma = math.sqrt(spread * float(np.linalg.pinv(matrix)[0, 0]))
-    if not 0.0 < sigma < _SURE * stiffness:
+    is_explained = spread < _LEFT_OVER**2 * float(np.mean(rows[:, 1] ** 2))
+    if not (is_explained and 0.0 < sigma < _SURE * stiffness):
         return None
     times = motion.times
     return Part(float(times[0]), float(times[-1]), float(stiffness), sigma)
