@@ -151,6 +151,11 @@ def learn_image_model(
                 way_out="point at the middle of the ball",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
+        if not look.scale > 0.0:
+            raise InputError(
+                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like what is around it",
+                way_out="point at the middle of the ball",
+            )
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in sightings]
             learn_background(look, frames, covered)
