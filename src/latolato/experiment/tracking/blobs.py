@@ -48,8 +48,8 @@ class Disc:
 class Backdrop:
     """What does not move, at half the resolution: colour is stored no finer."""
 
-    def __init__(self, frames: list[Frame]) -> None:
-        luma, blue, red = median_planes(frames)
+    def __init__(self, frames: list[Frame], medians: tuple[np.ndarray, ...] | None = None) -> None:
+        luma, blue, red = medians or median_planes(frames)
         cv2 = import_cv2()
         self.shape = blue.shape
         self.mean = np.dstack([_halved(cv2, luma, blue.shape), blue, red])

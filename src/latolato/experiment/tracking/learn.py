@@ -16,6 +16,7 @@ from latolato.experiment.tracking.appearance import (
     best_angles,
     fit_balls,
 )
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
@@ -39,6 +40,11 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
+# How much larger or smaller than declared what moves may seem, and how clear a disc about a click
+# must be, as a share of the clearest one.
+_SIZE, _CLEAR = 1.5, 0.85
+# How often a disc is looked for again that lies this share of its radius aside.
+_AGAIN, _ASIDE = 3, 0.15
 # Fewest turns between two frames that tell how fast balls are.
 _FEWEST_TURNS = 4
 
@@ -106,12 +112,19 @@ def learn_image_model(
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    guess = radius or 0.08 * arm
-    centres[0], size = disc_at(frames[0], colours, centres[0], guess, pivot, radius is not None)
-    for k in range(1, len(centres)):
-        centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
-    arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
+    discs = Backdrop(frames, medians).discs(frames[0])
+    # The disc about each click: of the size that is declared or guessed, or of what moves there.
+    size = radius or 0.08 * arm
+    for k, click in enumerate(centres):
+        trials = [(click, size, k > 0 or radius is not None)]
+        trials += [(d.centre, d.radius, True) for d in discs if _is_about(d, click, radius)]
+        found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
+        # Across a highlight colours step as across the ball: the largest of the clear ones.
+        clear = _CLEAR * max(step for _, _, step in found)
+        centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
+        size = each if k == 0 else size
+    arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
@@ -174,6 +187,29 @@ def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) 
     fastest = float(np.nanquantile(turns, 0.95)) / interval
     widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
     scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
+
+
+def _is_about(disc: Disc, click: np.ndarray, radius: float | None) -> bool:
+    """Return whether something that moves may be the ball clicked: of about a declared radius."""
+    is_alike = radius is None or 1.0 / _SIZE < disc.radius / radius < _SIZE
+    return is_alike and bool(np.hypot(*(disc.centre - click)) < disc.radius)
+
+
+def _settled(
+    frame: Frame, colours: Colours, trial: tuple[np.ndarray, float, bool], pivot: np.ndarray
+) -> tuple[np.ndarray, float, float]:
+    """Return the disc near a place: near what was found again as long as that lies far aside."""
+    near, size, is_known = trial
+    disc = disc_at(frame, colours, near, size, pivot, is_known)
+    for _ in range(_AGAIN):
+        if np.hypot(*(disc[0] - near)) < _ASIDE * disc[1]:
+            break
+        near = disc[0]
+        again = disc_at(frame, colours, near, disc[1], pivot, is_known)
+        if again[2] < disc[2]:
+            break
+        disc = again
+    return disc
 
 
 def _first_noise(
