@@ -105,6 +105,12 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     page.get_by_role("button", name="As found").click()
     assert f"column {found}," in handle.get_attribute("aria-label")
 
+    outside = page.get_by_label("the pivot is outside of the picture")
+    outside.check()
+    assert page.locator(".handle.pivot").count() == 0
+    outside.uncheck()
+    assert f"column {found}," in handle.get_attribute("aria-label")
+
     fill(page, "pivot to ball centre", "36.3")
     fill(page, "radius of one ball", "wide")
     page.get_by_text("“wide” is no number with a known unit").wait_for()
@@ -127,12 +133,16 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     answer = page.locator(".finding strong")
     assert float(answer.inner_text().split()[2]) == pytest.approx(swings, rel=0.005)
     assert "±" in answer.inner_text()
+    period = page.locator("[data-answer=small_period]")
+    assert float(period.get_attribute("data-value")) == pytest.approx(1.0 / swings, rel=0.005)
+    assert "±" in period.inner_text()
+    assert "g, from the length 0.363 m" in page.locator("[data-answer=gravity]").inner_text()
     for width in (1366, 390):
         page.set_viewport_size({"width": width, "height": 900})
-        tops = [page.locator(place).first.bounding_box()["y"]
-                for place in (".finding", ".clip-box", ".cards", ".clip-exports")]  # fmt: skip
+        places = (".numbers", ".finding", ".clip-box", ".cards", ".clip-exports")
+        tops = [page.locator(place).first.bounding_box()["y"] for place in places]
         assert tops == sorted(tops)
-    assert page.locator(".clip-form").bounding_box()["y"] > tops[2]  # on a phone
+    assert page.locator(".clip-form").bounding_box()["y"] > tops[3]  # on a phone
     page.set_viewport_size({"width": 1280, "height": 900})
 
     assert serious_faults(page) == []

@@ -1,9 +1,12 @@
 """What a tracked video shows in one sentence, with the numbers of its fits."""
 
+import math
+
 import numpy as np
 import pytest
 
-from latolato.app.experiment.finding import finding_of
+from latolato.app.experiment.finding import answer_of, finding_of
+from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.track_table import track_table
 from track_tables import decay_table
 
@@ -104,3 +107,47 @@ def test_where_nothing_was_found_it_says_what_to_do():
 def test_a_ball_that_was_hardly_seen_is_not_trusted():
     told = finding_of(table(flag="lost"), {"decay": DECAY}, None)
     assert "Only 0 % of the samples were seen: do not trust the numbers" in told
+
+
+def test_the_numbers_of_a_free_swing_are_period_frequency_fading_and_gravity():
+    rate = math.sqrt(9.81 / (0.363 + 0.4 * 0.02**2 / 0.363))
+    values = {"natural_frequency": value(rate, 1e-3 * rate), "decay_rate": value(0.035, 0.001)}
+    cards = {"decay": {"values": values}}
+    told = answer_of(table(), cards, None, Apparatus(length=0.363, radius=0.02))
+    assert [each["name"] for each in told] == [
+        "small_period", "small_frequency", "half_life", "gravity",
+    ]  # fmt: skip
+    numbers = {each["name"]: each for each in told}
+    assert numbers["small_period"]["value"] == pytest.approx(math.tau / rate)
+    assert numbers["gravity"]["value"] == pytest.approx(9.81)
+    assert numbers["gravity"]["sigma"] == pytest.approx(2e-3 * 9.81)
+    assert numbers["gravity"]["given"] == 0.363
+    assert numbers["half_life"]["value"] == pytest.approx(math.log(2.0) / 0.035)
+
+
+def test_without_a_length_the_length_is_a_number_of_the_answer():
+    values = {**DECAY["values"], "length": value(0.364, 1e-3), "centre_length": value(0.363, 1e-3)}
+    told = answer_of(table(), {"decay": {"values": values}}, None, Apparatus())
+    assert told[-1] == {
+        "name": "length", "value": pytest.approx(36.3), "sigma": pytest.approx(0.1), "units": "cm",
+        "given": 9.8,
+    }  # fmt: skip
+
+
+def test_the_numbers_of_a_driven_toy_are_those_of_pivot_swing_and_collisions():
+    cards = {"drive": DRIVE, "restitution": RESTITUTION, "decay": ERROR}
+    told = answer_of(table(balls=2), cards, TRIAL, Apparatus(length=0.363))
+    assert [(each["name"], each["value"], each["units"]) for each in told] == [
+        ("drive_amplitude", pytest.approx(20.0), "mm"),
+        ("drive_frequency", pytest.approx(2.403, rel=1e-3), "Hz"),
+        ("largest_angle", pytest.approx(62.0), "°"),
+        ("restitution", pytest.approx(0.9), ""),
+    ]
+
+
+def test_without_a_fit_the_numbers_are_period_and_frequency_and_none_without_a_swing():
+    errors = {"drive": ERROR, "decay": ERROR}
+    period, frequency = answer_of(table(duration=9.0, angle=0.05), errors, None, Apparatus())
+    assert period["value"] * frequency["value"] == pytest.approx(1.0)
+    assert period["value"] == pytest.approx(math.tau * math.sqrt(0.363 / 9.8), rel=2e-3)
+    assert answer_of(table(duration=0.8), errors, None, Apparatus()) == []

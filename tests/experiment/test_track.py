@@ -215,6 +215,14 @@ def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cro
     )
 
 
+@pytest.mark.filterwarnings("ignore:found in the video|no period|the pivot seems:RuntimeWarning")
+def test_without_a_pivot_balls_are_followed_from_any_frame(cropped):
+    tables = [ll.track(cropped, click_frame=number) for number in (0, 80)]
+    places = [np.stack([t.ball_1_u, t.ball_1_v]) for t in tables]
+    np.testing.assert_array_equal(*places)
+    assert np.isfinite(places[0]).mean() > 0.8
+
+
 def test_the_period_of_a_swing_comes_from_its_path():
     from latolato.experiment.tracking.wander import period_of
 
@@ -253,7 +261,7 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
 
     monkeypatch.setattr("latolato.experiment.track.learn_image_model", astray)
     radius = swing.truth.attrs["radius"]
-    with pytest.warns(RuntimeWarning, match="the balls' radius is"):
+    with pytest.warns(RuntimeWarning, match="the radius of a ball is"):
         table = ll.track(
             swing.path,
             pivot=swing.pivot,

@@ -97,7 +97,7 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     disc = np.hypot(i - 103.0, j - 98.0) < 20.0
     luma[disc] = np.where(i[disc] > 103, 190, 40)
     grey = np.full((100, 100), 128, np.uint8)
-    colours = Colours(kernels.linear_light(), kernels.colour_coefficients("bt709", True))
+    colours = Colours(kernels.linear_light("srgb"), kernels.colour_coefficients("bt709", True))
     click, pivot = np.array([101.0, 100.0]), np.array([100.0, -80.0])
     centre, radius = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
     assert np.allclose(centre, [103.0, 98.0], atol=1.5)
@@ -168,7 +168,7 @@ def test_colours_of_grey_planes_are_linear_light():
     luma = np.array([[16, 235, 126]], np.uint8)
     chroma = np.full((1, 2), 128, np.uint8)
     mix = kernels.colour_coefficients("bt709", is_full_range=False)
-    out = Colours(kernels.linear_light(), mix).window((luma, chroma, chroma), (0, 0), (1, 3))
+    out = Colours(kernels.linear_light("srgb"), mix).window((luma, chroma, chroma), (0, 0), (1, 3))
     # sRGB: half the coded range is 21.6 % of the light (IEC 61966-2-1); table of quarter steps.
     half = ((110 / 219 + 0.055) / 1.055) ** 2.4
     assert np.allclose(out[0, :, 0], [0.0, 1.0, half], atol=2e-3)

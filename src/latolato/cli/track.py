@@ -9,11 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of, with_options
+from latolato.cli.options import JsonOption, pivots_of, pixels_of, place_of, with_options
 from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import VIDEO_PARAMETERS
+from latolato.experiment.sidecar import checked_region, checked_stick
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -21,9 +22,11 @@ def track(
     videos: Annotated[list[Path], typer.Argument(help="Videos.")],
     balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
     pivot: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
-            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            help="Column and row of the pivot in the clicked frame as displayed: 640,194. Out of "
+            "the picture it must rest; outside has it fitted to the ball's arc. Given twice for "
+            "two balls about pivots of their own.",
             metavar="U,V",
         ),
     ] = None,
@@ -33,6 +36,21 @@ def track(
             help="The same of a ball's centre; given twice for two balls. What is not pointed at "
             "is found in the video.",
             metavar="U,V",
+        ),
+    ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option(
+            help="Left, top, right and bottom of the part of the picture in which balls are "
+            "looked for.",
+            metavar="U,V,U,V",
+        ),
+    ] = None,
+    stick: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of both ends of a stick of known length beside the swing.",
+            metavar="U,V,U,V",
         ),
     ] = None,
     sidecar: Annotated[
@@ -84,11 +102,11 @@ def track(
     places = tuple(place_of("--ball", text) for text in ball or ())
     _check_places(balls, places)
     if sidecar is not None:
-        _check_sidecar(sidecar, videos, pivot is not None or bool(places))
+        _check_sidecar(sidecar, videos, bool(pivot or places))
     common: dict[str, Any] = {
-        "pivot": None if pivot is None else place_of("--pivot", pivot),
+        "pivot": pivots_of(pivot),
         "balls": places or balls,
-        "values": _in_si(values, limit or []),
+        "values": _in_si(values, limit or []) | _places(region, stick),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -130,6 +148,19 @@ def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -
         raise FileNotFoundError(f"there is no file '{sidecar}'")
     if is_pointed_at:
         raise InputError("give either --sidecar or places, not both")
+
+
+def _places(region: str | None, stick: str | None) -> dict[str, Any]:
+    """Return the part of the picture in which balls are looked for, and both ends of the stick."""
+    places: dict[str, Any] = {}
+    if region is not None:
+        example = "left, top, right and bottom in pixels such as 100,50,900,700"
+        places["region"] = checked_region(pixels_of("--region", region, example))
+    if stick is not None:
+        example = "column and row of one end and of the other such as 100,200,400,210"
+        one_u, one_v, other_u, other_v = pixels_of("--stick", stick, example)
+        places["stick"] = checked_stick([(one_u, one_v), (other_u, other_v)])
+    return places
 
 
 def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:

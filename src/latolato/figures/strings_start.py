@@ -44,21 +44,21 @@ CAPTION = (
 )
 FINDING = (
     "Rods and strings leave rest at the same drive, A0 ω² = g, but on strings both balls fly "
-    "straight up side by side, by {rise_mm:.0f} mm here, until the snap of the strings throws them "
-    "against each other. If the snap takes all of the velocity along the string (e_s = 0), the "
-    "start coincides with that of rods to first order in the contact angle and in the height of "
-    "the flight: the first hits, at {hit_rod:.4f} rad/s, differ by a fraction {hit_change:.0e}, "
-    "and after {periods:.0f} periods both toys still hop by {hops_rods:.1f} and "
-    "{hops_inelastic:.1f} mrad. With e_s = 0.9 it does not: the strings throw the balls up again, "
-    "the hops grow from period to period, and the toy reaches the top after {top_periods:.0f} "
-    "periods."
+    "straight up side by side, by {rise_mm:.0f} mm at first, until the strings snap taut and throw "
+    "them against each other. If the snap takes all of the velocity along the string (e_s = 0), "
+    "the start is that of rods to first order in the contact angle and in the height of the "
+    "flight: the first hits, at {hit_rod:.4f} rad/s, differ by {hit_change:.3%}, and after "
+    "{periods:.0f} periods both toys still make small hops, of {hops_rods:.1f} mrad on rods and "
+    "{hops_inelastic:.1f} mrad on strings. With e_s = 0.9 the strings throw the balls up again, "
+    "the hops grow, and the toy reaches the top after {top_periods:.0f} periods."
 )
 CHECK = (
-    "Below the onset nothing moves on any suspension ({below:g} rad), and the first motion appears "
-    "at the first point above it, {onset_rods:.2f}, {onset_inelastic:.2f} and {onset_elastic:.2f} "
-    "g. To first order the angular velocity of the first hit is the integral of -(g + y0'') "
-    "sin θ_min/l over the flight, both for a rod and for a ball that falls back into its string "
-    "and keeps the part of its velocity across it; the first hits agree so."
+    "Below the onset nothing moves on any suspension ({below:g} rad). The weakest drive of the "
+    "scan that moves the balls has A0 ω² = {onset_rods:.2f} g on rods, {onset_inelastic:.2f} g "
+    "with e_s = 0 and {onset_elastic:.2f} g with e_s = 0.9. To first order the angular velocity "
+    "of the first hit is minus the integral of (g + y0'') sin θmin/l over the flight, both for a "
+    "rod and for a ball that falls back into its string and keeps the velocity across it. The "
+    "first hits agree accordingly."
 )
 _KINDS = {"bottom": ("v", 16.0), "taut": ("s", 9.0)}
 

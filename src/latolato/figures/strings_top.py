@@ -38,22 +38,22 @@ CAPTION = (
     "Share of the time in which a rod is pushed, with a push; white: never."
 )
 FINDING = (
-    "From rest at ω = 4 ω0 the toy on rods reaches the top from A0 = {rest_rods:.3f} l on, on "
-    "strings that snap taut from {rest_inelastic:.3f} l and on strings with e_s = 0.9 from "
-    "{rest_elastic:.3f} l (with a push {push_rods:.3f}, {push_inelastic:.3f} and "
-    "{push_elastic:.3f} l); at 3 ω0 strings that snap taut need more than rods, "
-    "{rest3_inelastic:.3f} instead of {rest3_rods:.3f} l. Rods would be pushed for some of the "
-    "time at {pushed_push:.0%} of the points of this map with a push and at {pushed_rest:.0%} from "
-    "rest, a share that depends on the range: up to A0 = {small:g} l it is {small_push:.0%} and "
-    "{small_rest:.0%}. A MATLAB toolkit, whose runs end at 90°, gives up to 51 % for this toy over "
+    "From rest at ω = 4 ω0 the toy reaches the top if A0 is at least {rest_rods:.3f} l on rods, "
+    "{rest_inelastic:.3f} l on strings with e_s = 0 and {rest_elastic:.3f} l on strings with "
+    "e_s = 0.9 (with a push {push_rods:.3f}, {push_inelastic:.3f} and {push_elastic:.3f} l). "
+    "Strings do not always need less: at 3 ω0 it takes {rest3_rods:.3f} l on rods and "
+    "{rest3_inelastic:.3f} l with e_s = 0. Rods are pushed for some of the time at "
+    "{pushed_push:.0%} of the points of this map with a push and at {pushed_rest:.0%} from rest. "
+    "These shares depend on the range: up to A0 = {small:g} l they are {small_push:.0%} and "
+    "{small_rest:.0%}. A MATLAB toolkit, whose runs end at 90°, gives up to 51% for this toy over "
     "a range that we do not know; of our points that stay below 90°, rods are pushed at "
     "{quiet_push:.0%} and {quiet_rest:.0%}."
 )
 CHECK = (
     "At all {unpushed:.0f} points where no rod is pushed, both kinds of strings reach the same "
-    "largest angle as rods, to {same:.0e} rad. From rest nothing reaches the top below the onset "
-    "on any suspension ({early:.0f} points). More than 1 % of the time rods are pushed at "
-    "{long_push:.0%} of the points with a push and at {long_rest:.0%} from rest."
+    "largest angle as rods, to {same:.0e} rad. Below the onset no toy reaches the top from rest "
+    "({early:.0f} points do). Rods are pushed for more than 1% of the time at {long_push:.0%} of "
+    "the points with a push and at {long_rest:.0%} from rest."
 )
 SMALL = 0.2  # A0/l, up to which shares of pushed rods are given too
 LONG = 0.01  # of the time

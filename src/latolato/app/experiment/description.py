@@ -41,7 +41,7 @@ class Description:
     damping: float | None = None
     restitution: float | None = None
     gravity: float | None = None
-    slow_motion: float = 1.0
+    slow_motion: float | None = None
     row_time: float = 0.0
     lens_k1: float = 0.0
     lens_k2: float = 0.0

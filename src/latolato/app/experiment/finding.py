@@ -1,4 +1,4 @@
-"""What a tracked video shows, in one sentence, and what to do where something was not found."""
+"""What a tracked video shows: numbers, a sentence, and what to do where something is missing."""
 
 from __future__ import annotations
 
@@ -12,9 +12,12 @@ from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.tracking.wander import period_of
 from latolato.figures.analyses.sentences import degrees, percent, plus_minus
+from latolato.physics.pendulum import equivalent_pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.experiment.fits.apparatus import Apparatus
 
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
@@ -55,6 +58,97 @@ def finding_of(
     return " ".join(filter(None, sentences))
 
 
+def answer_of(
+    table: xr.Dataset,
+    cards: Mapping[str, Mapping[str, Any]],
+    trial: Mapping[str, Any] | None,
+    apparatus: Apparatus,
+) -> list[dict[str, Any]]:
+    """Return the few numbers that a video was filmed for, in the order in which they are read.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        A track table.
+    cards : mapping
+        The fits of `fits_of`, each with its numbers or an error.
+    trial : mapping, optional
+        The row of the trial table, if the pivot is driven.
+    apparatus : Apparatus
+        What was measured beside the video. With the length, gravity is a result; without it, the
+        length is one, with the gravity of `fit_decay`.
+
+    Returns
+    -------
+    list of dict
+        Each with `name`, `value`, `sigma` (one standard deviation) and `units`, and those that
+        rest on a number that was given with that number in SI units, `given`.
+    """
+    drive, decay, restitution = (
+        cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
+    )
+    if drive:
+        numbers = _of_drive(drive, trial)
+    elif decay:
+        numbers = _of_decay(decay, apparatus)
+    else:
+        numbers = _of_period("", *_period(table))
+    if restitution:
+        numbers.append(_number("restitution", *_value(restitution["restitution"]), ""))
+    return numbers
+
+
+def _number(name: str, value: float, sigma: float, units: str, **more: float) -> dict[str, Any]:
+    """Return a number of the answer."""
+    return {"name": name, "value": value, "sigma": sigma, "units": units, **more}
+
+
+def _of_period(which: str, period: float, sigma: float) -> list[dict[str, Any]]:
+    """Return a period and its frequency, nothing if it is unknown."""
+    if not math.isfinite(period):
+        return []
+    return [
+        _number(f"{which}period", period, sigma, "s"),
+        _number(f"{which}frequency", 1.0 / period, sigma / period**2, "Hz"),
+    ]
+
+
+def _of_drive(drive: Mapping[str, Any], trial: Mapping[str, Any] | None) -> list[dict[str, Any]]:
+    """Return how the pivot moves, and how far the balls swing."""
+    numbers = [
+        _number("drive_amplitude", *_value(drive["drive_amplitude"], 1e3), "mm"),
+        _number("drive_frequency", *_value(drive["drive_frequency"], 1.0 / math.tau), "Hz"),
+    ]
+    if trial is not None:
+        size, sigma = (math.degrees(trial[n]) for n in ("largest_angle", "largest_angle_sigma"))
+        numbers.append(_number("largest_angle", size, sigma, "°"))
+    return numbers
+
+
+def _of_decay(decay: Mapping[str, Any], apparatus: Apparatus) -> list[dict[str, Any]]:
+    """Return period and frequency of small swings, how they fade, and gravity or the length."""
+    rate, error = _value(decay["natural_frequency"])
+    numbers = _of_period("small_", math.tau / rate, math.tau * error / rate**2)
+    half = _half_life(decay)
+    if half is not None:
+        numbers.append(_number("half_life", *half, "s"))
+    if apparatus.length is None:
+        length = _value(decay.get("centre_length") or decay["length"], 1e2)
+        return [*numbers, _number("length", *length, "cm", given=apparatus.gravity)]
+    point, _ = equivalent_pendulum(apparatus.length, 1.0, radius=apparatus.radius or 0.0)
+    gravity = point * rate**2, 2.0 * point * rate * error
+    return [*numbers, _number("gravity", *gravity, "m/s²", given=apparatus.length)]
+
+
+def _half_life(decay: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Return the time in which half of a swing is lost [s], None if it was not seen to fade."""
+    rate = decay.get("decay_rate") or decay.get("decay_rate_envelope")
+    if rate is None or not rate["value"] > 0.0:
+        return None
+    half = math.log(2.0) / rate["value"]
+    return half, half * (rate["sigma"] or 0.0) / rate["value"]
+
+
 def _driven(table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any] | None) -> str:
     """Return how the pivot moves, and how far the balls swing."""
     text = f"Shaken with an amplitude of {_text(drive['drive_amplitude'], 1e3)} mm, "
@@ -79,21 +173,24 @@ def _driven(table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any
 def _free(decay: Mapping[str, Any]) -> str:
     """Return how often a free pendulum swings, and how fast its swing fades."""
     text = f"It swings {_text(decay['natural_frequency'], 1.0 / math.tau)} times a second"
-    rate = decay.get("decay_rate") or decay.get("decay_rate_envelope")
-    if rate is None or not rate["value"] > 0.0:
+    half = _half_life(decay)
+    if half is None:
         return f"{text}; that its swing fades was not found: film it for longer."
-    half = math.log(2.0) / rate["value"]
-    sigma = half * (rate["sigma"] or 0.0) / rate["value"]
-    return f"{text} and loses half of its swing every {plus_minus(half, sigma)} s."
+    return f"{text} and loses half of its swing every {plus_minus(*half)} s."
+
+
+def _period(table: xr.Dataset) -> tuple[float, float]:
+    """Return the period of the swing and its standard deviation [s], NaN if none is seen."""
+    if "angle_1" in table.variables and np.isfinite(table["angle_1"].values).any():
+        angle = table["angle_1"].values
+        return period_of(table["time"].values, np.column_stack([angle, 0.0 * angle]))
+    period, sigma = (float(table.attrs.get(n) or math.nan) for n in ("period", "period_sigma"))
+    return period, sigma
 
 
 def _plain(table: xr.Dataset) -> str:
     """Return what tracking alone gives: the period of the swing, if there is one."""
-    if "angle_1" in table.variables and np.isfinite(table["angle_1"].values).any():
-        angle = table["angle_1"].values
-        period, sigma = period_of(table["time"].values, np.column_stack([angle, 0.0 * angle]))
-    else:
-        period, sigma = (float(table.attrs.get(n) or math.nan) for n in ("period", "period_sigma"))
+    period, sigma = _period(table)
     if not math.isfinite(period):
         return (
             "No swing was found. At least three swings must be seen: film for longer, or correct "
@@ -117,6 +214,11 @@ def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> str
     return f"The balls clack{where}: a collision keeps {kept} of their speed."
 
 
-def _text(value: Mapping[str, Any], factor: float = 1.0) -> str:
+def _value(value: Mapping[str, Any], factor: float = 1.0) -> tuple[float, float]:
     """Return a number of a fit and its standard deviation, times a factor."""
-    return plus_minus(value["value"] * factor, (value["sigma"] or 0.0) * factor)
+    return value["value"] * factor, (value["sigma"] or 0.0) * factor
+
+
+def _text(value: Mapping[str, Any], factor: float = 1.0) -> str:
+    """Return a number of a fit and its standard deviation as a text, times a factor."""
+    return plus_minus(*_value(value, factor))

@@ -15,7 +15,7 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.experiment.description import EXPORTS, Description
-from latolato.app.experiment.finding import finding_of
+from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.core.errors import InputError
@@ -48,13 +48,15 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 
     A copy that browsers play, with the same frames at the same times, is written beside it.
     """
-    video = open_video(job["path"], limits=Limits(**job["limits"]))
+    # The copy plays as the file does.
+    video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(f"{job['name']} has {len(times)} frames, a motion needs {_FEWEST} or more")
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,
+        "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
         task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
@@ -141,6 +143,7 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     result = {
         "warnings": task.warnings,
         "finding": finding_of(table, cards, trial),
+        "answer": answer_of(table, cards, trial, description.apparatus(table)),
         "fits": cards,
         "trial": trial,
         "no_trial": why,
@@ -228,17 +231,19 @@ def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     from latolato.experiment.synthetic.scene import Camera, Scene
     from latolato.experiment.synthetic.synthesise import synthesise_video
 
-    ball: dict[str, Any] = {"length": 0.363, "mass": 0.108, "damping": 0.00274}
-    radius, rate = 0.02, 30.0
+    centre, mass, radius, rate = 0.363, 0.108, 0.02, 30.0
     if job["kind"] == "toy":
-        rate = 120.0
+        centre, mass, rate = 0.245, 0.106, 120.0
         system: Any = ll.LatoLato(
-            length=0.245, mass=0.106, damping=0.005, radius=radius, restitution=0.9
+            length=centre, mass=mass, damping=0.005, radius=radius, restitution=0.9
         )
         drive: Any = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1)
         begun = ll.simulate(system, drive, initial_angle=0.6, duration=4.0)
     else:
-        system, drive = ll.Pendulum(**ball), ll.FixedPivot()
+        # A solid ball swings as a point farther down does.
+        length, weight = ll.equivalent_pendulum(centre, mass, radius=radius)
+        system = ll.Pendulum(length=length, mass=weight, damping=0.00274)
+        drive = ll.FixedPivot()
         if job["kind"] == "driven":
             rate = 60.0
             drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
@@ -249,18 +254,16 @@ def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     table = synthesise_video(
         begun,
         path,
-        Scene(ball_radius=radius, background="gradient", shadow_darkness=0.2),
+        Scene(ball_radius=radius, centre_length=centre, background="gradient", shadow_darkness=0.2),
         Camera(fps=rate, **_EXAMPLE_SIZE),
         seed=_SEED,
         progress=lambda share: tell("painting", share),
     )
     path.replace(job["path"])
-    names = ("length", "mass", "damping", "restitution", "gravity", "drive_amplitude",
-             "drive_frequency")  # fmt: skip
+    names = ("damping", "restitution", "gravity", "drive_amplitude", "drive_frequency")
     truth = {name: float(table.attrs[name]) for name in names if name in table.attrs}
-    truth["radius"] = radius
-    if "damping" in truth:
-        truth["decay_rate"] = 0.5 * truth["damping"] / (truth["mass"] * truth["length"])
+    truth |= {"length": system.length, "centre_length": centre, "radius": radius, "mass": mass}
+    truth["decay_rate"] = 0.5 * system.damping / (system.mass * system.length)
     return {**look(job, tell), "truth": truth}
 
 

@@ -39,6 +39,7 @@ class Scene:
     ball_colour: str = _text("#e8590c", "colour of the ball, or of the right one of two")
     left_ball_colour: str = _text("", "colour of the left ball; empty for the same")
     ball_radius: float = _number(0.0, "m", "radius of a ball where the run names none; 0: l/15")
+    centre_length: float = _number(0.0, "m", "pivot to the ball's centre; 0: the length of the run")
     ambient: float = _number(0.35, "1", "light from everywhere; 1 draws flat discs", UNIT_INTERVAL)
     gloss: float = _number(0.25, "1", "strength of the highlight", UNIT_INTERVAL)
     metal: float = _number(0.0, "1", "1 for a ball that mirrors its surroundings", UNIT_INTERVAL)

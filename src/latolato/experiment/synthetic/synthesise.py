@@ -322,7 +322,7 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
         raise InputError(f"the run must reach its end, got status '{again.attrs['status']}'")
     prefixes = ("right_", "left_") if angle.ndim == 2 else ("",) * len(angles)
     attrs = again.attrs
-    lengths = tuple(float(attrs[f"{prefix}length"]) for prefix in prefixes)
+    lengths = tuple(scene.centre_length or float(attrs[f"{prefix}length"]) for prefix in prefixes)
     radii = tuple(
         float(attrs.get(f"{prefix}radius", 0.0)) or scene.ball_radius or length / 15.0
         for prefix, length in zip(prefixes, lengths, strict=True)
@@ -433,6 +433,7 @@ def _true_table(take: Take) -> xr.Dataset:
         u, v = view.in_picture(studio.scene.parked_x, studio.scene.parked_y)
         clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
     attributes = {
+        **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
         "title": f"truth of a synthetic video of {run.attrs['system']}",
         "length": max(motion.lengths),
         "radius": motion.radii[0],
@@ -440,7 +441,6 @@ def _true_table(take: Take) -> xr.Dataset:
         "gravity_direction": camera.roll,
         **clicks,
         "run_time": begin,
-        **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
         "system": run.attrs["system"],
         "drive": run.attrs["drive"],
         "scenario": run.attrs["scenario"],

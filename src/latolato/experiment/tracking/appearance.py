@@ -37,7 +37,7 @@ class Colours(NamedTuple):
     def of(cls, video: Video) -> Colours:
         """Return the conversion that a video's tags ask for."""
         mix = kernels.colour_coefficients(video.matrix, video.is_full_range)
-        return cls(kernels.linear_light(), mix)
+        return cls(kernels.linear_light(video.tone), mix)
 
     def window(
         self,
@@ -267,12 +267,22 @@ def gains_at(
     arm: float,
     angles: np.ndarray,
 ) -> np.ndarray:
-    """Return how much better a ball at each angle explains a frame than the background does."""
+    """Return how much better a ball at each angle explains a frame than the background does.
+
+    It is 0 out of the picture, where most of the circle about a far pivot lies.
+    """
     stride = int(min(max(look.radius / 7.0, 2.0), 6.0))
     centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm)
+    end = look.corner + look.behind.shape[1::-1]
+    shown = np.all((centres > look.corner - look.radius) & (centres < end + look.radius), axis=1)
+    gain = np.zeros(len(angles))
+    if not shown.any():
+        return gain
+    centres = centres[shown]
     low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
     size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
     shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
     patch = look.patch(planes, low, shape, stride)
     turns = look.turns(centres, pivot)
-    return kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)
+    gain[shown] = kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)
+    return gain

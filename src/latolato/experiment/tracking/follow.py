@@ -68,7 +68,7 @@ def follow(
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
-    follower = _Follower(scene, sample.interval, stiffness)
+    follower = _Follower(scene, sample.interval, stiffness, sample.click)
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
@@ -98,8 +98,8 @@ class _Measured:
 class _Follower:
     """State carried from frame to frame."""
 
-    def __init__(self, scene: ImageModel, interval: float, stiffness: float) -> None:
-        self.scene, self.interval = scene, interval
+    def __init__(self, scene: ImageModel, interval: float, stiffness: float, click: int) -> None:
+        self.scene, self.interval, self.click = scene, interval, click
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
         self.predictor = Predictor(stiffness or scene.stiffness, gap, is_known=stiffness > 0.0)
         self.pivots: list[tuple[float, np.ndarray]] = []
@@ -109,6 +109,8 @@ class _Follower:
         # The pivot's acceleration over the arm [1/s^2].
         self.lift = 0.0
         self.is_begun = False
+        # Balls that were found in the last frame, with a velocity that is not known.
+        self.is_found = np.zeros(scene.balls, bool)
         self.pivot_cost = 0.0
         self.last_contact = -math.inf
         # Standard deviations of the last distances from the pivot [pixels].
@@ -176,9 +178,7 @@ class _Follower:
         scene, predictor = self.scene, self.predictor
         pivot = scene.pivot.place(self.pivots[-1][1])
         if not self.is_begun:
-            sigma = 0.5 * scene.look.radius / scene.arm
-            predictor.start(frame.time, scene.starts, scene.speeds / self.interval, sigma)
-            self.is_begun = True
+            self._begin(frame)
         exposure = scene.look.exposure * self.interval
         speed = float(np.max(np.abs(predictor.velocities), initial=0.0))
         count = samples_for(speed * exposure * scene.arm)
@@ -187,8 +187,14 @@ class _Follower:
         self.lift = lift / scene.arm
         until = frame.time + self.near
         expected = predictor.predict(frame.time, instants, self.lift, until)
-        if scene.balls == 2 and np.any(self.unseen > _PATIENCE):
-            self._search_both(frame, pivot, expected)
+        if self.is_found.any():
+            self._retry(frame, pivot, expected, self.is_found)
+            self.is_found[:] = False
+        if frame.number == self.click:
+            self._return_to(scene.starts, expected)
+        if np.any(self.unseen > _PATIENCE):
+            search = self._search if scene.balls == 1 else self._search_both
+            search(frame, pivot, expected)
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
@@ -202,6 +208,22 @@ class _Follower:
             bad = self._is_bad(pivot, seen, expected)
         predictor.accept(frame.time, expected)
         return self._verdict(frame, pivot, seen, bad, expected)
+
+    def _begin(self, frame: Frame) -> None:
+        """Expect balls where they were clicked, or look for them if that was in another frame."""
+        scene = self.scene
+        sigma = 0.5 * scene.look.radius / scene.arm
+        self.predictor.start(frame.time, scene.starts, scene.speeds / self.interval, sigma)
+        self.unseen[:] = 0.0 if frame.number == self.click else math.inf
+        self.is_begun = True
+
+    def _return_to(self, angles: np.ndarray, expected: Prediction) -> None:
+        """Expect balls at known angles, with unknown velocity if they were not expected there."""
+        away = angles - expected.angles
+        away = np.mod(away + math.pi, 2.0 * math.pi) - math.pi
+        for b in np.flatnonzero(np.abs(away) > self.scene.look.radius / self.scene.arm):
+            self._restart(expected, int(b), float(expected.angles[b] + away[b]))
+            self.unseen[b] = 0.0
 
     def _measure(
         self,
@@ -347,6 +369,7 @@ class _Follower:
 
     def _restart(self, expected: Prediction, ball: int, angle: float) -> None:
         """Expect a ball somewhere else, with unknown velocity."""
+        self.is_found[ball] = True
         expected.path[:, ball] += angle - expected.angles[ball]
         expected.angles[ball] = expected.guess[ball] = angle
         expected.velocities[ball] = 0.0

@@ -96,12 +96,12 @@ def examine(
     track : Positions
         What was followed in all frames.
     clicks : sequence of numpy.ndarray, shape (2,)
-        Where the balls are in the first frame according to the user [pixels].
+        Where the balls are in the clicked frame according to the user [pixels].
     expected_radius : float, optional
-        Radius of a ball according to the user, by the length's scale [pixels].
+        Radius of a ball according to the user, by the scale [pixels].
     """
     checks: tuple[Callable[[], Finding | None], ...] = (
-        lambda: clicked_ball(track, clicks),
+        lambda: clicked_ball(track, clicks, sample.click),
         lambda: declared_radius(track, expected_radius),
         lambda: moving_ball(track),
         lambda: resting_camera(sample, track),
@@ -117,21 +117,22 @@ def examine(
     return findings
 
 
-def clicked_ball(track: Positions, clicks: Sequence[np.ndarray]) -> Finding | None:
-    """Check that the balls of the first frame are where they were clicked.
+def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0) -> Finding | None:
+    """Check that the balls are where they were clicked, in the frame of a number.
 
-    It can miss a ball that was not measured in the first frame.
+    It can miss a ball that was not measured in that frame, or a frame before start or after end.
     """
-    for ball, place in enumerate(track.centres[0]):
-        if not track.is_measured[0, ball]:
+    if not 0 <= number < len(track.times):
+        return None
+    for ball, place in enumerate(track.centres[number]):
+        if not track.is_measured[number, ball]:
             continue
         away = min(float(np.hypot(*(place - click))) for click in clicks)
         if away > track.radius + _BESIDE:
             return Finding(
-                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) in the first "
-                f"frame with a radius of {track.radius:.0f} pixels, {away:.0f} pixels from where "
-                "it was pointed at",
-                "point at the middle of the ball in the first frame",
+                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
+                f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was pointed at",
+                "point at the middle of the ball",
             )
     return None
 
@@ -148,7 +149,7 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
         return None
     return Finding(
         f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
-        f"{expected:.1f} pixels by the length's scale",
+        f"{expected:.1f} pixels by the scale",
         "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
         "without a radius it is measured",
     )

@@ -40,9 +40,11 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
-# How much larger or smaller than declared what moves may seem, and how clear a disc about a click
-# must be, as a share of the clearest one.
-_SIZE, _CLEAR = 1.5, 0.85
+# How far about a click something that moves is looked for, as a share of the arm, and how much
+# larger or smaller than declared it may seem.
+_ABOUT, _SIZE = 0.4, 1.5
+# How clear a disc about a click must be, as a share of the clearest one.
+_CLEAR = 0.85
 # How often a disc is looked for again that lies this share of its radius aside.
 _AGAIN, _ASIDE = 3, 0.15
 # Fewest turns between two frames that tell how fast balls are.
@@ -64,8 +66,8 @@ class ImageModel:
     balls : int
         How many balls are followed.
     starts, speeds : numpy.ndarray, shape (ball,)
-        Angles in the first frame from straight down in the image [rad], right ball first, and how
-        much they grow per frame interval; NaN if the second frame does not tell.
+        Angles in the clicked frame from straight down in the image [rad], right ball first, and
+        how much they grow per frame interval; NaN if the next frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
     stiffness : float
@@ -89,6 +91,8 @@ def learn_image_model(
     balls: list[np.ndarray],
     radius: float | None,
     progress: Callable[[float], None] | None = None,
+    *,
+    unseen_radius: float | None = None,
 ) -> ImageModel:
     """Return what a clip looks like.
 
@@ -97,40 +101,50 @@ def learn_image_model(
     video, sample : Video, Sample
         The clip and the frames to learn from.
     pivot : numpy.ndarray, shape (2,)
-        Pivot in the first frame (column, row) [pixels].
+        Pivot in the clicked frame (column, row) [pixels], in the picture or out of it.
     balls : list of numpy.ndarray, shape (2,)
-        Centre of each ball in the first frame [pixels].
+        Centre of each ball in the clicked frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
+    unseen_radius : float, optional
+        Of balls about a pivot that the picture does not show, which is taken to rest: their rough
+        radius [pixels].
 
     Raises
     ------
     InputError
         If no ball is found in most of the sample.
     """
-    frames = sample.frames
+    frames = sample.from_click
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    medians = median_planes(frames[::3])
-    discs = Backdrop(frames, medians).discs(frames[0])
     # The disc about each click: of the size that is declared or guessed, or of what moves there.
-    size = radius or 0.08 * arm
+    size = radius or unseen_radius or 0.08 * arm
     for k, click in enumerate(centres):
         trials = [(click, size, k > 0 or radius is not None)]
-        trials += [(d.centre, d.radius, True) for d in discs if _is_about(d, click, radius)]
+        trials += [
+            (d.centre, d.radius, True) for d in _moving_about(video, frames, click, arm, radius)
+        ]
         found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
         # Across a highlight colours step as across the ball: the largest of the clear ones.
         clear = _CLEAR * max(step for _, _, step in found)
         centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
         size = each if k == 0 else size
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
-    tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
+    medians = median_planes(frames[::3])
+    pivot = np.asarray(pivot, float)
+    if unseen_radius is None:
+        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
+    else:
+        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
-    low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
+    # No ball is found where the background is unknown.
+    first, beyond = video.bounds
+    low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:
@@ -150,7 +164,7 @@ def learn_image_model(
             raise InputError(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
                 "frames",
-                way_out="point at the ball's centre in the first frame",
+                way_out="point at the middle of the ball",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if round_ == 0:
@@ -189,10 +203,20 @@ def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) 
     scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
 
 
-def _is_about(disc: Disc, click: np.ndarray, radius: float | None) -> bool:
-    """Return whether something that moves may be the ball clicked: of about a declared radius."""
-    is_alike = radius is None or 1.0 / _SIZE < disc.radius / radius < _SIZE
-    return is_alike and bool(np.hypot(*(disc.centre - click)) < disc.radius)
+def _moving_about(
+    video: Video, frames: list[Frame], click: np.ndarray, arm: float, radius: float | None
+) -> list[Disc]:
+    """Return the discs that move about a click in the first frame, of about a declared radius."""
+    first, beyond = video.bounds
+    low = np.maximum(np.floor(click - _ABOUT * arm).astype(int), first)
+    high = np.minimum(np.ceil(click + _ABOUT * arm).astype(int) + 1, beyond)
+    discs = Backdrop(frames[::3], (low, high)).discs(frames[0])
+    return [
+        disc
+        for disc in discs
+        if np.hypot(*(disc.centre - click)) < disc.radius
+        and (radius is None or 1.0 / _SIZE < disc.radius / radius < _SIZE)
+    ]
 
 
 def _settled(

@@ -82,6 +82,12 @@ class PivotTracker:
     is_still: bool = False
     enlarged: float = 1.0
 
+    @classmethod
+    def unseen(cls, place: np.ndarray) -> PivotTracker:
+        """Return one that follows nothing: of a pivot at rest that the picture does not show."""
+        nothing = np.zeros((1, 1))
+        return cls(place, nothing, nothing, np.zeros((2, 2)), is_still=True)
+
     @property
     def half(self) -> int:
         """Half the template's side [pixels]."""

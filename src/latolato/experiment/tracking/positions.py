@@ -9,6 +9,9 @@ import numpy as np
 
 from latolato.experiment.track_table import MEASURED
 
+# Time between frames in which balls that come to touch have met, as a share.
+_NEAR = 0.25
+
 
 @dataclass
 class Positions:
@@ -69,3 +72,14 @@ class Positions:
         self.flags[doubtful] = "lost"
         for numbers in (self.centres, self.angles, self.sigmas, self.spreads):
             numbers[doubtful] = np.nan
+
+
+def meetings(one: Positions, other: Positions) -> np.ndarray:
+    """Return in which frames the balls of two tracks met, shape (frame,).
+
+    They touch, or would within a quarter of the time between frames.
+    """
+    away = np.linalg.norm(one.centres[:, 0] - other.centres[:, 0], axis=-1)
+    steps = np.abs(np.diff(away))
+    fastest = np.fmax(np.append(steps, 0.0), np.append(0.0, steps))
+    return np.asarray(away <= one.radius + other.radius + _NEAR * fastest)

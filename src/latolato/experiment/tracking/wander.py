@@ -25,14 +25,14 @@ def follow_path(
     starts: list[np.ndarray],
     progress: Callable[[float], None] | None = None,
 ) -> Positions:
-    """Return where balls are in every frame, from their places in the first, without angles.
+    """Return where balls are in every frame, from their places in one of them, without angles.
 
     Parameters
     ----------
     video, sample : Video, Sample
         The clip and its first reading.
     starts : list of numpy.ndarray, shape (2,)
-        Centres in the first frame, the right-hand ball first [pixels].
+        Centres in the clicked frame, the right-hand ball first [pixels].
 
     Raises
     ------
@@ -43,29 +43,32 @@ def follow_path(
     -----
     A ball is the disc that differs from the background nearest to where the last two frames lead.
     """
-    backdrop = Backdrop(sample.frames)
+    backdrop = Backdrop(sample.frames, video.bounds)
     count, balls = len(sample.times), len(starts)
     out = Positions.unknown(sample.times, balls)
     radii: list[float] = []
-    tracks = [_Track(start) for start in starts]
+    seen: list[list[Disc]] = []
     for frame in video.frames():
-        if frame.number >= count:
-            break
-        discs = backdrop.discs(frame)
-        for b, track in enumerate(tracks):
-            disc = track.next(discs)
-            if disc is not None:
-                out.centres[frame.number, b] = disc.centre
-                out.flags[frame.number, b] = "ok"
-                radii.append(disc.radius)
-                discs = [one for one in discs if one is not disc]
+        seen.append(backdrop.discs(frame))
         if progress and frame.number % 16 == 0:
             progress(frame.number / count)
+    click = min(max(sample.click, 0), count)
+    for numbers in (range(click, count), range(click - 1, -1, -1)):
+        tracks = [_Track(start) for start in starts]
+        for number in numbers:
+            discs = seen[number]
+            for b, track in enumerate(tracks):
+                disc = track.next(discs)
+                if disc is not None:
+                    out.centres[number, b] = disc.centre
+                    out.flags[number, b] = "ok"
+                    radii.append(disc.radius)
+                    discs = [one for one in discs if one is not disc]
     share = float(out.is_measured.mean(axis=0).min())
     if share < 0.1:
         raise InputError(
             f"the ball was found in {100 * share:.0f} % of the frames",
-            way_out="point at its centre in the first frame",
+            way_out="point at its centre",
         )
     out.radius = float(np.median(radii))
     return out

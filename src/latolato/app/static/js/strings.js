@@ -521,6 +521,15 @@ export const STRINGS = {
   step2: "The pivot and the balls are found automatically. Correct them in the first frame; give the "
     + "length from pivot to ball centre.",
   step3: "Track it. Look at every frame, at the curves, and at what they say about the motion.",
+  film: "Film your own in 60 seconds",
+  film_hang: "Hang a ball that stands out from the wall on a rod or a string. Measure the length l from "
+    + "the pivot to the middle of the ball.",
+  film_place: "Put the phone on something firm, about three lengths away and at the height of the ball. "
+    + "It must look straight at the wall.",
+  film_frame: "Have the pivot and the whole arc in the picture. Draw the ball a hand’s breadth aside, let "
+    + "go, and film 20 seconds or more.",
+  filmMore: "Collisions are seen better in slow motion. If the pivot does not fit into the picture, "
+    + "film all the same and say so after the upload.",
   clips: "Videos",
   clipRemove: "Remove {name}",
   clipsLost: "The connection to the server was lost; its videos are gone.",
@@ -532,15 +541,15 @@ export const STRINGS = {
     + "should be the ball’s edge.",
   setupFound: "Found automatically: is it right?",
   setupNotFound: "Nothing was found automatically. Put the handles on pivot and ball.",
-  setupNoPivot: "The pivot was not found: put its handle there, or tick under More that it is not "
-    + "in the picture.",
+  setupNoPivot: "The pivot was not found. Put its handle there, or say that it is outside of the "
+    + "picture:",
   setupAgain: "Correct the set-up",
   setupBack: "Back to the result",
   findAgain: "As found",
   ballCount: "number of balls",
   scaleHint: "The length is the scale. Without it angles are known, but no metres. "
     + "The mass makes a damping coefficient of a decay rate.",
-  pivotUnseen: "the pivot is not in the picture",
+  pivotOutside: "the pivot is outside of the picture",
   pivot: "pivot",
   ball_1: "ball 1 (right)",
   ball_2: "ball 2 (left)",
@@ -559,6 +568,17 @@ export const STRINGS = {
   stage_tracking: "tracking",
   stage_fitting: "fitting",
   stage_drawing: "drawing",
+  answer_period: "period",
+  answer_frequency: "swings a second",
+  answer_small_period: "period of small swings",
+  answer_small_frequency: "small swings a second",
+  answer_half_life: "half of the swing is gone after",
+  answer_length: "length, from g = {given} m/s²",
+  answer_gravity: "g, from the length {given} m",
+  answer_drive_amplitude: "amplitude of the pivot",
+  answer_drive_frequency: "frequency of the pivot",
+  answer_largest_angle: "largest angle",
+  answer_restitution: "speed kept by a collision",
   findingHere: "What the video shows will stand here, once it is tracked.",
   stageOf: "{stage} …",
   progressOf: "{stage}, {percent} %",

@@ -1,6 +1,7 @@
 /** The cards beside a clip: where videos come from, which there are, and what can be taken home. */
 
 import { el, freshId } from "../shared/dom.js";
+import { short, withSigma } from "../shared/units.js";
 import { t } from "../strings.js";
 import { clipAddress } from "./desk.js";
 
@@ -10,6 +11,8 @@ import { clipAddress } from "./desk.js";
 const EXPORTS = { csv: "track.csv", nc: "track.nc", toml: "setup.toml", overlay: "overlay.mp4",
   report: "report.html" };
 const MADE = ["nc", "overlay", "report"];
+/** Pictures of the guide; each has a text. */
+const GUIDE = ["hang", "place", "frame"];
 
 /**
  * Return the card into which videos are dropped, with examples for those who have none.
@@ -35,6 +38,15 @@ export function dropCard(hello, add, example) {
       type: "button", on: { click: () => example(kind) } }, t(`example_${kind}`)))));
 }
 
+/** Return the card that tells how to film a pendulum. */
+export function guideCard() {
+  return el("section", { class: "card guide" }, el("h2", {}, t("film")),
+    el("ol", {}, ...GUIDE.map((name) => el("li", {},
+      el("img", { src: `film/${name}.svg`, alt: "", width: "320", height: "200" }),
+      el("p", {}, t(`film_${name}`))))),
+    el("p", { class: "hint" }, t("filmMore")));
+}
+
 /**
  * Return the clips of a session, each with a button that opens and one that removes it.
  * @param {Session} session
@@ -51,6 +63,19 @@ export function clipList(session, open) {
       el("button", { type: "button", class: "plain",
         "aria-label": t("clipRemove", { name: clip.name }),
         on: { click: () => void session.remove(clip) } }, "×")))));
+}
+
+/**
+ * Return what a video was filmed for: a few numbers in large type, each with its uncertainty.
+ * @param {Clip["answer"]} answer
+ */
+export function answerNumbers(answer) {
+  return el("dl", { class: "numbers" }, ...answer.map(({ name, value, sigma, units, given }) => {
+    const [number, ...rest] = withSigma(value, sigma).split(/(?= ± )/);
+    return el("div", { "data-answer": name, "data-value": String(value) },
+      el("dt", {}, t(`answer_${name}`, { given: short(given ?? NaN, 5) })),
+      el("dd", {}, number, el("small", {}, ...rest, units && ` ${units}`)));
+  }));
 }
 
 /**

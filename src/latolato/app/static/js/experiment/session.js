@@ -12,8 +12,9 @@ import { Track } from "./track.js";
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number} | null,
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
- *   hasPivot: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
+ *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null, finding: string,
+ *   answer: {name: string, value: number, sigma: number, units: string, given?: number}[],
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
  *   field: string | null, stage: string | null, share: number, left: TimeLeft,
  *   mode: "setup" | "result",
@@ -56,8 +57,9 @@ export class Session {
     this.count += 1;
     /** @type {Clip} */
     const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
-      proposed: {}, radius: 0, hasPivot: false, hasBalls: false, isProposed: true, truth: {},
-      track: null, finding: "", fits: {},
+      proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
+      isProposed: true, truth: {},
+      track: null, finding: "", answer: [], fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
       left: new TimeLeft(), mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
@@ -182,9 +184,9 @@ export class Session {
     const block = await this.work(clip, (follow) =>
       this.desk.job({ do: "track", clip: clip.key, description }, follow));
     if (!block) return;
-    const { finding, fits, warnings, no_trial: noTrial, trials } = block.about;
+    const { finding, answer, fits, warnings, no_trial: noTrial, trials } = block.about;
     const track = new Track(inner(block, "points"));
-    Object.assign(clip, { track, finding, fits, warnings, noTrial });
+    Object.assign(clip, { track, finding, answer, fits, warnings, noTrial });
     clip.mode = "result";
     clip.files = new Set();
     clip.tracked += 1;

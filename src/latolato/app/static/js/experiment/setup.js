@@ -18,7 +18,8 @@ export class Setup {
    * @param {import("../shared/state.js").Page} page its address keeps the quantities, after "experiment."
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
-   *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void}} on
+   *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
+   *   outside: (isOutside: boolean) => void}} on
    */
   constructor(page, fields, on) {
     const { store } = page;
@@ -65,14 +66,16 @@ export class Setup {
     const id = freshId();
     this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },
       ...[1, 2].map((n) => el("option", { value: String(n) }, String(n))));
-    this.unseen = el("input", { type: "checkbox", on: { change: () => on.changed() } });
+    const outside = el("input", { type: "checkbox",
+      on: { change: () => on.outside(outside.checked) } });
+    this.outside = outside;
+    this.unseen = el("label", { class: "check" }, outside, t("pivotOutside"));
     const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name]);
     const quantities = el("div", { class: "fields" },
       el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")), this.count),
       ...FIRST.map(fieldOf), el("p", { class: "hint" }, t("scaleHint")), this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
-        el("div", { class: "fields" }, ...REST.map(fieldOf),
-          el("label", { class: "check" }, this.unseen, t("pivotUnseen")))));
+        el("div", { class: "fields" }, ...REST.map(fieldOf))));
     const button = (/** @type {string} */ name, /** @type {() => void} */ click,
       /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
       on: { click } }, t(name));
@@ -87,7 +90,7 @@ export class Setup {
     this.stage = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
     this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
-    this.body = el("div", { class: "fields" }, this.notice, this.hint, quantities,
+    this.body = el("div", { class: "fields" }, this.notice, this.unseen, this.hint, quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
       this.busy, this.failed, this.body);
@@ -113,7 +116,9 @@ export class Setup {
     this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
     this.notice.textContent = t(clip.hasPivot ? "setupFound"
       : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
-    this.notice.hidden = !isSetup || !clip.isProposed;
+    this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside;
+    this.unseen.hidden = !isSetup;
+    this.outside.checked = clip.isPivotOutside;
     const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);

@@ -7,7 +7,7 @@ import { textOf } from "../shared/laws.js";
 import { openState } from "../shared/links.js";
 import { short } from "../shared/units.js";
 import { t } from "../strings.js";
-import { dropCard, exportsCard, clipList } from "./cards.js";
+import { answerNumbers, clipList, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
@@ -18,8 +18,8 @@ import { panelsOf } from "./track.js";
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {import("./session.js").Clip} Clip */
 
-/** What of an example's truth somebody would have measured before. */
-const KNOWN = ["length", "radius", "mass"];
+/** What of an example's truth somebody would have measured before, by the fields. */
+const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
 /** A link with this part clips an example and measures it. */
 const LINKED = "experiment.example";
 
@@ -40,14 +40,16 @@ export class ExperimentView {
     this.list = el("div", { class: "clip-list" });
     this.form = el("div", { class: "clip-form" });
     this.exports = el("div", { class: "clip-exports" });
-    this.welcome = el("div", { class: "welcome" },
+    this.begin = el("div", { class: "welcome" },
       el("section", { class: "card steps" }, el("h2", {}, t("steps")),
         el("ol", {}, ...["step1", "step2", "step3"].map((s) => el("li", {}, t(s))))));
+    this.welcome = el("div", { class: "welcome" }, this.begin, guideCard());
     this.finding = findingPlace();
     /** What the place of the answer says: screen readers read each change. */
     this.shown = "";
+    this.numbers = el("div", {});
     this.notes = el("p", { class: "notes", role: "status" });
-    this.said = el("section", { class: "card answer" }, this.finding, this.notes);
+    this.said = el("section", { class: "card answer" }, this.numbers, this.finding, this.notes);
     this.cards = el("div", { class: "cards" });
     this.player = el("div", { class: "player" }, this.screen.root, curves, this.cards);
     this.trials = el("section", { class: "card clip-trials" });
@@ -93,7 +95,7 @@ export class ExperimentView {
     const state = clip?.stage ?? clip?.mode ?? "empty";
     this.root.dataset.state = state;
     this.root.classList.toggle("empty", !clip);
-    const place = clip ? this.side : this.welcome;
+    const place = clip ? this.side : this.begin;
     if (this.drop.parentElement !== place) place.append(this.drop);
     const { clips } = this.session;
     refresh(this.list, [clips.map((f) => [f.id, f.stage !== null]), clip?.id], () =>
@@ -113,6 +115,8 @@ export class ExperimentView {
       ...warnings.map((text) => t("warning", { text }))].join(" ");
     const isAnswer = clip?.mode === "result";
     const text = isAnswer ? clip.finding : t("findingHere");
+    refresh(this.numbers, [clip?.id, clip?.tracked, isAnswer],
+      () => (isAnswer && clip.answer.length > 0 ? [answerNumbers(clip.answer)] : []));
     this.finding.hidden = !clip?.about;
     if (this.shown !== text) showFinding(this.finding, text, isAnswer);
     this.shown = text;
@@ -136,6 +140,7 @@ export class ExperimentView {
       mode: (mode) => this.mode(mode),
       reset: () => this.asProposed(),
       cancel: () => this.session.clip?.cancel(),
+      outside: (isOutside) => this.outside(isOutside),
     });
     this.setup = setup;
     this.form.replaceChildren(setup.root);
@@ -150,9 +155,9 @@ export class ExperimentView {
   async example(kind) {
     const clip = await this.session.example(kind);
     if (!clip || this.session.clip !== clip) return;
-    const values = KNOWN.filter((name) => name in clip.truth).map((name) => {
+    const values = Object.entries(KNOWN).map(([name, known]) => {
       const unit = this.page.registry.options[name].units[0];
-      return [name, `${short(clip.truth[name] / unit.size)} ${unit.name}`];
+      return [name, `${short(clip.truth[known] / unit.size)} ${unit.name}`];
     });
     this.setup?.fill(Object.fromEntries(values));
     this.resized();
@@ -168,7 +173,7 @@ export class ExperimentView {
     this.signature = signature;
     this.screen.show({ ...about, url: clip.url }, track);
     this.handles.radius = clip.radius;
-    this.handles.show(track ? null : clip.places);
+    this.handles.show(track ? null : handlesOf(clip));
     if (!track) this.screen.clock.go(0);
     this.resized();
     this.curves.root.hidden = !track;
@@ -221,7 +226,7 @@ export class ExperimentView {
     const { pivot, ball_1, ball_2 } = clip.places;
     const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
     return { ...this.setup?.values, is_proposed: clip.isProposed,
-      pivot: this.setup?.unseen?.checked ? null : pair(pivot),
+      pivot: clip.isPivotOutside ? null : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };
   }
 
@@ -244,7 +249,7 @@ export class ExperimentView {
   corrected() {
     const { clip } = this.session;
     if (!clip) return;
-    clip.places = { ...this.handles.places };
+    clip.places = { ...clip.places, ...this.handles.places };
     clip.isProposed = false;
     this.setup?.update(clip);
   }
@@ -254,7 +259,8 @@ export class ExperimentView {
     if (!clip) return;
     clip.places = { ...clip.proposed };
     clip.isProposed = true;
-    this.handles.show(clip.places);
+    clip.isPivotOutside = false;
+    this.handles.show(handlesOf(clip));
     this.setup?.update(clip);
   }
 
@@ -267,7 +273,16 @@ export class ExperimentView {
     if (balls === 2) clip.places.ball_2 = clip.proposed.ball_2
       ?? { u: Math.max(0, 2 * pivot.u - ball_1.u), v: ball_1.v };
     clip.isProposed = false;
-    this.handles.show(clip.places);
+    this.handles.show(handlesOf(clip));
+    this.setup?.update(clip);
+  }
+
+  /** @param {boolean} isOutside whether the pivot is outside of the picture */
+  outside(isOutside) {
+    const { clip } = this.session;
+    if (!clip) return;
+    clip.isPivotOutside = isOutside;
+    this.handles.show(handlesOf(clip));
     this.setup?.update(clip);
   }
 
@@ -287,4 +302,12 @@ export class ExperimentView {
       .map(([name, value]) => [name, textOf(known[name], value)]));
     openState(this.page, { view: "play", scenario: null, options: texts });
   }
+}
+
+/**
+ * Return the places that have a handle: a pivot outside of the picture has none.
+ * @param {Clip} clip
+ */
+function handlesOf({ places: { pivot, ...balls }, isPivotOutside }) {
+  return isPivotOutside ? balls : { pivot, ...balls };
 }
