@@ -16,6 +16,7 @@ from latolato.experiment.tracking.appearance import (
     best_angles,
     fit_balls,
 )
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
@@ -39,6 +40,13 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
+# How far about a click something that moves is looked for, as a share of the arm, and how much
+# larger or smaller than declared it may seem.
+_ABOUT, _SIZE = 0.4, 1.5
+# How clear a disc about a click must be, as a share of the clearest one.
+_CLEAR = 0.85
+# How often a disc is looked for again that lies this share of its radius aside.
+_AGAIN, _ASIDE = 3, 0.15
 # Fewest turns between two frames that tell how fast balls are.
 _FEWEST_TURNS = 4
 
@@ -111,10 +119,18 @@ def learn_image_model(
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    guess = radius or unseen_radius or 0.08 * arm
-    centres[0], size = disc_at(frames[0], colours, centres[0], guess, pivot, radius is not None)
-    for k in range(1, len(centres)):
-        centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
+    # The disc about each click: of the size that is declared or guessed, or of what moves there.
+    size = radius or unseen_radius or 0.08 * arm
+    for k, click in enumerate(centres):
+        trials = [(click, size, k > 0 or radius is not None)]
+        trials += [
+            (d.centre, d.radius, True) for d in _moving_about(video, frames, click, arm, radius)
+        ]
+        found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
+        # Across a highlight colours step as across the ball: the largest of the clear ones.
+        clear = _CLEAR * max(step for _, _, step in found)
+        centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
+        size = each if k == 0 else size
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
     pivot = np.asarray(pivot, float)
@@ -190,6 +206,39 @@ def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) 
     fastest = float(np.nanquantile(turns, 0.95)) / interval
     widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
     scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
+
+
+def _moving_about(
+    video: Video, frames: list[Frame], click: np.ndarray, arm: float, radius: float | None
+) -> list[Disc]:
+    """Return the discs that move about a click in the first frame, of about a declared radius."""
+    first, beyond = video.bounds
+    low = np.maximum(np.floor(click - _ABOUT * arm).astype(int), first)
+    high = np.minimum(np.ceil(click + _ABOUT * arm).astype(int) + 1, beyond)
+    discs = Backdrop(frames[::3], (low, high)).discs(frames[0])
+    return [
+        disc
+        for disc in discs
+        if np.hypot(*(disc.centre - click)) < disc.radius
+        and (radius is None or 1.0 / _SIZE < disc.radius / radius < _SIZE)
+    ]
+
+
+def _settled(
+    frame: Frame, colours: Colours, trial: tuple[np.ndarray, float, bool], pivot: np.ndarray
+) -> tuple[np.ndarray, float, float]:
+    """Return the disc near a place: near what was found again as long as that lies far aside."""
+    near, size, is_known = trial
+    disc = disc_at(frame, colours, near, size, pivot, is_known)
+    for _ in range(_AGAIN):
+        if np.hypot(*(disc[0] - near)) < _ASIDE * disc[1]:
+            break
+        near = disc[0]
+        again = disc_at(frame, colours, near, disc[1], pivot, is_known)
+        if again[2] < disc[2]:
+            break
+        disc = again
+    return disc
 
 
 def _first_noise(

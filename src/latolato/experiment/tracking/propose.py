@@ -212,8 +212,8 @@ def _by_edge(
     shifts = []
     for k, disc in sharp:
         towards = disc.centre - [0.0, 10.0 * radius] if pivot is None else pivot
-        centre, size = disc_at(frames[k], colours, disc.centre, radius, towards, False)
-        centre, size = disc_at(frames[k], colours, centre, size, towards, True)
+        centre, size, _ = disc_at(frames[k], colours, disc.centre, radius, towards, False)
+        centre, size, _ = disc_at(frames[k], colours, centre, size, towards, True)
         shifts.append((*(centre - disc.centre), size))
     *shift, size = np.median(np.array(shifts), axis=0)
     # A disc's own centre is finer than its edge's, unless the wall hides a part of the ball.
