@@ -47,6 +47,9 @@ _FARTHEST, _NEXT, _LEAST_NEXT = 0.8, 0.25, 37.0
 _SIDEWAYS, _TILT = 3.0, 0.15
 # How far from where it is expected a pivot is looked for, sideways and up or down [pixels].
 _ASIDE, _ROOM = 2.0, 3.0
+# Steps of a wide search, the share of its places about which all are looked at, and how many these
+# are at least.
+_COARSE, _LIKELY, _FEWEST_LIKELY = 4, 0.03, 30
 # How far beyond the shifts of the sample the pivot may move: pixels, and share of their range.
 _SLACK, _SLACK_SHARE = 4.0, 0.3
 
@@ -142,7 +145,10 @@ class PivotTracker:
     def _costs(
         self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return corners by whole pixels and how badly the template fits there."""
+        """Return corners by whole pixels and how badly the template fits there.
+
+        A wide search looks at all places where a coarse one fits best.
+        """
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
@@ -150,18 +156,27 @@ class PivotTracker:
                 self.enlarged * np.array([_ASIDE, _ROOM]) + np.array([_TILT, 1.0]) * room
             )
             low, high = near - around, near + around
+        is_wide = guess is None or room >= _LEAST_NEXT
         # In an enlarged picture the template's details are too; the rest is refined below.
-        step = 1 if guess is not None else round(self.enlarged)
-        columns = np.arange(low[0], high[0] + step, step)
-        rows = np.arange(low[1], high[1] + step, step)
-        shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        fine = round(self.enlarged) if is_wide else 1
+        shifts = _grid(low, high, _COARSE * fine if is_wide else fine)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
         fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
         shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
-        corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
-        cost = np.empty(len(corners))
-        stride = _stride(self.weight > 0.0, guess is not None, _APART * self.enlarged)
-        kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
+        stride = _stride(self.weight > 0.0, not is_wide, _APART * self.enlarged)
+
+        def compared(shifts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
+            cost = np.empty(len(corners))
+            kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
+            return corners, cost
+
+        corners, cost = compared(shifts)
+        if is_wide:
+            likely = shifts[np.argsort(cost)[: max(_FEWEST_LIKELY, int(_LIKELY * len(cost)))]]
+            around = fine * _grid(np.full(2, -_COARSE // 2), np.full(2, _COARSE // 2), 1)
+            more = compared((likely[:, None] + around).reshape(-1, 2))
+            corners, cost = np.concatenate([corners, more[0]]), np.concatenate([cost, more[1]])
         return corners, cost
 
 
@@ -218,6 +233,12 @@ def _trim(tracker: PivotTracker) -> None:
     inner = slice(half - kept, half + kept + 1)
     tracker.template = tracker.template[inner, inner].copy()
     tracker.weight = tracker.weight[inner, inner].copy()
+
+
+def _grid(low: np.ndarray, high: np.ndarray, step: int) -> np.ndarray:
+    """Return shifts (shift, 2) between two, the least included, by a step [pixels]."""
+    axes = (np.arange(first, last + step, step) for first, last in zip(low, high, strict=True))
+    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
 def _stride(used: np.ndarray, near: bool, apart: float) -> int:
