@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,6 +36,19 @@ def typical_sigma(table: xr.Dataset) -> float | None:
     )
     sigmas = sigmas[np.isfinite(sigmas)]
     return float(np.median(sigmas)) if sigmas.size else None
+
+
+def clock_text(attributes: Mapping[str, Any]) -> str:
+    """Return why a table's times are not those of its file, from its attributes; "" if they are."""
+    factor, filmed = attributes.get("slow_motion", 1.0), attributes.get("capture_rate")
+    if filmed is None:
+        return "" if factor == 1.0 else f"times divided by {factor:g}"
+    shown = attributes["shown_rate"]
+    source = "from the file" if abs(factor * shown / filmed - 1.0) < 0.05 else "against the file"
+    return (
+        f"{filmed:.4g} frames a second filmed, {shown:.4g} shown: times divided by {factor:g} "
+        f"({source})"
+    )
 
 
 def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
