@@ -27,10 +27,11 @@ from latolato.experiment.sidecar import (
     write_sidecar,
 )
 from latolato.experiment.track_table import track_table
-from latolato.experiment.tracking.appearance import Appearance
+from latolato.experiment.tracking.appearance import Look
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
+from latolato.experiment.tracking.learn_template import learn_template_model
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
@@ -54,6 +55,8 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
+# Half the side of a template over the radius of the bob.
+_PATCH = 1.4
 # Shares of the work: the first reading, learning the scene.
 _READ, _LEARNED = 0.25, 0.35
 
@@ -84,6 +87,8 @@ def track(
     radius: float | None = None,
     stick: Sequence[Place] | None = None,
     stick_length: float | None = None,
+    shape: str | None = None,
+    patch: float | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -122,6 +127,12 @@ def track(
         [pixels].
     stick_length : float, optional
         Its length [m].
+    shape : str, optional
+        How balls are recognised: as a ``"disc"``, the default, or by a ``"template"`` of what was
+        pointed at, which turns with the pendulum: rings, blocks, bottles.
+    patch : float, optional
+        Side of the square about the click that the template is made of [pixels]. By default 2.8
+        radii, where radius and scale are known, else 0.3 of the distance from pivot to click.
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
@@ -187,6 +198,8 @@ def track(
         "radius": radius,
         "stick": None if stick is None else checked_stick(stick),
         "stick_length": stick_length,
+        "shape": shape,
+        "patch": patch,
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -344,10 +357,17 @@ def _tracked(
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_image_model(
-        video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
-    )
-    if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
+    tell = _part(progress, _READ, _LEARNED)
+    if setup.shape == "template":
+        half = 0.5 * setup.patch if setup.patch else _PATCH * expected if expected else None
+        scene = learn_template_model(video, sample, pivot, balls, half, tell)
+    else:
+        scene = learn_image_model(video, sample, pivot, balls, expected, tell)
+    if (
+        setup.shape == "disc"
+        and expected
+        and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
+    ):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learn_image_model(video, sample, pivot, balls, None, None)
@@ -471,7 +491,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
         "gravity_direction": measured.gravity.direction,
         "gravity_source": measured.gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
-        "exposure": scene.look.exposure,
+        "exposure": look.exposure if setup.shape == "disc" else None,
         "pivot_offset_x": float(measured.hinge.offset[0]),
         "pivot_offset_y": float(measured.hinge.offset[1]),
         "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
@@ -483,7 +503,7 @@ def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration
     return track_table(columns, attributes)
 
 
-def _compare(task: Task, scale: Scale, look: Appearance) -> None:
+def _compare(task: Task, scale: Scale, look: Look) -> None:
     """Warn of a radius and a stick that differ from what the scale says."""
     setup, video = task.setup, task.video
     about = "length from pivot to ball centre" if scale.source == "length" else scale.source
@@ -548,6 +568,7 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "start": setup.start,
         "end": setup.end,
         "click_frame": setup.click_frame,
+        "shape": setup.shape,
         "region": setup.region and ",".join(f"{edge:g}" for edge in setup.region),
         "length": setup.length,
         "radius": setup.radius,

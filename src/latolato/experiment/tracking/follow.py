@@ -11,8 +11,6 @@ import numpy as np
 from latolato.experiment.tracking.appearance import (
     arc,
     best_angles,
-    fit_balls,
-    gains_at,
     samples_for,
 )
 from latolato.experiment.tracking.learn import ImageModel
@@ -222,9 +220,7 @@ class _Follower:
                 groups = [[0, 1]]
         out = _Measured(np.empty(balls), np.empty(balls), np.empty((balls, 2)), np.empty(balls))
         for group in groups:
-            fit = fit_balls(
-                scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
-            )
+            fit = scene.look.fit(frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant)
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(
@@ -277,7 +273,7 @@ class _Follower:
                 trials = trials[self._allowed(trials, int(b), expected)]
             if not len(trials):
                 continue
-            gain = gains_at(scene.look, frame[2:], pivot, scene.arm, trials)
+            gain = scene.look.gains(frame[2:], pivot, scene.arm, trials)
             best = int(np.argmax(gain))
             if gain[best] > _BELIEVED:
                 expected.path[:, b] += trials[best] - expected.guess[b]
