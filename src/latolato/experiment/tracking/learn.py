@@ -12,9 +12,9 @@ from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
+    Look,
     arc,
     best_angles,
-    fit_balls,
 )
 from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
@@ -59,8 +59,8 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Appearance
-        Layers of the image.
+    look : Look
+        Layers of the image, or a template of bobs that are no discs.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
@@ -75,7 +75,7 @@ class ImageModel:
     """
 
     pivot: PivotTracker
-    look: Appearance
+    look: Look
     arm: float
     balls: int
     starts: np.ndarray
@@ -263,8 +263,9 @@ def find_balls(
     scene: ImageModel, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
 ) -> list[Sighting]:
     """Find the balls in the sample with colours that stay or that turn: as explains more."""
-    look, paint = scene.look, scene.look.paint
-    some = range(0, len(frames), 2)
+    look = scene.look
+    assert isinstance(look, Appearance)
+    paint, some = look.paint, range(0, len(frames), 2)
 
     def explained() -> float:
         gains = [
@@ -280,10 +281,10 @@ def find_balls(
     if explained() < _TURNS * staying:
         look.is_spinning, look.paint = False, paint
         look.whitened()
-    return _find(scene, frames, pivots)
+    return find_all(scene, frames, pivots)
 
 
-def _find(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
+def find_all(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
     """Find the balls in every frame of the sample, on the whole circle."""
     look, sightings = scene.look, []
     for k, frame in enumerate(frames):
@@ -339,7 +340,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            fit = look.fit(frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot
