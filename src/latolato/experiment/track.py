@@ -461,6 +461,11 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     if pivot is not None and _is_inside(pivot, task.video):
         scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
+    if task.setup.shape == "template":
+        raise InputError(
+            "a bob that is no disc can be followed about a pivot in the picture only",
+            way_out="point at the pivot, or at a disc on the bob",
+        )
     path = follow_path(task.video, sample, balls, _part(progress, 0.0, _FOLLOWED))
     circle, doubt = _circle_of(task, path)
     if circle is None or doubt is not None:

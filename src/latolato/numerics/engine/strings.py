@@ -6,6 +6,7 @@ string, or holds it; one that is taut when a ball is hit allows no motion outwar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -128,6 +129,8 @@ def make_strings(
     @part
     def note_tangle(run: Any) -> None:
         """Note where a taut string runs into the other ball, which is not described."""
+        if run.settings.high == math.inf:  # all passes through all
+            return
         for i in range(2):
             one, other = run.end[i], run.end[1 - i]
             if run.state.is_slack[i] == 0:
