@@ -135,7 +135,8 @@ def calibrate(
     if circle is not None:  # they were followed about a place that was known less well
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
-    sigmas = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
         wrong = lens_errors(centres, about, use, raw, size, noise)
