@@ -393,9 +393,7 @@ def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndar
             change = here - window.picture(frames[j])
             # The light may change for all.
             local = np.median(change[beside], axis=0)
-            changed, plainly = (
-                np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
-            )
+            changed, plainly = (_largest(change - light) > limit for light in (local, 0.0))
             elsewhere = coarse.changed(int(k), int(j))
             changes.append(
                 (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
@@ -419,11 +417,11 @@ class _Coarse:
     def changed(self, k: int, j: int) -> float:
         """Return which share of the picture away from the balls differs in two frames."""
         change = self.pictures[k].astype(np.float32) - self.pictures[j]
-        v, u = np.indices(change.shape)
+        v, u = np.ogrid[: change.shape[0], : change.shape[1]]
         free = np.ones(change.shape, bool)
         for place in self.centres[[k, j]].reshape(-1, 2):
             if np.isfinite(place).all():
-                free &= np.hypot(u - place[0], v - place[1]) > self.reach
+                free &= _squared_distance(u, v, place) > self.reach**2
         if not free.any():
             return 1.0
         return float(np.mean(np.abs(change[free] - np.median(change[free])) > self.limit))
@@ -433,7 +431,19 @@ def _typical_difference(frames: list[Frame]) -> float:
     """Return the median difference of a pixel between frames of the sample [steps of 255]."""
     window = _Window.whole(frames[0])
     pictures = [window.picture(frame)[::2, ::2] for frame in frames[:: max(1, len(frames) // 6)]]
-    return float(np.median([np.abs(b - a).max(axis=-1) for a, b in pairwise(pictures)]))
+    return float(np.median([_largest(b - a) for a, b in pairwise(pictures)]))
+
+
+def _largest(change: np.ndarray) -> np.ndarray:
+    """Return the largest size of a pixel's changes, shape (row, column)."""
+    # Plane by plane: numpy is slow along an axis of three.
+    luma, blue, red = np.abs(np.moveaxis(change, -1, 0))
+    return np.asarray(np.maximum(np.maximum(luma, blue), red))
+
+
+def _squared_distance(u: np.ndarray, v: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return the squared distance of columns (1, column) and rows (row, 1) from a place."""
+    return np.asarray((u - place[0]) ** 2 + (v - place[1]) ** 2)
 
 
 @dataclass(frozen=True)
@@ -466,15 +476,16 @@ class _Window:
         """Return luma and weighted chroma, slightly blurred, shape (row, column, 3)."""
         part = slice(self.top, self.bottom), slice(self.left, self.right)
         fine = frame.luma[2 * self.top : 2 * self.bottom, 2 * self.left : 2 * self.right]
-        luma = fine.reshape(fine.shape[0] // 2, 2, fine.shape[1] // 2, 2).mean(axis=(1, 3))
+        quarters = (fine[row::2, column::2] for row in (0, 1) for column in (0, 1))
+        luma = 0.25 * np.add.reduce([*quarters], dtype=np.float32)
         chroma = [_CHROMA * plane[part] for plane in (frame.blue, frame.red)]
         planes = np.dstack([luma, *chroma]).astype(np.float32)
         blurred: np.ndarray = import_cv2().GaussianBlur(planes, (0, 0), 0.8)
         return blurred
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return columns and rows of the window's pixels in the full picture."""
-        rows, columns = np.mgrid[self.top : self.bottom, self.left : self.right]
+        """Return columns (1, column) and rows (row, 1) of its pixels in the full picture."""
+        rows, columns = np.ogrid[self.top : self.bottom, self.left : self.right]
         return 2.0 * columns + 0.5, 2.0 * rows + 0.5
 
 
@@ -495,15 +506,15 @@ def _regions(
     u, v = window.places()
     radius = track.radius
     own = track.centres[numbers[k], ball]
-    distance = np.hypot(u - own[0], v - own[1])
-    is_free, is_clear = np.ones(u.shape, bool), np.ones(u.shape, bool)
+    distance = np.sqrt(_squared_distance(u, v, own))
+    is_free, is_clear = np.ones(distance.shape, bool), np.ones(distance.shape, bool)
     for q in (k, j):
         for other in range(track.centres.shape[1]):
             place = track.centres[numbers[q], other]
             if not np.isfinite(place).all():
                 continue
             if (q, other) != (k, ball):
-                is_free &= np.hypot(u - place[0], v - place[1]) > radius + unsure + 1.0
+                is_free &= _squared_distance(u, v, place) > (radius + unsure + 1.0) ** 2
             # Without a pivot in the picture no rod is left out.
             rod = track.pivots[numbers[q]] - place
             x, y = rod / max(float(np.hypot(*rod)), 1e-9)
