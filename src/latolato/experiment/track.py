@@ -506,11 +506,18 @@ def _followed(
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
+    tell = _part(progress, 0.0, _LEARNED)
+
+    def learned(radius: float | None) -> ImageModel:
+        if setup.shape == "template":
+            half = 0.5 * setup.patch if setup.patch else _PATCH * radius if radius else None
+            is_seen = path is None
+            return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
+        unseen = None if path is None else path.radius
+        return learn_image_model(video, sample, pivot, balls, radius, tell, unseen_radius=unseen)
+
     if path is not None:
-        scene = learn_image_model(
-            video, sample, pivot, balls, None, _part(progress, 0.0, _LEARNED),
-            unseen_radius=path.radius,
-        )  # fmt: skip
+        scene = learned(None)
         period, _ = period_of(path.times, path.centres[:, 0])
         stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
         seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
@@ -520,20 +527,12 @@ def _followed(
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
-    tell = _part(progress, 0.0, _LEARNED)
-    if setup.shape == "template":
-        half = 0.5 * setup.patch if setup.patch else _PATCH * expected if expected else None
-        scene = learn_template_model(video, sample, pivot, balls, half, tell)
-    else:
-        scene = learn_image_model(video, sample, pivot, balls, expected, tell)
-    if (
-        setup.shape == "disc"
-        and expected
-        and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
-    ):
+    scene = learned(expected)
+    is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
+    if is_off and setup.shape == "disc":
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
-            free = learn_image_model(video, sample, pivot, balls, None, None)
+            free = learned(None)
         except InputError:
             free = scene
         if free.explained > scene.explained:

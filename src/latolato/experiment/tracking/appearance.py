@@ -66,6 +66,10 @@ class Look(Protocol):
     exposure: float
     is_spinning: bool
 
+    @property
+    def body(self) -> np.ndarray | None:
+        """What a ball covers that is no disc: see `latolato.experiment.tracking.template`."""
+
     def fit(
         self,
         planes: tuple[np.ndarray, ...],
@@ -104,6 +108,8 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    body : None
+        A ball is a disc.
     whiten, white_paint, white_behind : numpy.ndarray
         The matrix that makes residuals white, and colours times it.
     """
@@ -119,6 +125,7 @@ class Appearance:
     exposure: float = 0.0
     radius_sigma: float = 0.0
     is_spinning: bool = False
+    body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
     white_behind: np.ndarray = field(init=False)

@@ -66,6 +66,7 @@ def follow(
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
+    out.body = scene.look.body
     follower = _Follower(scene, sample.interval, stiffness, sample.click)
     for frame in video.frames():
         n = frame.number

@@ -219,7 +219,7 @@ def camera_motion(sample: Sample, track: Positions) -> tuple[float, np.ndarray, 
     first = _reduced(cv2, frames[0])
     scale = frames[0].luma.shape[1] / first.shape[1]
     hidden = [
-        (place / scale, 1.5 * track.radius / scale + 3.0)
+        (place / scale, 1.5 * track.reach / scale + 3.0)
         for place in track.centres[0]
         if np.isfinite(place).all()
     ]
@@ -324,9 +324,9 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         is_alone = is_ball.mean() >= _PASSING
         if not is_alone and passes.mean() < _ALWAYS:
             return Finding(
-                f"what was followed is no ball that moves: of the pixels under its disc of "
-                f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
-                f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
+                f"what was followed is no ball that moves: of the pixels under it (radius "
+                f"{track.radius:.0f} pixels) {_percent(under)} change when it comes, of "
+                f"those around it {_percent(beside)}, elsewhere {_percent(elsewhere)}",
                 "point at the middle of the ball that swings, or give its radius and length",
             )
         is_part |= not is_alone
@@ -335,7 +335,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     if doubtful.any():
         return Finding(
             f"{_percent(doubtful[track.is_measured], np.mean)} of the measured samples are given "
-            "up as lost: there the pixels under the disc do not change as those under a ball",
+            "up as lost: there the pixels under it do not change as those under a ball",
             "look at these frames in the overlay",
             False,
             doubtful,
@@ -368,17 +368,17 @@ def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndar
     centres, is_measured = track.centres[numbers], track.is_measured[numbers]
     limit = max(_LEAST, _CLEAR * _typical_difference(frames))
     shares = np.full((*centres.shape[:2], 4), np.nan)
-    coarse = _Coarse(frames, centres, track.radius, limit)
+    coarse = _Coarse(frames, centres, track.reach, limit)
     for k, ball in np.argwhere(is_measured):
         away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
         away[~is_measured[:, ball]] = np.nan
         farthest = float(np.nanmax(away))
-        enough = min(max(_APART * track.radius, _HALFWAY * farthest), farthest)
+        enough = min(max(_APART * track.reach, _HALFWAY * farthest), farthest)
         if enough < _RESTING:
             continue
         partners = np.flatnonzero(away >= 0.98 * enough)
         partners = partners[np.argsort(np.abs(partners - k), kind="stable")][:_PARTNERS]
-        window = _Window.about(frames[k], centres[k, ball], track.radius)
+        window = _Window.about(frames[k], centres[k, ball], track.reach)
         if window is None:
             continue
         here = window.picture(frames[k])
@@ -504,7 +504,7 @@ def _regions(
     The disc's edge is where it is said to be give or take `unsure` [pixels].
     """
     u, v = window.places()
-    radius = track.radius
+    radius = track.reach
     own = track.centres[numbers[k], ball]
     distance = np.sqrt(_squared_distance(u, v, own))
     is_free, is_clear = np.ones(distance.shape, bool), np.ones(distance.shape, bool)
@@ -521,7 +521,8 @@ def _regions(
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    under = is_free & (distance < max(radius - unsure, 1.5))
+    away, angle = np.stack([u, v], axis=-1) - own, float(track.angles[numbers[k], ball])
+    under = is_free & track.covers(away, angle, unsure)
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside
 

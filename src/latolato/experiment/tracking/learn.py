@@ -192,20 +192,21 @@ def learn_image_model(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    scene.explained = float(np.median([one.explained for one in sightings]))
-    _learn_swing(scene, sightings, sample.interval)
-    for b, start in enumerate(starts):
-        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < size / arm]
-        if own:
-            scene.speeds[b] = own[0].speed
+    learn_swing(scene, sightings, sample.interval)
     return scene
 
 
-def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
-    """Learn what the balls' speeds say of gravity over length, as if they fell freely.
+def learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
+    """Learn how much of balls is explained, how fast they are, and what that says of their fall.
 
-    From rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
+    As if they fell freely: from rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
     """
+    scene.explained = float(np.median([one.explained for one in sightings]))
+    near = scene.look.radius / scene.arm
+    for b, start in enumerate(scene.starts):
+        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < near]
+        if own:
+            scene.speeds[b] = own[0].speed
     turns = np.array([abs(one.speed) for one in sightings])
     if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
         return

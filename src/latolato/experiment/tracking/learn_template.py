@@ -9,9 +9,9 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import Colours
-from latolato.experiment.tracking.learn import ImageModel, find_all, fit_sample
+from latolato.experiment.tracking.learn import ImageModel, find_all, fit_sample, learn_swing
 from latolato.experiment.tracking.paint import filled
-from latolato.experiment.tracking.pivot import learn_pivot
+from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.teach import Sighting
 from latolato.experiment.tracking.template import Template
@@ -44,6 +44,8 @@ def learn_template_model(
     balls: list[np.ndarray],
     half: float | None,
     progress: Callable[[float], None] | None = None,
+    *,
+    is_seen: bool = True,
 ) -> ImageModel:
     """Return what a clip looks like whose bobs are followed by a template.
 
@@ -57,6 +59,8 @@ def learn_template_model(
         The point of each bob that is followed, in the clicked frame [pixels].
     half : float or None
         Half the side of the patch about the click [pixels]; None: 0.15 of the arm.
+    is_seen : bool
+        Whether the picture shows the pivot, which is else taken to rest.
 
     Raises
     ------
@@ -66,7 +70,11 @@ def learn_template_model(
     frames = sample.from_click
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     medians = median_planes(frames[::3])
-    tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
+    pivot = np.asarray(pivot, float)
+    if is_seen:
+        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
+    else:
+        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
     reach = math.ceil(half or _SHARE * arm)
     side = 2 * reach + 1
@@ -98,11 +106,7 @@ def learn_template_model(
         _learn(look, frames, teachers[:_TEACHERS], medians)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    scene.explained = float(np.median([one.explained for one in sightings]))
-    for b, start in enumerate(starts):
-        own = [o for o in sightings if o.frame == 0 and abs(o.angle - start) < look.radius / arm]
-        if own:
-            scene.speeds[b] = own[0].speed
+    learn_swing(scene, sightings, sample.interval)
     return scene
 
 

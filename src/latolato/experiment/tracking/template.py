@@ -127,7 +127,7 @@ class Template:
         """Move bobs from where they are expected to the peak of their correlation.
 
         Parameters and result are those of `latolato.experiment.tracking.appearance.fit_balls`;
-        each bob is fitted by itself.
+        each bob is fitted by itself, and it is not known how much of it looks like the wall.
         """
         fits = [self._settle(planes, path.mean(axis=0), pivot, rounds, tolerant) for path in paths]
         covariance = np.zeros((2 * len(paths), 2 * len(paths)))
@@ -135,7 +135,7 @@ class Template:
             covariance[2 * b : 2 * b + 2, 2 * b : 2 * b + 2] = own
         shifts, _, explained, costs = zip(*fits, strict=True)
         return BallFit(
-            np.array(shifts), covariance, np.array(explained), 1.0 - np.array(explained),
+            np.array(shifts), covariance, np.array(explained), np.zeros(len(paths)),
             float(np.mean(costs)),
         )  # fmt: skip
 
@@ -158,6 +158,7 @@ class Template:
         design[..., 0] = model
         design[..., 1:4] = np.eye(3)
         design[..., 4:] = -np.moveaxis(slopes, 0, -1)
+        design = design.reshape(-1, 6)
         for round_ in range(2 * rounds):
             angle = math.atan2(*(centre - pivot))
             limit = self.limit * (_TOLERANT if round_ < tolerant else 1.0)
@@ -168,15 +169,14 @@ class Template:
             seen = np.nan_to_num(seen)
             trust = np.where(is_inside, weight, 0.0)
             gain = 1.0
-            for _ in range(3):  # weights follow residuals, residuals the gain
-                bias = np.average(seen - gain * model, axis=0, weights=trust)
-                rest = seen - gain * model - bias
-                square = np.mean(rest**2, axis=1)
+            for _ in range(2):  # weights follow residuals, residuals the gain
+                rest = seen - gain * model
+                rest -= trust @ rest / trust.sum()
+                square = np.einsum("nc,nc->n", rest, rest) / 3.0
                 robust = limit**2 / (limit**2 + square)
                 trust = np.where(is_inside, weight, 0.0) * robust**2
-                columns = design.reshape(-1, 6)
-                weighted = columns * np.repeat(trust, 3)[:, None]
-                matrix = weighted.T @ columns + 1e-9 * np.eye(6)
+                weighted = design * np.repeat(trust, 3)[:, None]
+                matrix = weighted.T @ design + 1e-9 * np.eye(6)
                 values = np.linalg.solve(matrix, weighted.T @ seen.ravel())
                 gain = float(np.clip(values[0], _DIMMEST, _BRIGHTEST))
             step = values[4:] / gain
