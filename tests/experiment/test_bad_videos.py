@@ -62,7 +62,7 @@ def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp
     whole = swing.path.read_bytes()
     cut = tmp_path / "cut.mp4"
     cut.write_bytes(whole[: int(0.955 * len(whole))])
-    with pytest.warns(RuntimeWarning, match="frames that the file declares are missing: it is cut off"):
+    with pytest.warns(RuntimeWarning, match="frames that the file declares are missing: it is cut"):
         table = ll.track(cut, pivot=swing.pivot, balls=swing.balls, length=swing.length)
     assert 3 < swing.truth.sizes["frame"] - table.sizes["frame"] < 12
 

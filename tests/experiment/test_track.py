@@ -264,8 +264,8 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
 def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monkeypatch):
     learned = []
 
-    def astray(*args):
-        scene = learn_image_model(*args)
+    def astray(*args, **options):
+        scene = learn_image_model(*args, **options)
         learned.append(args[4])
         if args[4] is not None:  # the radius declared: a circle beside the ball is taken for it
             scene.look.radius *= 1.3

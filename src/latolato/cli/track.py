@@ -169,8 +169,8 @@ def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str,
     from latolato.experiment.video import Limits
     from latolato.scenario.units import to_si
 
-    arguments = {
-        name: to_si(option.flag, values[name], option.unit)
+    arguments: dict[str, Any] = {
+        name: to_si(option.flag, values[name], option.unit) if option.unit else values[name]
         for name, option in VIDEO_PARAMETERS.items()
         if values.get(name) is not None
     }

@@ -255,7 +255,7 @@ def summarise(table: Any) -> dict[str, Any]:
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a summary as names and texts for reading."""
-    from latolato.experiment.quality import unseen_pivot
+    from latolato.experiment.quality import clock_text, unseen_pivot
 
     if "is_proposed" in summary:
         places = summary["options"]
@@ -264,9 +264,10 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     lines = {
         "video": f"{summary['video']}, {summary['frames']} frames, {summary['duration']:.6g} s",
         **_setup_file(summary),
-        **_slow_motion(summary),
         "balls": f"{summary['balls']}, {shares}",
     }
+    if clock := clock_text(summary):
+        lines["slow motion"] = clock
     if summary["angle_sigma"] is not None:
         lines["angle sigma"] = f"{1e3 * summary['angle_sigma']:.3g} mrad"
     if summary["geometry"] == "unknown":
@@ -295,20 +296,6 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     for k, text in enumerate(summary["warnings"]):
         lines["warning" if k == 0 else f"warning {k + 1}"] = text
     return lines
-
-
-def _slow_motion(summary: Mapping[str, Any]) -> dict[str, str]:
-    """Return the line on slow motion, if the times are not simply those of the file."""
-    factor, filmed = summary["slow_motion"], summary.get("capture_rate")
-    if filmed is None:
-        return {} if factor == 1.0 else {"slow motion": f"times divided by {factor:g}"}
-    shown = summary["shown_rate"]
-    is_declared = abs(factor * shown / filmed - 1.0) < 0.05
-    source = " (from the file)" if is_declared else ", against the file"
-    return {
-        "slow motion": f"{filmed:.4g} frames a second filmed, {shown:.4g} shown: times divided by "
-        f"{factor:g}{source}"
-    }
 
 
 def _setup_file(summary: Mapping[str, Any]) -> dict[str, str]:

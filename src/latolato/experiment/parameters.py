@@ -38,6 +38,20 @@ CLIP = (
         quantity=Quantity("", "", "frame in which pivot and balls are pointed at"),
     ),
 )  # fmt: skip
+SHAPES = ("disc", "template")
+LOOK = (
+    Parameter(
+        name="shape", owner="look", kind=str, choices=SHAPES, default=SHAPES[0],
+        description="how balls are recognised: a disc, or a template of what was pointed at",
+        quantity=Quantity("", "", "shape"),
+    ),
+    Parameter(
+        name="patch", owner="look", kind=float, allowed=Range(8.0, 1000.0),
+        description="side of the square about the click that the template is made of, in pixels; "
+        "by default from the radius, or 0.3 of the distance from pivot to click",
+        quantity=Quantity("1", "", "side of the template"),
+    ),
+)  # fmt: skip
 CAMERA = (
     _of_camera(
         "slow_motion", "slow motion: how many times slower than life it plays",
@@ -68,6 +82,7 @@ VIDEO_PARAMETERS = {
         ),
         _of_toy("gravity", "9.8 by default"),
         *CLIP,
+        *LOOK,
         *CAMERA,
     )
 }

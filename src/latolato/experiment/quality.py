@@ -54,6 +54,19 @@ def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
     )
 
 
+def clock_text(attributes: Mapping[str, Any]) -> str:
+    """Return why a table's times are not those of its file, from its attributes; "" if they are."""
+    factor, filmed = attributes.get("slow_motion", 1.0), attributes.get("capture_rate")
+    if filmed is None:
+        return "" if factor == 1.0 else f"times divided by {factor:g}"
+    shown = attributes["shown_rate"]
+    source = "from the file" if abs(factor * shown / filmed - 1.0) < 0.05 else "against the file"
+    return (
+        f"{filmed:.4g} frames a second filmed, {shown:.4g} shown: times divided by {factor:g} "
+        f"({source})"
+    )
+
+
 def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
     """Return how far a ball is outside its circle about the pivot [m], in pixels without a scale.
 

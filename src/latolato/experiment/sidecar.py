@@ -16,7 +16,7 @@ from latolato.core.quantities import ANY
 from latolato.core.registry import checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
-from latolato.experiment.parameters import CLIP
+from latolato.experiment.parameters import CLIP, LOOK, SHAPES
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
@@ -50,6 +50,10 @@ class Setup:
         Number in the file of the frame in which pivot and balls are pointed at.
     region : tuple of float or None
         Left, top, right and bottom of the part in which balls are looked for [pixels].
+    shape : str
+        How balls are recognised: ``"disc"`` or ``"template"``.
+    patch : float or None
+        Side of the square about the click that the template is made of [pixels].
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
     stick : tuple of tuple of float or None
@@ -74,6 +78,8 @@ class Setup:
     end: float | None = None
     click_frame: int = 0
     region: tuple[float, float, float, float] | None = None
+    shape: str = SHAPES[0]
+    patch: float | None = None
     length: float | None = None
     radius: float | None = None
     stick: tuple[Place, Place] | None = None
@@ -136,6 +142,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "proposed": setup.is_proposed,
     }
     clip = {one.name: getattr(setup, one.name) for one in CLIP} | {"region": setup.region}
+    look = {one.name: getattr(setup, one.name) for one in LOOK}
     camera = {"slow_motion": setup.slow_motion, **asdict(setup.optics)}
     head = {
         "video": Path(video).name,
@@ -149,6 +156,9 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "",
         "[clip]",
         *_lines(clip),
+        "",
+        "[look]",
+        *_lines(look),
         "",
         "[geometry]",
         *_lines(geometry),
@@ -210,9 +220,10 @@ def _parsed(path: Path) -> dict[str, Any]:
 
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
-    known = ("video", "sha256", "latolato", "clip", "geometry", "camera", "limits")
+    known = ("video", "sha256", "latolato", "clip", "look", "geometry", "camera", "limits")
     _check_names("", tables, known)
     clip = _table(tables, "clip", (*(one.name for one in CLIP), "region"))
+    look = _table(tables, "look", tuple(one.name for one in LOOK))
     names = ("length", "radius", "stick_length", "gravity")
     geometry = _table(tables, "geometry", (
         "pivot", "pivot_2", "own_pivots", "balls", "stick", *names, "proposed",
@@ -229,7 +240,10 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     is_proposed = bool(geometry.pop("proposed", False))
     has_own_pivots = bool(geometry.pop("own_pivots", False))
     numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
-    numbers |= {one.name: one.checked(clip[one.name]) for one in CLIP if one.name in clip}
+    for parameters, table in ((CLIP, clip), (LOOK, look)):
+        numbers |= {
+            one.name: one.checked(table[one.name]) for one in parameters if one.name in table
+        }
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
     if has_own_pivots and len(balls) != 2:

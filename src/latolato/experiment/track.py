@@ -34,6 +34,7 @@ from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
+from latolato.experiment.tracking.learn_template import learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
@@ -58,6 +59,8 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
+# Half the side of a template over the radius of the bob.
+_PATCH = 1.4
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
@@ -108,6 +111,8 @@ def track(
     radius: float | None = None,
     stick: Sequence[Place] | None = None,
     stick_length: float | None = None,
+    shape: str | None = None,
+    patch: float | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -149,6 +154,12 @@ def track(
         [pixels].
     stick_length : float, optional
         Its length [m].
+    shape : str, optional
+        How balls are recognised: as a ``"disc"``, the default, or by a ``"template"`` of what was
+        pointed at, which turns with the pendulum: rings, blocks, bottles.
+    patch : float, optional
+        Side of the square about the click that the template is made of [pixels]. By default 2.8
+        radii, where radius and scale are known, else 0.3 of the distance from pivot to click.
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
@@ -220,6 +231,8 @@ def track(
         "radius": radius,
         "stick": None if stick is None else checked_stick(stick),
         "stick_length": stick_length,
+        "shape": shape,
+        "patch": patch,
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -448,6 +461,11 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     if pivot is not None and _is_inside(pivot, task.video):
         scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
+    if task.setup.shape == "template":
+        raise InputError(
+            "a bob that is no disc can be followed about a pivot in the picture only",
+            way_out="point at the pivot, or at a disc on the bob",
+        )
     path = follow_path(task.video, sample, balls, _part(progress, 0.0, _FOLLOWED))
     circle, doubt = _circle_of(task, path)
     if circle is None or doubt is not None:
@@ -488,11 +506,18 @@ def _followed(
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
+    tell = _part(progress, 0.0, _LEARNED)
+
+    def learned(radius: float | None) -> ImageModel:
+        if setup.shape == "template":
+            half = 0.5 * setup.patch if setup.patch else _PATCH * radius if radius else None
+            is_seen = path is None
+            return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
+        unseen = None if path is None else path.radius
+        return learn_image_model(video, sample, pivot, balls, radius, tell, unseen_radius=unseen)
+
     if path is not None:
-        scene = learn_image_model(
-            video, sample, pivot, balls, None, _part(progress, 0.0, _LEARNED),
-            unseen_radius=path.radius,
-        )  # fmt: skip
+        scene = learned(None)
         period, _ = period_of(path.times, path.centres[:, 0])
         stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
         seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
@@ -502,11 +527,12 @@ def _followed(
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_image_model(video, sample, pivot, balls, expected, _part(progress, 0.0, _LEARNED))
-    if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
+    scene = learned(expected)
+    is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
+    if is_off and setup.shape == "disc":
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
-            free = learn_image_model(video, sample, pivot, balls, None, None)
+            free = learned(None)
         except InputError:
             free = scene
         if free.explained > scene.explained:
@@ -720,7 +746,7 @@ def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
         "gravity_direction": gravity.direction,
         "gravity_source": gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
-        "exposure": look.exposure,
+        "exposure": look.exposure if task.setup.shape == "disc" else None,
         "pivot_source": hinge.source,
         "angle_scale_sigma": None if hinge.is_seen else hinge.scale_sigma,
         "pivot_offset_x": float(hinge.offset[0]) if hinge.is_seen else None,
@@ -781,6 +807,7 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "start": setup.start,
         "end": setup.end,
         "click_frame": setup.click_frame,
+        "shape": setup.shape,
         "region": setup.region and ",".join(f"{edge:g}" for edge in setup.region),
         "length": setup.length,
         "radius": setup.radius,

@@ -221,6 +221,8 @@ class Video:
                 number += 1
             else:
                 declared = _duration(container, stream) / self.slow_motion
+                if self.frame_rate:  # the duration of an AVI without its end is that of the rest
+                    declared = max(declared, self.frame_count / self.frame_rate)
                 if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
                     raise InputError(
                         f"the file is cut off: {number} frames are there, {last - first:.2f} of "

@@ -18,6 +18,7 @@ from latolato.core.versions import version_of
 from latolato.experiment.overlay import Artist, encoded, picture_of
 from latolato.experiment.quality import (
     circle_distances,
+    clock_text,
     flag_shares,
     pivot_harmonic,
     pivot_heights,
@@ -324,6 +325,8 @@ def _numbers(table: xr.Dataset) -> str:
             attrs["gravity_source"], f"from the {attrs['gravity_source']}"
         )
         rows.append(("gravity, from straight down", f"{tilt:z.2f} degrees, {source}"))
+    if clock := clock_text(attrs):
+        rows.append(("slow motion", clock))
     if attrs.get("proposed"):
         rows.append(("pivot and balls", "found in the video; nobody pointed at them"))
     body = "".join(

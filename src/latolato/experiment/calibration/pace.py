@@ -19,10 +19,6 @@ _WIDTH = 1.0
 _LARGEST = 0.98
 # Fewest averages that tell a pace, and that are a stretch of their own.
 _FEWEST, _SHORTEST = 6, 4
-# Fewest passages through the rest position in a part of a clip, and in one amid others.
-_PASSAGES, _INNER = 2, 1
-# Share of the swing by which a ball moves that is not being held.
-_HELD = 0.05
 # How near its circle a ball is whose string is taut, as a share of the radius.
 _TAUT = 0.05
 # How much larger than the scatter from frame to frame a swing must be.
@@ -115,13 +111,14 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             f"the clip changes its pace (slow motion {paces}{known}): track its parts one by one, "
             "each with its own slow motion"
         ]
-    factor = float(factors[int(np.argmax([part.end - part.begin for part in parts]))])
+    longest = int(np.argmax([part.end - part.begin for part in parts]))
+    factor, part = float(factors[longest]), parts[longest]
     if not stiffness or max(factor, 1.0 / factor) < _WRONG:
         return []
     how = f"{_number(max(factor, 1.0 / factor))} times too {'slow' if factor > 1.0 else 'fast'}"
     return [
-        f"the swing is {how} for its length and gravity: declare a slow motion of "
-        f"{_number(factor * slow_motion)}, or correct the length"
+        f"the swing from {part.begin:.2f} to {part.end:.2f} s is {how} for its length and gravity: "
+        f"declare a slow motion of {_number(factor * slow_motion)}, or correct the length"
     ]
 
 
@@ -141,13 +138,12 @@ def parts_of(motion: Motion) -> list[Part]:
     Its left side is made of differences of slopes, so that uneven time stamps do no harm. The
     parts are those that leave over least, with a price for each (Jackson et al., IEEE Signal Proc.
     Lett. 12 (2005) 105); parts whose k agree are one. It can miss changes by less than a factor of
-    1.25, parts in which a ball does not pass its rest position, twice at the ends of a clip, and
-    balls that touch too often.
+    1.25, parts of less than half a swing and balls that touch too often, and take a ball that a
+    hand swings for one that swings freely.
     """
     parts: list[tuple[int, int, Part]] = []
     for first, last in _stretches(motion):
-        is_inner = first > 0 and last < len(motion.times)
-        part = _fitted(motion.between(first, last), is_inner)
+        part = _fitted(motion.between(first, last))
         if part is None:
             continue
         if parts:
@@ -187,8 +183,17 @@ def _stretches(motion: Motion) -> list[tuple[int, int]]:
     ends = [count]
     while origin[ends[-1]]:
         ends.append(int(origin[ends[-1]]))
-    frames = np.searchsorted(motion.times, rows[ends[:0:-1], 0]).tolist()
-    return list(pairwise([0, *frames, len(motion.times)]))
+    reach = 0.5 * _width(motion)
+    spans = [
+        (rows[first, 0] - reach, rows[last - 1, 0] + reach)
+        for first, last in pairwise([0, *ends[::-1]])
+    ]
+    spans[0] = motion.times[0], spans[0][1]
+    spans[-1] = spans[-1][0], motion.times[-1] + reach
+    frames = np.searchsorted(motion.times, spans).tolist()
+    return [
+        (max(first, before), last) for (_, before), (first, last) in pairwise([(0, 0), *frames])
+    ]
 
 
 def _agree(one: Part, other: Part) -> bool:
@@ -234,13 +239,10 @@ def _rows(motion: Motion) -> np.ndarray:
         left = np.diff(np.diff(angle) / steps) + pushes[:, 1] * sine + pushes[:, 0] * cosine
         each = np.column_stack([left, sine * spans, 0.5 * (angle[2:] - angle[:-2])])
         usable = free[2:] & free[1:-1] & free[:-2] & np.isfinite(left)
-        if not free.any():
-            continue
-        least = _HELD * min(float(np.ptp(angle[free])), math.tau)
         for middle in np.arange(times[0] + width, times[-1] - width, 0.5 * width):
             first, last = np.searchsorted(inner, [middle - width, middle + width])
-            near, moved = slice(first, last), np.ptp(angle[first : last + 2])
-            if last - first < 3 or not usable[near].all() or moved < least:
+            near = slice(first, last)
+            if last - first < 3 or not usable[near].all():
                 continue
             weight = (1.0 - ((inner[near] - middle) / width) ** 2) ** 2
             rows.append([middle, *(weight @ each[near])])
@@ -260,20 +262,10 @@ def _solved(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return known, rest, weight
 
 
-def _fitted(motion: Motion, is_inner: bool = False) -> Part | None:
-    """Return a clip as one part, None if its motion does not tell the pace.
-
-    At the ends of a clip a hand may move the ball; what `is_inner` needs fewer passages.
-    """
+def _fitted(motion: Motion) -> Part | None:
+    """Return a clip as one part, None if its motion does not tell the pace."""
     rows = _rows(motion)
     if len(rows) < _FEWEST:
-        return None
-    sines = [
-        np.sin(angle[free]) for angle, free in zip(motion.angles.T, motion.is_free.T, strict=True)
-    ]
-    # Two balls keep to their sides: each one's middle is its own.
-    passages = max(np.count_nonzero(np.diff(sine > np.median(sine))) for sine in sines if len(sine))
-    if passages < (_INNER if is_inner else _PASSAGES):
         return None
     (stiffness, _), rest, weight = _solved(rows)
     matrix = (rows[:, 2:] * weight[:, None]).T @ rows[:, 2:]
@@ -282,5 +274,7 @@ def _fitted(motion: Motion, is_inner: bool = False) -> Part | None:
     is_explained = spread < _LEFT_OVER**2 * float(np.mean(rows[:, 1] ** 2))
     if not (is_explained and 0.0 < sigma < _SURE * stiffness):
         return None
-    times = motion.times
-    return Part(float(times[0]), float(times[-1]), float(stiffness), sigma)
+    begin, end = (float(motion.times[k]) for k in (0, -1))
+    if (end - begin) * math.sqrt(stiffness) < math.pi:
+        return None
+    return Part(begin, end, float(stiffness), sigma)

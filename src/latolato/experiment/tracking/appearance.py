@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -58,6 +58,34 @@ class Colours(NamedTuple):
         return out
 
 
+class Look(Protocol):
+    """What a ball looks like, and how it is fitted to frames: see `Appearance`."""
+
+    radius: float
+    radius_sigma: float
+    exposure: float
+    is_spinning: bool
+
+    @property
+    def body(self) -> np.ndarray | None:
+        """What a ball covers that is no disc: see `latolato.experiment.tracking.template`."""
+
+    def fit(
+        self,
+        planes: tuple[np.ndarray, ...],
+        paths: list[np.ndarray],
+        pivot: np.ndarray,
+        rounds: int = 6,
+        tolerant: int = 1,
+    ) -> BallFit:
+        """Move balls from where they are expected: see `fit_balls`."""
+
+    def gains(
+        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+    ) -> np.ndarray:
+        """Return how much better a ball at each angle fits than the background: 1 at most."""
+
+
 @dataclass
 class Appearance:
     """The layers of the image: balls that move in front of a background that does not.
@@ -80,6 +108,8 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    body : None
+        A ball is a disc.
     whiten, white_paint, white_behind : numpy.ndarray
         The matrix that makes residuals white, and colours times it.
     """
@@ -95,6 +125,7 @@ class Appearance:
     exposure: float = 0.0
     radius_sigma: float = 0.0
     is_spinning: bool = False
+    body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
     white_behind: np.ndarray = field(init=False)
@@ -107,6 +138,23 @@ class Appearance:
         self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
         self.white_paint = np.asarray(self.paint @ self.whiten.T)
         self.white_behind = np.asarray(self.behind @ self.whiten.T)
+
+    def fit(
+        self,
+        planes: tuple[np.ndarray, ...],
+        paths: list[np.ndarray],
+        pivot: np.ndarray,
+        rounds: int = 6,
+        tolerant: int = 1,
+    ) -> BallFit:
+        """Move balls from where they are expected: see `fit_balls`."""
+        return fit_balls(self, planes, paths, pivot, rounds, tolerant)
+
+    def gains(
+        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+    ) -> np.ndarray:
+        """Return how much better a ball at each angle fits: see `gains_at`."""
+        return gains_at(self, planes, pivot, arm, angles)
 
     def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """Return by how much the paint is turned at centres (sample, 2) [rad]."""
@@ -237,7 +285,7 @@ def samples_for(length: float) -> int:
 
 
 def best_angles(
-    look: Appearance, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
+    look: Look, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return where on the circle balls are most likely, and how much they explain there.
 
@@ -246,7 +294,7 @@ def best_angles(
     """
     count = int(2.0 * math.pi * arm / look.radius * _FINENESS)
     angles = np.arange(count) * (2.0 * math.pi / count) - math.pi
-    gain = gains_at(look, planes, pivot, arm, angles)
+    gain = look.gains(planes, pivot, arm, angles)
     if balls == 1:
         best = int(np.argmax(gain))
         return angles[[best]], gain[[best]]

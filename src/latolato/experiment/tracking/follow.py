@@ -11,8 +11,6 @@ import numpy as np
 from latolato.experiment.tracking.appearance import (
     arc,
     best_angles,
-    fit_balls,
-    gains_at,
     samples_for,
 )
 from latolato.experiment.tracking.learn import ImageModel
@@ -68,6 +66,7 @@ def follow(
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
+    out.body = scene.look.body
     follower = _Follower(scene, sample.interval, stiffness, sample.click)
     for frame in video.frames():
         n = frame.number
@@ -244,9 +243,7 @@ class _Follower:
         angles, sigmas, explained, hidden = np.empty((4, balls))
         out = _Measured(angles, sigmas, np.empty((balls, 2)), explained, hidden)
         for group in groups:
-            fit = fit_balls(
-                scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
-            )
+            fit = scene.look.fit(frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant)
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(
@@ -301,7 +298,7 @@ class _Follower:
                 trials = trials[self._allowed(trials, int(b), expected)]
             if not len(trials):
                 continue
-            gain = gains_at(scene.look, frame[2:], pivot, scene.arm, trials)
+            gain = scene.look.gains(frame[2:], pivot, scene.arm, trials)
             best = int(np.argmax(gain))
             if gain[best] > _BELIEVED:
                 expected.path[:, b] += trials[best] - expected.guess[b]

@@ -12,9 +12,9 @@ from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
+    Look,
     arc,
     best_angles,
-    fit_balls,
 )
 from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
@@ -59,8 +59,8 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Appearance
-        Layers of the image.
+    look : Look
+        Layers of the image, or a template of bobs that are no discs.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
@@ -75,7 +75,7 @@ class ImageModel:
     """
 
     pivot: PivotTracker
-    look: Appearance
+    look: Look
     arm: float
     balls: int
     starts: np.ndarray
@@ -173,6 +173,11 @@ def learn_image_model(
                 way_out="point at the middle of the ball",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
+        if not look.scale > 0.0:
+            raise InputError(
+                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like what is around it",
+                way_out="point at the middle of the ball",
+            )
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in sightings]
             learn_background(look, frames, covered)
@@ -187,20 +192,21 @@ def learn_image_model(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    scene.explained = float(np.median([one.explained for one in sightings]))
-    _learn_swing(scene, sightings, sample.interval)
-    for b, start in enumerate(starts):
-        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < size / arm]
-        if own:
-            scene.speeds[b] = own[0].speed
+    learn_swing(scene, sightings, sample.interval)
     return scene
 
 
-def _learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
-    """Learn what the balls' speeds say of gravity over length, as if they fell freely.
+def learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
+    """Learn how much of balls is explained, how fast they are, and what that says of their fall.
 
-    From rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
+    As if they fell freely: from rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
     """
+    scene.explained = float(np.median([one.explained for one in sightings]))
+    near = scene.look.radius / scene.arm
+    for b, start in enumerate(scene.starts):
+        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < near]
+        if own:
+            scene.speeds[b] = own[0].speed
     turns = np.array([abs(one.speed) for one in sightings])
     if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
         return
@@ -269,8 +275,9 @@ def find_balls(
     scene: ImageModel, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
 ) -> list[Sighting]:
     """Find the balls in the sample with colours that stay or that turn: as explains more."""
-    look, paint = scene.look, scene.look.paint
-    some = range(0, len(frames), 2)
+    look = scene.look
+    assert isinstance(look, Appearance)
+    paint, some = look.paint, range(0, len(frames), 2)
 
     def explained() -> float:
         gains = [
@@ -286,10 +293,10 @@ def find_balls(
     if explained() < _TURNS * staying:
         look.is_spinning, look.paint = False, paint
         look.whitened()
-    return _find(scene, frames, pivots)
+    return find_all(scene, frames, pivots)
 
 
-def _find(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
+def find_all(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
     """Find the balls in every frame of the sample, on the whole circle."""
     look, sightings = scene.look, []
     for k, frame in enumerate(frames):
@@ -345,7 +352,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            fit = look.fit(frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot
