@@ -761,8 +761,7 @@ def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
 
 def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
     """Return the table of balls about an unknown pivot: their places in the image, no angles."""
-    seen = path.seen
-    _examine(task, sample, seen, [np.array(ball) for ball in task.setup.balls])
+    seen = _believed(task, sample, path.seen, [np.array(ball) for ball in task.setup.balls])
     columns = _frames(task, seen.times)
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T

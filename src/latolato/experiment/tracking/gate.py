@@ -17,8 +17,8 @@ from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
 _RADIUS_RATIO = 1.5
-# How far outside the ball a click may lie [pixels].
-_BESIDE = 3.0
+# How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
+_BESIDE, _SOON = 3.0, 3
 # Extent of a ball's path below which the ball rests [pixels].
 _RESTING = 2.0
 # Widths to which pictures are reduced to measure the camera's motion, and what changes far from
@@ -120,15 +120,29 @@ def examine(
 def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0) -> Finding | None:
     """Check that the balls are where they were clicked, in the frame of a number.
 
-    It can miss a ball that was not measured in that frame, or a frame before start or after end.
+    A ball that was not measured then must be a few frames later or before, as far away as it may
+    have moved. It can miss a frame before start or after end.
     """
     if not 0 <= number < len(track.times):
         return None
-    for ball, place in enumerate(track.centres[number]):
-        if not track.is_measured[number, ball]:
+    for ball in range(track.centres.shape[1]):
+        seen = np.flatnonzero(track.is_measured[:, ball])
+        if not len(seen):
             continue
+        near = int(seen[np.argmin(np.abs(seen - number))])
+        late, place = abs(near - number), track.centres[near, ball]
+        if late > _SOON:
+            return Finding(
+                "the ball was not seen where it was pointed at: the nearest frame that shows it is "
+                f"{late} frames away",
+                "point at the middle of the ball",
+            )
+        steps = np.hypot(*np.diff(track.centres[:, ball], axis=0).T)
+        reach = track.radius + _BESIDE
+        if late and np.isfinite(steps).any():
+            reach += late * float(np.nanquantile(steps, 0.98))
         away = min(float(np.hypot(*(place - click))) for click in clicks)
-        if away > track.radius + _BESIDE:
+        if away > reach:
             return Finding(
                 f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
                 f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was pointed at",
@@ -521,8 +535,10 @@ def _regions(
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    away = np.stack(np.broadcast_arrays(u, v), axis=-1) - own
-    angle = float(track.angles[numbers[k], ball])
+    away, angle = (
+        np.stack(np.broadcast_arrays(u, v), axis=-1) - own,
+        float(track.angles[numbers[k], ball]),
+    )
     under = is_free & track.covers(away, angle, unsure)
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside
