@@ -195,6 +195,18 @@ def test_a_ball_beside_the_click_is_refused():
     assert "16 pixels" in far.reason
 
 
+def test_a_ball_that_comes_to_the_click_only_later_is_refused():
+    centres = _swinging()
+    track = _track(centres)
+    track.flags[:3] = "lost"
+    assert gate.clicked_ball(track, [centres[0]]) is None
+    track.flags[3] = "lost"
+    late = gate.clicked_ball(track, [centres[4]])
+    assert late is not None
+    assert late.is_refusal
+    assert "4 frames" in late.reason
+
+
 @pytest.mark.parametrize(
     "declared,passes", [(9.0, True), (7.9, False), (17.9, True), (18.1, False)]
 )

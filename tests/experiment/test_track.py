@@ -235,6 +235,19 @@ def test_the_period_of_a_swing_comes_from_its_path():
     assert sigma < 3e-3
 
 
+def test_swings_that_are_hidden_are_counted_or_make_no_period():
+    from latolato.experiment.tracking.wander import period_of
+
+    times = np.arange(600) / 25.0
+    places = np.column_stack([100.0 * np.sin(2.0 * np.pi * times), 0.0 * times])
+    # Every second swing is hidden but for its turning points.
+    hidden = (times % 2.0 > 1.0) & (np.abs(places[:, 0]) < 90.0)
+    seen = np.where(hidden[:, None], np.nan, places)
+    assert period_of(times, seen)[0] == pytest.approx(1.0, rel=1e-3)
+    seen[times % 1.0 > 0.4] = np.nan
+    assert np.isnan(period_of(times, seen)[0])
+
+
 def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
     bad = tmp_path / "bad.mp4"
     bad.write_bytes(b"no video at all")

@@ -12,6 +12,11 @@ from functools import lru_cache
 from typing import Any
 
 
+def in_brackets(unit: str) -> str:
+    """Return what stands behind a name for its unit: nothing for texts and plain numbers."""
+    return "" if unit in ("", "1") else f" [{unit}]"
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A quantity's SI unit (as xarray and pint read it), its TeX symbol and what it is.
@@ -34,8 +39,7 @@ class Quantity:
     @property
     def label(self) -> str:
         """Axis label: name, symbol and unit."""
-        unit = "" if self.unit == "1" else f" [{self.unit}]"
-        return f"{self.long_name} ${self.symbol}${unit}"
+        return f"{self.long_name} ${self.symbol}${in_brackets(self.unit)}"
 
     @property
     def attributes(self) -> dict[str, str]:

@@ -751,9 +751,10 @@ def _warn_of(task: Task, track: _Track, scale: Scale | None) -> None:
     hinge, look = track.measured.hinge, track.scene.look
     if hinge.source == "arc":
         u, v = track.measured.pivots[0]
+        and_scale = ", and the scale," if scale and scale.source == "length" else ""
         task.warnings.append(
             f"the pivot is not in the picture: it is taken to rest at ({u:.0f}, {v:.0f}), the "
-            "centre of the ball's arc; all angles, and the scale, share an error of "
+            f"centre of the ball's arc; all angles{and_scale} share an error of "
             f"{100.0 * hinge.scale_sigma:.2g} %"
         )
     if scale is None:
@@ -806,8 +807,7 @@ def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
 
 def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
     """Return the table of balls about an unknown pivot: their places in the image, no angles."""
-    seen = path.seen
-    _examine(task, sample, seen, [np.array(ball) for ball in task.setup.balls])
+    seen = _believed(task, sample, path.seen, [np.array(ball) for ball in task.setup.balls])
     columns = _frames(task, seen.times)
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T

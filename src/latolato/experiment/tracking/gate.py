@@ -17,8 +17,8 @@ from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
 _RADIUS_RATIO = 1.5
-# How far outside the ball a click may lie [pixels].
-_BESIDE = 3.0
+# How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
+_BESIDE, _SOON = 3.0, 3
 # Extent of a ball's path below which the ball rests [pixels].
 _RESTING = 2.0
 # Widths to which pictures are reduced to measure the camera's motion, and what changes far from
@@ -120,15 +120,29 @@ def examine(
 def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0) -> Finding | None:
     """Check that the balls are where they were clicked, in the frame of a number.
 
-    It can miss a ball that was not measured in that frame, or a frame before start or after end.
+    A ball that was not measured then must be a few frames later or before, as far away as it may
+    have moved. It can miss a frame before start or after end.
     """
     if not 0 <= number < len(track.times):
         return None
-    for ball, place in enumerate(track.centres[number]):
-        if not track.is_measured[number, ball]:
+    for ball in range(track.centres.shape[1]):
+        seen = np.flatnonzero(track.is_measured[:, ball])
+        if not len(seen):
             continue
+        near = int(seen[np.argmin(np.abs(seen - number))])
+        late, place = abs(near - number), track.centres[near, ball]
+        if late > _SOON:
+            return Finding(
+                "the ball was not seen where it was pointed at: the nearest frame that shows it is "
+                f"{late} frames away",
+                "point at the middle of the ball",
+            )
+        steps = np.hypot(*np.diff(track.centres[:, ball], axis=0).T)
+        reach = track.radius + _BESIDE
+        if late and np.isfinite(steps).any():
+            reach += late * float(np.nanquantile(steps, 0.98))
         away = min(float(np.hypot(*(place - click))) for click in clicks)
-        if away > track.radius + _BESIDE:
+        if away > reach:
             return Finding(
                 f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
                 f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was pointed at",
@@ -393,9 +407,7 @@ def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndar
             change = here - window.picture(frames[j])
             # The light may change for all.
             local = np.median(change[beside], axis=0)
-            changed, plainly = (
-                np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
-            )
+            changed, plainly = (_largest(change - light) > limit for light in (local, 0.0))
             elsewhere = coarse.changed(int(k), int(j))
             changes.append(
                 (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
@@ -419,11 +431,11 @@ class _Coarse:
     def changed(self, k: int, j: int) -> float:
         """Return which share of the picture away from the balls differs in two frames."""
         change = self.pictures[k].astype(np.float32) - self.pictures[j]
-        v, u = np.indices(change.shape)
+        v, u = np.ogrid[: change.shape[0], : change.shape[1]]
         free = np.ones(change.shape, bool)
         for place in self.centres[[k, j]].reshape(-1, 2):
             if np.isfinite(place).all():
-                free &= np.hypot(u - place[0], v - place[1]) > self.reach
+                free &= _squared_distance(u, v, place) > self.reach**2
         if not free.any():
             return 1.0
         return float(np.mean(np.abs(change[free] - np.median(change[free])) > self.limit))
@@ -433,7 +445,19 @@ def _typical_difference(frames: list[Frame]) -> float:
     """Return the median difference of a pixel between frames of the sample [steps of 255]."""
     window = _Window.whole(frames[0])
     pictures = [window.picture(frame)[::2, ::2] for frame in frames[:: max(1, len(frames) // 6)]]
-    return float(np.median([np.abs(b - a).max(axis=-1) for a, b in pairwise(pictures)]))
+    return float(np.median([_largest(b - a) for a, b in pairwise(pictures)]))
+
+
+def _largest(change: np.ndarray) -> np.ndarray:
+    """Return the largest size of a pixel's changes, shape (row, column)."""
+    # Plane by plane: numpy is slow along an axis of three.
+    luma, blue, red = np.abs(np.moveaxis(change, -1, 0))
+    return np.asarray(np.maximum(np.maximum(luma, blue), red))
+
+
+def _squared_distance(u: np.ndarray, v: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return the squared distance of columns (1, column) and rows (row, 1) from a place."""
+    return np.asarray((u - place[0]) ** 2 + (v - place[1]) ** 2)
 
 
 @dataclass(frozen=True)
@@ -466,15 +490,16 @@ class _Window:
         """Return luma and weighted chroma, slightly blurred, shape (row, column, 3)."""
         part = slice(self.top, self.bottom), slice(self.left, self.right)
         fine = frame.luma[2 * self.top : 2 * self.bottom, 2 * self.left : 2 * self.right]
-        luma = fine.reshape(fine.shape[0] // 2, 2, fine.shape[1] // 2, 2).mean(axis=(1, 3))
+        quarters = (fine[row::2, column::2] for row in (0, 1) for column in (0, 1))
+        luma = 0.25 * np.add.reduce([*quarters], dtype=np.float32)
         chroma = [_CHROMA * plane[part] for plane in (frame.blue, frame.red)]
         planes = np.dstack([luma, *chroma]).astype(np.float32)
         blurred: np.ndarray = import_cv2().GaussianBlur(planes, (0, 0), 0.8)
         return blurred
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return columns and rows of the window's pixels in the full picture."""
-        rows, columns = np.mgrid[self.top : self.bottom, self.left : self.right]
+        """Return columns (1, column) and rows (row, 1) of its pixels in the full picture."""
+        rows, columns = np.ogrid[self.top : self.bottom, self.left : self.right]
         return 2.0 * columns + 0.5, 2.0 * rows + 0.5
 
 
@@ -495,22 +520,25 @@ def _regions(
     u, v = window.places()
     radius = track.reach
     own = track.centres[numbers[k], ball]
-    distance = np.hypot(u - own[0], v - own[1])
-    is_free, is_clear = np.ones(u.shape, bool), np.ones(u.shape, bool)
+    distance = np.sqrt(_squared_distance(u, v, own))
+    is_free, is_clear = np.ones(distance.shape, bool), np.ones(distance.shape, bool)
     for q in (k, j):
         for other in range(track.centres.shape[1]):
             place = track.centres[numbers[q], other]
             if not np.isfinite(place).all():
                 continue
             if (q, other) != (k, ball):
-                is_free &= np.hypot(u - place[0], v - place[1]) > radius + unsure + 1.0
+                is_free &= _squared_distance(u, v, place) > (radius + unsure + 1.0) ** 2
             # Without a pivot in the picture no rod is left out.
             rod = track.pivots[numbers[q]] - place
             x, y = rod / max(float(np.hypot(*rod)), 1e-9)
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    away, angle = np.stack([u, v], axis=-1) - own, float(track.angles[numbers[k], ball])
+    away, angle = (
+        np.stack(np.broadcast_arrays(u, v), axis=-1) - own,
+        float(track.angles[numbers[k], ball]),
+    )
     under = is_free & track.covers(away, angle, unsure)
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside

@@ -40,8 +40,8 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
-# How far about a click something that moves is looked for, as a share of the arm, and how much
-# larger or smaller than declared it may seem.
+# How far about a click something that moves is looked for, as a share of the arm, and by which
+# factor radii of the same disc may differ.
 _ABOUT, _SIZE = 0.4, 1.5
 # How clear a disc about a click must be, as a share of the clearest one.
 _CLEAR = 0.85
@@ -127,6 +127,12 @@ def learn_image_model(
             (d.centre, d.radius, True) for d in _moving_about(video, frames, click, arm, radius)
         ]
         found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
+        # The rim of what moves is known: another circle nearby is that of a pattern.
+        found[1:] = [
+            one
+            for one, trial in zip(found[1:], trials[1:], strict=True)
+            if _is_alike(one[1], trial[1])
+        ]
         # Across a highlight colours step as across the ball: the largest of the clear ones.
         clear = _CLEAR * max(step for _, _, step in found)
         centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
@@ -221,8 +227,13 @@ def _moving_about(
         disc
         for disc in discs
         if np.hypot(*(disc.centre - click)) < disc.radius
-        and (radius is None or 1.0 / _SIZE < disc.radius / radius < _SIZE)
+        and (radius is None or _is_alike(disc.radius, radius))
     ]
+
+
+def _is_alike(one: float, other: float) -> bool:
+    """Return whether two radii may be the same."""
+    return 1.0 / _SIZE < one / other < _SIZE
 
 
 def _settled(
@@ -236,7 +247,7 @@ def _settled(
             break
         near = disc[0]
         again = disc_at(frame, colours, near, disc[1], pivot, is_known)
-        if again[2] < disc[2]:
+        if again[2] < disc[2] or not _is_alike(again[1], disc[1]):
             break
         disc = again
     return disc

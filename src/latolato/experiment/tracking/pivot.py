@@ -26,6 +26,9 @@ _GROWN = 0.15
 _SHOWS, _SHOWS_SHARE = 4.0, 0.3
 # How much of the wall around the pivot belongs to its edge [pixels].
 _EDGE = 2
+# Shares of the frames, the slowest first, that a template is learned from, and how far the pivot
+# moves between them for the wall to be told from it [pixels].
+_SLOWEST, _SPREAD = (0.4, 0.6, 0.8), 4.0
 # Frames in which templates of several sizes are compared.
 _JUDGES = 8
 # Rows by which a template moves that does not rest, and the share of the clearness of one that
@@ -292,12 +295,13 @@ def learn_template(
 ) -> None:
     """Make template and weight again from the slower frames, moved onto each other."""
     speed = np.hypot(*velocities(frames, shifts).T)
-    slow = (
-        speed <= max(1.0, float(np.nanquantile(speed, 0.4)))
-        if np.isfinite(speed).any()
-        else speed == speed
-    )
-    slow = slow if slow.sum() >= 6 else np.ones(len(frames), bool)
+    slow = np.ones(len(frames), bool)
+    for share in _SLOWEST if np.isfinite(speed).any() else ():
+        slowest = speed <= max(1.0, float(np.nanquantile(speed, share)))
+        # If all of them are at one turning point, the wall there seems to move with the pivot.
+        if slowest.sum() >= 6 and _is_moving(shifts[slowest]) == _is_moving(shifts):
+            slow = slowest
+            break
     frames = [frame for frame, is_slow in zip(frames, slow, strict=True) if is_slow]
     shifts = shifts[slow]
     half = tracker.half
@@ -311,7 +315,7 @@ def learn_template(
     wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
     template = np.median(stack, axis=0)
     as_wall = np.median((stack - wall) ** 2, axis=0)
-    moves = float(np.ptp(np.quantile(shifts, [0.1, 0.9], axis=0), axis=0).sum()) > 4.0
+    moves = _is_moving(shifts)
     rest = stack - template
     if moves:
         rest = _unmoved(rest, template, inside, as_wall)
@@ -326,6 +330,11 @@ def learn_template(
     is_object &= own < 20.0 * (np.median(own[inside]) + 4.0)
     tracker.weight = np.where(inside & is_object, 1.0 / (own + 4.0), 0.0)
     tracker.template = template
+
+
+def _is_moving(shifts: np.ndarray) -> bool:
+    """Return whether shifts (frame, 2) show more than one place of the pivot."""
+    return float(np.ptp(np.quantile(shifts, [0.1, 0.9], axis=0), axis=0).sum()) > _SPREAD
 
 
 def _unmoved(

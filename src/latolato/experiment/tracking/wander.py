@@ -16,8 +16,9 @@ from latolato.experiment.video import Video
 
 # How far from where it is expected a ball may be, in radii, and by how much its radius may differ.
 _NEAR, _SIZE = 2.5, 1.8
-# Fewest passages through the middle that make a period.
-_FEWEST = 4
+# Fewest passages through the middle that make a period, the longest one in frames, and the least
+# share of known places.
+_FEWEST, _PAUSE, _KNOWN = 4, 2.5, 0.5
 
 
 def follow_path(
@@ -137,17 +138,20 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     Notes
     -----
     The slope of a straight line through the instants at which the ball passes the middle of its
-    path in one direction, along the path's longest extent.
+    path in one direction, along the path's longest extent. None where fewer than half of the places
+    are known: whole swings may be missing.
     """
     ok = np.isfinite(places).all(axis=1)
-    if ok.sum() < 8:
+    if ok.sum() < max(8, _KNOWN * len(ok)):
         return math.nan, math.nan
     centred = places[ok] - np.median(places[ok], axis=0)
     axis = np.linalg.svd(centred, full_matrices=False)[2][0]
     swing, instants = centred @ axis, times[ok]
     low, high = np.quantile(swing, [0.02, 0.98])
     swing = swing - 0.5 * (low + high)
-    periods = [_slope(_passages(instants, sign * swing, 0.15 * (high - low))) for sign in (1, -1)]
+    pause = _PAUSE * float(np.median(np.diff(times)))
+    slack = 0.15 * (high - low)
+    periods = [_slope(_passages(instants, sign * swing, slack, pause)) for sign in (1, -1)]
     known = [pair for pair in periods if math.isfinite(pair[0])]
     if not known:
         return math.nan, math.nan
@@ -155,27 +159,27 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     return period, float(max(pair[1] for pair in known))
 
 
-def _passages(times: np.ndarray, swing: np.ndarray, slack: float) -> np.ndarray:
-    """Return when a swing passes zero upwards, having been well below before."""
+def _passages(times: np.ndarray, swing: np.ndarray, slack: float, pause: float) -> np.ndarray:
+    """Return when a swing passes zero upwards, having been well below; NaN amid a pause."""
     passages, is_armed = [], False
-    longest = 2.5 * float(np.median(np.diff(times)))
     for k in range(1, len(swing)):
         is_armed = is_armed or swing[k - 1] < -slack
         if is_armed and swing[k - 1] <= 0.0 < swing[k]:
             is_armed = False
-            if times[k] - times[k - 1] > longest:  # a gap does not tell when
-                continue
             share = -swing[k - 1] / (swing[k] - swing[k - 1])
-            passages.append(times[k - 1] + share * (times[k] - times[k - 1]))
+            passed = times[k] - times[k - 1]
+            passages.append(times[k - 1] + share * passed if passed <= pause else math.nan)
     return np.array(passages)
 
 
 def _slope(passages: np.ndarray) -> tuple[float, float]:
     """Return the period of passages, some of which may be missing, and its error."""
-    if len(passages) < _FEWEST:
+    counted = np.flatnonzero(np.isfinite(passages))
+    if len(counted) < _FEWEST:
         return math.nan, math.nan
-    typical = float(np.median(np.diff(passages)))
-    steps = np.maximum(np.rint(np.diff(passages) / typical), 1.0)
+    passages, apart = passages[counted], np.diff(counted)
+    typical = float(np.median(np.diff(passages) / apart))
+    steps = np.maximum(np.rint(np.diff(passages) / typical), apart)
     number = np.concatenate([[0.0], np.cumsum(steps)])
     fit, covariance = np.polyfit(number, passages, 1, cov="unscaled")
     rest = passages - np.polyval(fit, number)

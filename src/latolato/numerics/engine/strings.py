@@ -31,6 +31,7 @@ from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
+from latolato.physics.pair import runs_through
 
 # A tension this small is at the brink; then the motion a little later decides. Shares of the
 # largest tension, and of the step.
@@ -136,8 +137,8 @@ def make_strings(
             if run.state.is_slack[i] == 0:
                 length = 1.0 / run.bodies[i].coupling
                 along = (one.x * other.x + one.y * other.y) / length
-                beside = abs(one.x * other.y - one.y * other.x) / length
-                if 0.0 < along < length and beside < run.settings.radius[1 - i]:
+                beside = (one.x * other.y - one.y * other.x) / length
+                if runs_through(length, along, beside, run.settings.radius[1 - i]):
                     run.state.is_tangled = 1
 
     @part
