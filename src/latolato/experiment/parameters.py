@@ -49,7 +49,7 @@ LOOK = (
         name="patch", owner="look", kind=float, allowed=Range(8.0, 1000.0),
         description="side of the square about the click that the template is made of, in pixels; "
         "by default from the radius, or 0.3 of the distance from pivot to click",
-        quantity=Quantity("1", "", "side of the template"),
+        quantity=Quantity("1", "", "side of the template in pixels"),
     ),
 )  # fmt: skip
 CAMERA = (

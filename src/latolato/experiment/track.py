@@ -35,7 +35,7 @@ from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.follow import Corrections, follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
-from latolato.experiment.tracking.learn_template import learn_template_model
+from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
@@ -60,8 +60,6 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
-# Half the side of a template over the radius of the bob.
-_PATCH = 1.4
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
@@ -555,7 +553,7 @@ def _followed(
 
     def learned(radius: float | None) -> ImageModel:
         if setup.shape == "template":
-            half = 0.5 * setup.patch if setup.patch else _PATCH * radius if radius else None
+            half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
             is_seen = path is None
             return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
         unseen = None if path is None else path.radius

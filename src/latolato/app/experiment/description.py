@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
-from latolato.experiment.parameters import CAMERA, VIDEO_PARAMETERS
-from latolato.experiment.sidecar import OUTSIDE, Pivot, checked_place
+from latolato.core.quantities import NON_NEGATIVE
+from latolato.core.registry import checked_count, suggest
+from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
+from latolato.experiment.sidecar import (
+    OUTSIDE,
+    Correction,
+    Pivot,
+    checked_correction,
+    checked_place,
+    checked_region,
+    checked_stick,
+)
 from latolato.scenario.options import law_options
 from latolato.scenario.units import to_si
 
@@ -22,10 +31,36 @@ if TYPE_CHECKING:
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
+# Sizes that a page asks for beside these.
+SIZES = ("stick_length", "patch")
 # Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
 _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]
+
+
+def _frame(value: Any) -> int:
+    """Return the number of a frame."""
+    return checked_count("frame", value, NON_NEGATIVE)
+
+
+def _corrections(value: Any) -> tuple[Correction, ...]:
+    """Return places that are set by hand."""
+    if not isinstance(value, Sequence) or isinstance(value, str):
+        raise InputError("must be a list", parameter="corrections")
+    return tuple(checked_correction(one) for one in value)
+
+
+# What else a page says of a video, each with its check. Frames count from the first of the file.
+TOOLS: dict[str, Callable[[Any], Any]] = {
+    "stick": checked_stick,
+    "region": checked_region,
+    "shape": VIDEO_PARAMETERS["shape"].checked,
+    "click_frame": _frame,
+    "first_frame": _frame,
+    "last_frame": _frame,
+    "corrections": _corrections,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +80,15 @@ class Description:
     row_time: float = 0.0
     lens_k1: float = 0.0
     lens_k2: float = 0.0
+    stick: tuple[tuple[float, float], tuple[float, float]] | None = None
+    stick_length: float | None = None
+    region: tuple[float, float, float, float] | None = None
+    shape: str = SHAPES[0]
+    patch: float | None = None
+    click_frame: int = 0
+    first_frame: int | None = None
+    last_frame: int | None = None
+    corrections: tuple[Correction, ...] = ()
 
     @classmethod
     def from_json(cls, value: Any) -> Description:
@@ -57,8 +101,8 @@ class Description:
         """
         if not isinstance(value, Mapping):
             raise InputError("the description of a video must be an object", value=value)
-        quantities = (*SHARED, *(parameter.name for parameter in CAMERA))
-        known = ("pivot", "balls", "is_proposed", *quantities)
+        quantities = (*SHARED, *(parameter.name for parameter in CAMERA), *SIZES)
+        known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities)
         for name in value:
             if name not in known:
                 raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
@@ -68,13 +112,14 @@ class Description:
         numbers: dict[str, Any] = {
             name: number(name, value.get(name)) for name in quantities if value.get(name)
         }
-        for name in ("length", "radius", "mass", "gravity", "slow_motion"):
+        for name in ("length", "radius", "mass", "gravity", "slow_motion", *SIZES):
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
             pivot=_pivot(value.get("pivot")),
             balls=tuple(checked_place("balls", ball) for ball in balls),
             is_proposed=bool(value.get("is_proposed")),
+            **{name: TOOLS[name](value[name]) for name in TOOLS if value.get(name) is not None},
             **numbers,
         )
 
@@ -113,6 +158,7 @@ def fields() -> dict[str, Any]:
     options = registry()["options"]
     entries = {name: {**options[name], "suggested": None} for name in SHARED}
     entries |= {parameter.name: shown_option(parameter) for parameter in CAMERA}
+    entries |= {name: shown_option(VIDEO_PARAMETERS[name]) for name in SIZES}
     entries["row_time"]["units"] = _ROW_UNITS
     return entries
 

@@ -75,7 +75,7 @@ def prepare(request: Any, store: Store) -> Job:
         if do == "track":
             clip.trial = result["trial"]
             result["trials"] = trial_rows(list(desk.clips.values()))
-        files = {"track": ("points", "model"), "fit": ("model",)}.get(do, ())
+        files = {"track": ("points", "model"), "fit": ("model",), "export": ()}.get(do, ("times",))
         return pack_files(result, {name: folder / f"{name}.bin" for name in files})
 
     return Job("clip", work, finish, place=lambda: _place(desk, clip))

@@ -171,6 +171,7 @@ async def _desk(websocket: WebSocket) -> None:
 def _hello(store: Store, desk: Desk) -> Any:
     """Return what a page must know to ask for work."""
     from latolato.app.experiment.description import EXAMPLES, fields, fit_kinds
+    from latolato.experiment.tracking.learn_template import ROUND, SHARE
     from latolato.simulation.summary import plain
 
     most = store.allowance
@@ -182,5 +183,6 @@ def _hello(store: Store, desk: Desk) -> Any:
             "fits": fit_kinds(),
             "examples": EXAMPLES,
             "limits": limits,
+            "template": {"round": ROUND, "share": SHARE},
         }
     )

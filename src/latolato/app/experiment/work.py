@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.blocks import pack
+from latolato.app.blocks import pack, unpack
 from latolato.app.experiment.description import EXPORTS, Description
 from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 Tell = Callable[[str, float], None]
 # Longer side of the copy that the page plays [pixels], its quality, and frames between key frames.
 _LONGER, _CRF, _KEY_EVERY = 1280, 20, 12
-# The table that later jobs read.
-TABLE = "track.csv"
+# The table that later jobs read, and the times of all frames as the file has them.
+TABLE, TIMES = "track.csv", "times.bin"
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Frames of an example, small enough to be painted in seconds.
@@ -46,13 +46,16 @@ _SEED = 1
 def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Return size and length of a video and where pivot and balls seem to be.
 
-    A copy that browsers play, with the same frames at the same times, is written beside it.
+    A copy that browsers play, with the same frames at the same times, is written beside it, and
+    ``times.bin`` with these times from the first frame on.
     """
     # The copy plays as the file does.
     video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(f"{job['name']} has {len(times)} frames, a motion needs {_FEWEST} or more")
+    block = pack({"first": times[0]}, {"time": np.array(times) - times[0]})
+    (Path(job["folder"]) / TIMES).write_bytes(block)
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,
@@ -114,16 +117,21 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     description = Description.from_json(job["description"])
     if not description.balls:
         raise InputError("balls must be pointed at: one place or two")
+    path, limits = Path(job["path"]), Limits(**job["limits"])
     optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
-    known = {
-        name: getattr(description, name) for name in ("length", "radius", "gravity", "slow_motion")
-    }
-    task = prepare(
-        Path(job["path"]),
-        description.pivot,
-        description.balls,
-        {**known, "optics": Optics(**optics), "limits": Limits(**job["limits"])},
-    )
+    names = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
+             "shape", "patch", "click_frame", "corrections")  # fmt: skip
+    known: dict[str, Any] = {name: getattr(description, name) for name in names}
+    about, arrays = unpack((Path(job["folder"]) / TIMES).read_bytes())
+    times = arrays["time"]
+    ends = {"start": description.first_frame, "end": description.last_frame}
+    if any(number is not None for number in ends.values()):
+        slower = description.slow_motion or open_video(path, limits=limits).slow_motion
+        for name, number in ends.items():
+            if number is not None:
+                known[name] = (about["first"] + times[min(number, len(times) - 1)]) / slower
+    settings = {**known, "optics": Optics(**optics), "limits": limits}
+    task = prepare(path, description.pivot, description.balls, settings)
     task.warnings.clear()
     task.setup = replace(task.setup, is_proposed=description.is_proposed)
     table = run(task, lambda share: tell("tracking", share))
@@ -136,7 +144,7 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     named = f"video = {json.dumps(job['name'], ensure_ascii=False)}"
     text = re.sub(r"^video = .*$", lambda _: named, setup.read_text("utf-8"), count=1, flags=re.M)
     setup.write_text(text, encoding="utf-8")
-    (folder / "points.bin").write_bytes(points_block(table, task.video))
+    (folder / "points.bin").write_bytes(points_block(table, task.video, times))
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
     cards = fits_of(table, description, folder, (task.video.width, task.video.height))
@@ -151,8 +159,11 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     return plain(result)  # type: ignore[no-any-return]
 
 
-def points_block(table: xr.Dataset, video: Video) -> bytes:
-    """Return a track table as the page draws it: angles, and places in pixels of the picture."""
+def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
+    """Return a track table as the page draws it: angles, and places in pixels of the picture.
+
+    `times` are those of all frames in the copy that the page plays [s].
+    """
     from latolato.experiment.overlay import places_of
 
     balls = range(1, balls_of(table) + 1)
@@ -174,13 +185,14 @@ def points_block(table: xr.Dataset, video: Video) -> bytes:
             "width": video.width,
             "height": video.height,
             "balls": len(balls),
+            "first_frame": int(table["frame"][0]),
             "attributes": {name: table.attrs[name] for name in names if name in table.attrs},
             "shares": flag_shares(table),
             "typical_sigma": typical_sigma(table),
         },
         {
             "time": time.astype(np.float64),
-            "media_time": ((time - time[0]) * video.slow_motion).astype(np.float64),
+            "media_time": times[table["frame"].values].astype(np.float64),
             "angle": rows("angle"),
             "angle_sigma": rows("angle_sigma"),
             "flag": flags,
@@ -209,8 +221,12 @@ def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     if job["file"] == "track.nc":
         write_table(table, folder / job["file"])
         return {"file": job["file"]}
-    slower = float(table.attrs.get("slow_motion", 1.0))
-    video = open_video(job["path"], slow_motion=slower, limits=Limits(**job["limits"]))
+    attrs = table.attrs
+    video = open_video(
+        job["path"], slow_motion=float(attrs.get("slow_motion", 1.0)),
+        limits=Limits(**job["limits"]), start=float(attrs.get("start", -math.inf)),
+        end=float(attrs.get("end", math.inf)),
+    )  # fmt: skip
     if job["file"] == "overlay.mp4":
         from latolato.experiment.overlay import write_overlay
 

@@ -17,8 +17,8 @@ from latolato.experiment.tracking.teach import Sighting
 from latolato.experiment.tracking.template import Template
 from latolato.experiment.video import Frame, Video
 
-# Half the side of the patch where it is not given, as a share of the arm.
-_SHARE = 0.15
+# Half the side of the patch where it is not given: over the radius of the bob, or over the arm.
+ROUND, SHARE = 1.4, 0.15
 # First guess of what a template does not explain, of the part of it that is the bob, and of its
 # width over that of the patch.
 _NOISE, _CORE = 0.03, 0.6
@@ -76,7 +76,7 @@ def learn_template_model(
     else:
         tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
-    reach = math.ceil(half or _SHARE * arm)
+    reach = math.ceil(half or SHARE * arm)
     side = 2 * reach + 1
     away = np.hypot(*(np.indices((side, side)) - reach))
     colours = Colours.of(video)

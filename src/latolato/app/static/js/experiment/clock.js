@@ -104,6 +104,14 @@ export class ClipClock extends Clock {
 
   /** @param {number} time of the file that is on show */
   present(time) {
+    const { media } = this;
+    const last = media[media.length - 1];
+    const slack = last - (media[media.length - 2] ?? last) + SLACK;
+    // A part of the file is played over and over.
+    if (this.playing && (time < media[0] - slack || time > last + slack)) {
+      this.go(0);
+      return;
+    }
     this.index = before(this.media, time);
     this.time = this.times[this.index];
     this.tell();

@@ -11,7 +11,8 @@ const AGAIN = 2000; // ms
  * @typedef {{kind: string, title: string, headline: string[], hint: string, is_slow: boolean,
  *   fewest_balls: number}} FitKind
  * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],
- *   limits: {upload: number, duration: number, pixels: number}}} Hello
+ *   limits: {upload: number, duration: number, pixels: number},
+ *   template: {round: number, share: number}}} Hello
  */
 
 export class Desk {

@@ -1,4 +1,4 @@
-/** Handles on the first frame: pivot and balls, dragged or moved by arrow keys, under a loupe. */
+/** Handles on a frame: pivot, balls and more, dragged or moved by arrow keys, under a loupe. */
 
 import { el } from "../shared/dom.js";
 import { t } from "../strings.js";
@@ -18,7 +18,7 @@ const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowD
 export class Handles {
   /**
    * @param {Screen} screen
-   * @param {() => void} changed called when something was moved by hand
+   * @param {(name: string) => void} changed called when something was moved by hand
    */
   constructor(screen, changed) {
     this.screen = screen;
@@ -28,6 +28,8 @@ export class Handles {
     /** Radius of a ball by what was said, over the length. */
     this.ratio = 0;
     this.radius = 0;
+    /** Half the side of a template as it was given, over the radius, or over the arm. */
+    this.patch = /** @type {{half: number, round?: number, share?: number} | null} */ (null);
     this.loupe = el("canvas", { class: "loupe", hidden: true, "aria-hidden": "true" });
     this.loupe.width = this.loupe.height = LOUPE;
     /** @type {Record<string, HTMLButtonElement>} */
@@ -39,9 +41,17 @@ export class Handles {
 
   /**
    * Show handles at places [pixels], or none.
-   * @param {Record<string, Place> | null} places "pivot", "ball_1" and perhaps "ball_2"
+   * @param {Record<string, Place> | null} places "pivot", "ball_1" and so on
    */
   show(places) {
+    const names = Object.keys(places ?? {});
+    if (names.length > 0 && names.join() === Object.keys(this.buttons).join()) {
+      // The same handles elsewhere: they keep the focus.
+      this.places = { ...places };
+      for (const name of names) this.put(name);
+      this.screen.draw();
+      return;
+    }
     for (const button of Object.values(this.buttons)) button.remove();
     this.buttons = {};
     this.isOn = places !== null;
@@ -85,7 +95,7 @@ export class Handles {
     this.put(name);
     this.screen.draw();
     this.look(name);
-    this.changed();
+    this.changed(name);
   }
 
   /**
@@ -173,25 +183,47 @@ export class Handles {
    */
   sketch(context, scale) {
     if (!this.isOn) return;
-    const { pivot, ...balls } = this.places;
+    const { pivot, region_1: corner, region_2: other, stick_1: end, stick_2: tip } = this.places;
+    const at = (/** @type {Place} */ place) => this.screen.onCanvas(place);
     const ratio = window.devicePixelRatio || 1;
-    for (const ball of Object.values(balls)) {
-      const arm = pivot ? Math.hypot(ball.u - pivot.u, ball.v - pivot.v) : 0;
-      const radius = (this.ratio && arm ? this.ratio * arm : this.radius) * scale;
-      const at = this.screen.onCanvas(ball);
-      for (const [width, ink] of INKS) {
-        context.lineWidth = width * ratio;
-        context.strokeStyle = ink;
-        context.beginPath();
+    for (const [width, ink] of INKS) {
+      context.lineWidth = width * ratio;
+      context.strokeStyle = ink;
+      context.beginPath();
+      for (const name of ["ball_1", "ball_2"]) {
+        const ball = this.places[name];
+        if (!ball) continue;
+        const radius = this.radiusOf(ball) * scale;
+        const { x, y } = at(ball);
         if (pivot) {
-          const hinge = this.screen.onCanvas(pivot);
-          context.moveTo(hinge.x, hinge.y);
-          context.lineTo(at.x, at.y);
+          context.moveTo(at(pivot).x, at(pivot).y);
+          context.lineTo(x, y);
         }
-        context.moveTo(at.x + radius, at.y);
-        context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
-        context.stroke();
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
       }
+      if (corner) {
+        const [one, two] = [at(corner), at(other)];
+        context.rect(one.x, one.y, two.x - one.x, two.y - one.y);
+      }
+      if (end) {
+        context.moveTo(at(end).x, at(end).y);
+        context.lineTo(at(tip).x, at(tip).y);
+      }
+      context.stroke();
     }
+  }
+
+  /**
+   * Return the radius of the circle that is drawn about a ball [pixels]: its edge, or its patch.
+   * @param {Place} ball
+   */
+  radiusOf(ball) {
+    const { pivot } = this.places;
+    const arm = pivot ? Math.hypot(ball.u - pivot.u, ball.v - pivot.v) : 0;
+    const radius = this.ratio && arm ? this.ratio * arm : 0;
+    if (!this.patch) return radius || this.radius;
+    const { half, round = 0, share = 0 } = this.patch;
+    return half || round * radius || share * arm || this.radius;
   }
 }

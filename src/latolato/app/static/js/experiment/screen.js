@@ -14,7 +14,8 @@ const READ_EVERY = 100; // ms
 const TALLEST = 62; // vh
 /** How the circle of a flag is drawn, beside its colour. */
 /** @type {Record<string, number[]>} */
-const DASHES = { ok: [], collision: [], occluded: [8, 4], predicted: [2, 4], lost: [2, 8] };
+const DASHES = { ok: [], collision: [], manual: [], occluded: [8, 4], predicted: [2, 4],
+  lost: [2, 8] };
 const PAINTS = [...Object.keys(DASHES).map((flag) => `flag-${flag}`), "model"];
 // The model's ball is drawn around the measured one.
 const GHOST = 1.25;
@@ -32,6 +33,7 @@ export class Screen {
     this.track = null;
     this.isMarked = true;
     this.hasGhost = true;
+    this.frames = 1;
     this.size = { width: 1, height: 1 };
     /** What else is drawn, in the picture's pixels. */
     /** @type {((context: CanvasRenderingContext2D, scale: number) => void) | null} */
@@ -102,7 +104,7 @@ export class Screen {
 
   /**
    * Show a clip.
-   * @param {{url: string, width: number, height: number, duration: number, frames: number}} clip
+   * @param {{url: string, width: number, height: number, times: ArrayLike<number>}} clip
    * @param {Track | null} track
    */
   show(clip, track) {
@@ -117,16 +119,26 @@ export class Screen {
       this.video.src = clip.url;
       this.drawn.frame = -1;
     }
-    const even = Float64Array.from({ length: clip.frames }, (_, i) =>
-      (i * clip.duration) / (clip.frames - 1));
-    this.clock.load(track?.media ?? even, track?.time ?? even);
-    if (this.scrub) this.scrub.max = String(clip.frames - 1);
+    this.clock.load(track?.media ?? clip.times, track?.time ?? clip.times);
+    this.frames = clip.times.length;
+    if (this.scrub) this.scrub.max = String(this.clock.times.length - 1);
     if (this.marks) this.marks.hidden = !track;
     this.flags.replaceChildren(...(track?.counts() ?? []).map(({ flag, count }) =>
       el("span", { class: "flag", title: t(`flag_${flag}_hint`) },
         el("span", { class: `key flag-${flag}` }),
         t("flagCount", { flag: t(`flag_${flag}`), count }))));
     this.move();
+  }
+
+  /** Return the number in the file of the frame on show. */
+  get frame() {
+    return this.clock.index + (this.track?.firstFrame ?? 0);
+  }
+
+  /** @param {number} frame of the file */
+  goTo(frame) {
+    this.clock.pause();
+    this.clock.go(frame - (this.track?.firstFrame ?? 0));
   }
 
   /** @param {number} by frames */
@@ -156,7 +168,7 @@ export class Screen {
     this.readAt = now;
     if (this.scrub) this.scrub.value = String(clock.index);
     if (this.timeText) this.timeText.textContent = t("frameText", {
-      frame: clock.index + 1, count: clock.times.length, time: clock.time.toFixed(3) });
+      frame: this.frame + 1, count: this.frames, time: clock.time.toFixed(3) });
     if (this.read) this.read.textContent = this.reading();
   }
 

@@ -5,6 +5,7 @@ import { inner } from "../shared/block.js";
 import { TimeLeft } from "../shared/left.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
+import { toolPlaces } from "./tools.js";
 import { Track } from "./track.js";
 
 /** @typedef {import("./handles.js").Place} Place */
@@ -13,6 +14,9 @@ import { Track } from "./track.js";
  *   about: {width: number, height: number, frames: number, duration: number,
  *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean}}
  *     | null,
+ *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
+ *   hasRegion: boolean, hasStick: boolean, shape: string,
+ *   corrections: {frame: number, ball: number, u: number, v: number}[],
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
  *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null, finding: string,
@@ -58,7 +62,9 @@ export class Session {
   begin(name, file) {
     this.count += 1;
     /** @type {Clip} */
-    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, places: {},
+    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, times: [0],
+      clickFrame: 0, first: null, last: null, hasRegion: false, hasStick: false, shape: "disc",
+      corrections: [], places: {},
       proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
       isProposed: true, truth: {},
       track: null, finding: "", answer: [], fits: {},
@@ -125,7 +131,7 @@ export class Session {
     clip.key = key;
     clip.epoch = desk.epoch;
     const block = await this.work(clip, (follow) => desk.job({ do: "look", clip: key }, follow));
-    if (block) await this.seen(clip, block.about);
+    if (block) await this.seen(clip, block);
   }
 
   /**
@@ -140,24 +146,26 @@ export class Session {
     clip.key = block.about.clip;
     clip.epoch = this.desk.epoch;
     clip.truth = block.about.truth;
-    await this.seen(clip, block.about);
+    await this.seen(clip, block);
     return clip;
   }
 
   /**
    * @param {Clip} clip
-   * @param {any} about
+   * @param {import("../shared/block.js").Block} block
    */
-  async seen(clip, about) {
+  async seen(clip, block) {
     const isNew = clip.about === null;
+    const about = /** @type {any} */ (block.about);
     clip.about = about;
+    clip.times = inner(block, "times").arrays.time;
     if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
     const { proposal, width, height } = about;
     clip.hasPivot = Boolean(proposal?.pivot);
     clip.hasBalls = Boolean(proposal);
     clip.proposed = placesOf(about);
     clip.radius = proposal?.radius ?? 0.03 * Math.min(width, height);
-    if (isNew) clip.places = { ...clip.proposed };
+    if (isNew) clip.places = { ...toolPlaces(about), ...clip.proposed };
     this.changed();
   }
 

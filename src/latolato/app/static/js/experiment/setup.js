@@ -10,6 +10,9 @@ import { t } from "../strings.js";
 
 const FIRST = ["length", "radius", "mass"];
 const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "lens_k1", "lens_k2"];
+// What a template and a stick need.
+const SIZES = ["patch", "stick_length"];
+const NAMES = [...FIRST, ...SIZES, ...REST];
 // Work that goes from frame to frame.
 const OF_FRAMES = ["tracking", "drawing"];
 
@@ -19,25 +22,26 @@ export class Setup {
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
-   *   outside: (isOutside: boolean) => void}} on
+   *   outside: (isOutside: boolean) => void,
+   *   tool: (change: Partial<import("./session.js").Clip>) => void}} on
    */
   constructor(page, fields, on) {
     const { store } = page;
     this.fields = fields;
     /** @type {Record<string, string>} */
     this.values = {};
-    for (const name of [...FIRST, ...REST]) {
+    for (const name of NAMES) {
       const kept = store.state.extra[`experiment.${name}`];
       if (kept) this.values[name] = kept;
     }
-    const known = [...FIRST, ...REST, "example"].map((name) => `experiment.${name}`);
+    const known = [...NAMES, "example"].map((name) => `experiment.${name}`);
     const strange = Object.keys(store.state.extra).filter((key) => key.startsWith("experiment.")
       && !known.includes(key));
     leaveOut(page, Object.fromEntries(strange.map((key) =>
       [key, { text: t("unknownParameter", { name: cut(key) }) }])));
     let before = store.state.extra;
     store.subscribe(({ extra }, changed) => {
-      for (const name of changed === "address" ? [...FIRST, ...REST] : []) {
+      for (const name of changed === "address" ? NAMES : []) {
         const key = `experiment.${name}`;
         if (extra[key] !== before[key]) own.take(name, extra[key] ?? null);
       }
@@ -71,11 +75,29 @@ export class Setup {
     this.outside = outside;
     this.unseen = el("label", { class: "check" }, outside, t("pivotOutside"));
     const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name]);
+    const shapeId = freshId();
+    const shape = el("select", { id: shapeId,
+      on: { change: () => on.tool({ shape: shape.value }) } },
+      ...["disc", "template"].map((name) => el("option", { value: name }, t(`shape_${name}`))));
+    this.shape = shape;
+    const check = (/** @type {"hasRegion" | "hasStick"} */ name) => {
+      const box = el("input", { type: "checkbox",
+        on: { change: () => on.tool({ [name]: box.checked }) } });
+      return box;
+    };
+    this.hasRegion = check("hasRegion");
+    this.hasStick = check("hasStick");
+    this.patch = fieldOf("patch");
+    this.stickLength = fieldOf("stick_length");
+    const tools = [
+      el("div", { class: "field choice" }, el("label", { for: shapeId }, t("shape")), shape),
+      this.patch, el("label", { class: "check" }, this.hasStick, t("hasStick")), this.stickLength,
+      el("label", { class: "check" }, this.hasRegion, t("hasRegion"))];
     const quantities = el("div", { class: "fields" },
       el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")), this.count),
       ...FIRST.map(fieldOf), el("p", { class: "hint" }, t("scaleHint")), this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
-        el("div", { class: "fields" }, ...REST.map(fieldOf))));
+        el("div", { class: "fields" }, ...tools, ...REST.map(fieldOf))));
     const button = (/** @type {string} */ name, /** @type {() => void} */ click,
       /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
       on: { click } }, t(name));
@@ -121,6 +143,11 @@ export class Setup {
     this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside;
     this.unseen.hidden = !isSetup;
     this.outside.checked = clip.isPivotOutside;
+    this.shape.value = clip.shape;
+    this.hasRegion.checked = clip.hasRegion;
+    this.hasStick.checked = clip.hasStick;
+    this.patch.hidden = clip.shape === "disc";
+    this.stickLength.hidden = !clip.hasStick;
     this.clock.textContent = clockText(clip.about?.clock);
     this.clock.hidden = !this.clock.textContent;
     const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;

@@ -28,6 +28,8 @@ export class Track {
     this.block = block;
     const { about, arrays } = block;
     this.count = about.balls;
+    /** Number in the file of the first frame. */
+    this.firstFrame = about.first_frame;
     this.width = about.width;
     this.height = about.height;
     /** @type {string[]} */

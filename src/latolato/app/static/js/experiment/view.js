@@ -13,6 +13,7 @@ import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
 import { Session } from "./session.js";
 import { Setup } from "./setup.js";
+import { handlesOf, Tools, toolsOf } from "./tools.js";
 import { panelsOf } from "./track.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -28,14 +29,19 @@ export class ExperimentView {
   constructor(page) {
     this.page = page;
     this.screen = new Screen();
-    this.handles = new Handles(this.screen, () => this.corrected());
+    this.handles = new Handles(this.screen, (name) => this.corrected(name));
+    this.tools = new Tools({ frame: () => this.screen.frame,
+      go: (frame) => this.screen.goTo(frame),
+      changed: () => this.update(), track: () => this.tracked() });
+    this.screen.box.after(this.tools.root);
+    this.screen.clock.subscribe(() => this.moved());
     const curves = el("div", { class: "curves" });
     this.curves = new Curves(curves, this.screen.clock, []);
     /** @type {Setup | null} */
     this.setup = null;
     /** @type {Record<string, import("./desk.js").FitKind>} */
     this.kinds = {};
-    this.signature = "";
+    this.signature = this.content = this.placed = "";
     this.drop = el("div", { class: "clip-drop" });
     this.list = el("div", { class: "clip-list" });
     this.form = el("div", { class: "clip-form" });
@@ -102,6 +108,7 @@ export class ExperimentView {
       [clipList(this.session, (each) => this.open(each))]);
     this.form.hidden = !clip;
     if (clip) this.setup?.update(clip);
+    if (clip) this.tools.update(clip);
     const isKept = this.session.isKept(clip);
     refresh(this.exports,
       [clip?.id, clip?.tracked, clip?.stage !== null, [...clip?.files ?? []], isKept],
@@ -140,7 +147,8 @@ export class ExperimentView {
       mode: (mode) => this.mode(mode),
       reset: () => this.asProposed(),
       cancel: () => this.session.clip?.cancel(),
-      outside: (isOutside) => this.outside(isOutside),
+      outside: (isOutside) => this.changed({ isPivotOutside: isOutside }),
+      tool: (change) => this.changed(change),
     });
     this.setup = setup;
     this.form.replaceChildren(setup.root);
@@ -169,13 +177,18 @@ export class ExperimentView {
     const about = /** @type {NonNullable<Clip["about"]>} */ (clip.about);
     const signature = JSON.stringify([clip.id, clip.mode, clip.tracked,
       Object.entries(clip.fits).map(([k, f]) => [k, f.verdict]), clip.stage !== null]);
-    if (signature === this.signature) return;
+    if (signature === this.signature) {
+      this.place();
+      return;
+    }
     this.signature = signature;
-    this.screen.show({ ...about, url: clip.url }, track);
-    this.handles.radius = clip.radius;
-    this.handles.show(track ? null : handlesOf(clip));
-    if (!track) this.screen.clock.go(0);
+    const { frame } = this.screen;
+    this.screen.show({ ...about, url: clip.url, times: clip.times }, track);
+    const content = [clip.id, clip.mode, clip.tracked].join();
+    if (content !== this.content) this.screen.goTo(track ? frame : clip.clickFrame);
+    this.content = content;
     this.resized();
+    this.place();
     this.curves.root.hidden = !track;
     if (track) {
       this.curves.panels = panelsOf(track);
@@ -225,7 +238,7 @@ export class ExperimentView {
   description(/** @type {Clip} */ clip) {
     const { pivot, ball_1, ball_2 } = clip.places;
     const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
-    return { ...this.setup?.values, is_proposed: clip.isProposed,
+    return { ...this.setup?.values, ...toolsOf(clip), is_proposed: clip.isProposed,
       pivot: clip.isPivotOutside ? "outside" : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };
   }
@@ -245,45 +258,73 @@ export class ExperimentView {
     this.update();
   }
 
-  /** Take the handles as they were moved. */
-  corrected() {
+  /**
+   * Take a handle as it was moved.
+   * @param {string} name
+   */
+  corrected(name) {
     const { clip } = this.session;
     if (!clip) return;
-    clip.places = { ...clip.places, ...this.handles.places };
-    clip.isProposed = false;
+    const place = this.handles.places[name];
+    if (clip.mode === "result") {
+      const { frame } = this.screen;
+      const ball = Number(name.slice(-1));
+      const others = clip.corrections.filter((c) => c.frame !== frame || c.ball !== ball);
+      clip.corrections = [...others, { frame, ball, ...place }].sort((a, b) => a.frame - b.frame);
+      this.tools.update(clip);
+      return;
+    }
+    clip.places = { ...clip.places, [name]: place };
+    if (name === "pivot" || name.startsWith("ball")) clip.isProposed = false;
     this.setup?.update(clip);
+  }
+
+  /** Heed that another frame is on show. */
+  moved() {
+    this.tools.moved();
+    this.place();
+  }
+
+  /** Show the handles that belong to the frame on show. */
+  place() {
+    const { clip } = this.session ?? {};
+    if (!clip?.about || !clip.url) return;
+    const isHere = clip.stage === null && !this.screen.clock.playing;
+    const places = isHere ? handlesOf(clip, this.screen.frame, this.tools.isByHand) : null;
+    const signature = JSON.stringify(places);
+    if (signature === this.placed) return;
+    this.placed = signature;
+    this.handles.radius = (clip.mode === "result" && clip.track?.radius) || clip.radius;
+    this.handles.show(places);
   }
 
   asProposed() {
     const { clip } = this.session;
     if (!clip) return;
-    clip.places = { ...clip.proposed };
-    clip.isProposed = true;
-    clip.isPivotOutside = false;
-    this.handles.show(handlesOf(clip));
-    this.setup?.update(clip);
+    const { ball_2: _, ...places } = clip.places;
+    this.changed({ places: { ...places, ...clip.proposed }, isProposed: true,
+      isPivotOutside: false, clickFrame: 0 });
+    this.screen.goTo(0);
   }
 
   /** @param {number} balls */
   counted(balls) {
     const { clip } = this.session;
     if (!clip?.about) return;
-    const { pivot, ball_1 } = clip.places;
-    clip.places = { pivot, ball_1 };
-    if (balls === 2) clip.places.ball_2 = clip.proposed.ball_2
+    const { ball_2: second, ...places } = clip.places;
+    const { pivot, ball_1 } = places;
+    if (balls === 2) places.ball_2 = second ?? clip.proposed.ball_2
       ?? { u: Math.max(0, 2 * pivot.u - ball_1.u), v: ball_1.v };
-    clip.isProposed = false;
-    this.handles.show(handlesOf(clip));
-    this.setup?.update(clip);
+    this.changed({ places, isProposed: false });
   }
 
-  /** @param {boolean} isOutside whether the pivot is outside of the picture */
-  outside(isOutside) {
+  /** @param {Partial<Clip>} change of the set-up of the clip on show */
+  changed(change) {
     const { clip } = this.session;
     if (!clip) return;
-    clip.isPivotOutside = isOutside;
-    this.handles.show(handlesOf(clip));
-    this.setup?.update(clip);
+    Object.assign(clip, change);
+    this.resized();
+    this.update();
   }
 
   /** Draw the ball's edge as length and radius say. */
@@ -291,6 +332,9 @@ export class ExperimentView {
     const length = this.setup?.number("length");
     const radius = this.setup?.number("radius");
     this.handles.ratio = length && radius ? radius / length : 0;
+    const isDisc = this.session?.clip?.shape !== "template";
+    this.handles.patch = isDisc ? null
+      : { half: (this.setup?.number("patch") ?? 0) / 2, ...this.session.desk.hello?.template };
     this.screen.draw();
   }
 
@@ -302,12 +346,4 @@ export class ExperimentView {
       .map(([name, value]) => [name, textOf(known[name], value)]));
     openState(this.page, { view: "play", scenario: null, options: texts });
   }
-}
-
-/**
- * Return the places that have a handle: a pivot outside of the picture has none.
- * @param {Clip} clip
- */
-function handlesOf({ places: { pivot, ...balls }, isPivotOutside }) {
-  return isPivotOutside ? balls : { pivot, ...balls };
 }

@@ -1,0 +1,128 @@
+"""Experiment: other frames, a stick, a region and corrections, from the page to the table."""
+
+import re
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.app.experiment.description import Description
+from latolato.core.errors import InputError
+from latolato.experiment.overlay import places_of
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.track_table import read_table
+
+PATIENCE = 240_000  # ms
+SIZE = (320, 240)
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """A short swing, its true table, and where the ball is in each frame."""
+    path = tmp_path_factory.mktemp("clips") / "swing.mp4"
+    ball = ll.Pendulum(length=0.363, mass=0.1, damping=0.01)
+    run = ll.simulate(ball, initial_angle=0.6, duration=2.5)
+    camera = Camera(width=SIZE[0], height=SIZE[1], fps=30.0)
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=3)
+    u, v = (truth.attrs[f"pivot_pixel_{axis}"] for axis in "uv")
+    attrs = {"origin_u": u, "origin_v": v, "gravity_direction": 0.0}
+    _, balls = places_of(truth.assign_attrs(attrs), SIZE)
+    return path, truth, balls[:, 0]
+
+
+def state(page, name):
+    page.locator(f"[data-state={name}]").wait_for(timeout=PATIENCE)
+
+
+def go(page, frame):
+    """Show a frame of the file and wait until the picture is there."""
+    page.evaluate("frame => window.latolato.views.experiment.screen.goTo(frame)", frame)
+    page.wait_for_function("frame => window.latolato.views.experiment.screen.frame === frame",
+                           arg=frame)  # fmt: skip
+
+
+def drag(page, name, place):
+    """Move a handle to a place of the picture."""
+    page.evaluate(
+        "([name, u, v]) => window.latolato.views.experiment.handles.move(name, u, v)",
+        [name, *map(float, place)],
+    )
+
+
+def table_of(page, path):
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Table (CSV)").click()
+    download.value.save_as(path)
+    return read_table(path)
+
+
+def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, tmp_path):
+    path, truth, balls = clip
+    page.goto("/?view=experiment")
+    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    state(page, "setup")
+    ball = page.get_by_role("button", name=re.compile("^ball 1"))
+    go(page, 20)
+    page.get_by_role("button", name="Start here").click()
+    go(page, 40)
+    assert ball.count() == 0  # the handles are those of the first frame
+    page.get_by_role("button", name="Point in this frame").click()
+    drag(page, "ball_1", balls[40])
+    page.get_by_text("Pivot and balls are those of frame 41. Frames 21 to 75 are used.").wait_for()
+
+    page.get_by_text("More", exact=True).last.click()
+    page.get_by_label("a stick of known length is in the picture").check()
+    drag(page, "stick_1", (20.0, 40.0))
+    drag(page, "stick_2", (20.0, 200.0))
+    centimetres = 1e2 * 160.0 * truth.attrs["metres_per_pixel"]
+    page.get_by_role("textbox", name="length of the stick").fill(str(centimetres))
+    page.keyboard.press("Enter")
+    page.get_by_label("look for balls in a part of the picture only").check()
+    drag(page, "region_1", (0.0, 60.0))
+    page.get_by_role("button", name="Track", exact=True).click()
+    state(page, "result")
+
+    table = table_of(page, tmp_path / "first.csv")
+    assert table.frame.values.tolist() == list(range(20, 75))
+    assert table.attrs["click_frame"] == 40
+    assert table.attrs["scale_source"] == "stick"
+    assert table.attrs["length"] == pytest.approx(0.363, rel=0.02)
+    assert table.attrs["region"].startswith("0,60,")
+    np.testing.assert_allclose(table["angle_1"], truth["angle_1"][20:75], atol=6e-3)
+
+    # A frame is corrected, taken back, and corrected again.
+    page.get_by_role("button", name="Correct by hand").click()
+    for _ in range(2):
+        go(page, 50)
+        drag(page, "ball_1", balls[50] + [3.0, 0.0])
+        page.get_by_role("button", name="frame 51, ball 1 (right)", exact=True).wait_for()
+        if _ == 0:
+            page.get_by_role("button", name="Remove frame 51, ball 1 (right)").click()
+            assert page.get_by_role("button", name=re.compile("^frame 51")).count() == 0
+    page.locator(".clip-tools").get_by_role("button", name="Track again").click()
+    state(page, "tracking")
+    state(page, "result")
+    page.get_by_text("by hand 1").wait_for()
+    corrected = table_of(page, tmp_path / "second.csv")
+    assert np.flatnonzero(corrected.flag_1.values == "manual").tolist() == [30]
+    assert abs(float(corrected.angle_1[30] - table.angle_1[30])) > 0.01
+    assert page.get_by_role("button", name="Next doubtful frame").is_disabled()
+
+
+@pytest.mark.parametrize(
+    "value, match",
+    [
+        ({"shape": "cube"}, "shape must be 'disc' or 'template'"),
+        ({"region": [1, 2, 3]}, "region must be left, top, right and bottom"),
+        ({"stick": [[1, 2]]}, "stick must be two places"),
+        ({"click_frame": -1}, "frame must lie in"),
+        ({"first_frame": 1.5}, "frame must be a whole number"),
+        ({"corrections": [[1, 2, 3]]}, "corrections must be frame, ball, column and row"),
+        ({"corrections": "all"}, "corrections must be a list"),
+        ({"stick_length": "-1 m"}, "stick_length must be positive"),
+    ],
+)
+def test_what_a_page_says_of_a_clip_is_checked(value, match):
+    with pytest.raises(InputError, match=match):
+        Description.from_json(value)
