@@ -247,6 +247,7 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
         "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "width": 200, "height": 160,
         "description": description, "limits": dataclasses.asdict(limits),
     }  # fmt: skip
+    WORK["look"](job, lambda *_: None)
     stages = []
     done = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
     assert [stage for stage, _ in stages][-1] == "fitting"

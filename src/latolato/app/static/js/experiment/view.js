@@ -291,9 +291,10 @@ export class ExperimentView {
     if (!clip?.about || !clip.url) return;
     const isHere = clip.stage === null && !this.screen.clock.playing;
     const places = isHere ? handlesOf(clip, this.screen.frame, this.tools.isByHand) : null;
-    const signature = JSON.stringify(places);
-    if (signature === this.placed) return;
-    this.placed = signature;
+    const shown = this.handles.isOn ? this.handles.places : null;
+    const content = [clip.id, clip.mode].join();
+    if (content === this.placed && JSON.stringify(places) === JSON.stringify(shown)) return;
+    this.placed = content;
     this.handles.radius = (clip.mode === "result" && clip.track?.radius) || clip.radius;
     this.handles.show(places);
   }
