@@ -67,9 +67,9 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
     page.get_by_role("button", name="Start here").click()
     go(page, 40)
     assert ball.count() == 0  # the handles are those of the first frame
-    page.get_by_role("button", name="Point in this frame").click()
+    page.get_by_role("button", name="Mark pivot and balls here").click()
     drag(page, "ball_1", balls[40])
-    page.get_by_text("Pivot and balls are those of frame 41. Frames 21 to 75 are used.").wait_for()
+    page.get_by_text("Pivot and balls are marked in frame 41. Frames 21 to 75 are used.").wait_for()
 
     page.get_by_text("More", exact=True).last.click()
     page.get_by_label("a stick of known length is in the picture").check()
@@ -78,7 +78,7 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
     centimetres = 1e2 * 160.0 * truth.attrs["metres_per_pixel"]
     page.get_by_role("textbox", name="length of the stick").fill(str(centimetres))
     page.keyboard.press("Enter")
-    page.get_by_label("look for balls in a part of the picture only").check()
+    page.get_by_label("look for balls only in part of the picture").check()
     drag(page, "region_1", (0.0, 60.0))
     page.get_by_role("button", name="Track", exact=True).click()
     state(page, "result")

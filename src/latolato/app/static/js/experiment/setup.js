@@ -106,7 +106,7 @@ export class Setup {
     this.back = button("setupBack", () => on.mode("result"));
     this.reset = button("findAgain", on.reset);
     this.cancel = button("cancel", on.cancel);
-    this.hint = el("p", { class: "hint" }, t("setupHint"));
+    this.hint = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice" });
     this.clock = el("p", { class: "notice" });
     this.bar = el("progress", { max: 1, "aria-label": t("track") });
@@ -135,6 +135,7 @@ export class Setup {
     this.isReady = clip.about !== null && clip.stage === null;
     this.track.textContent = t(clip.track ? "trackAgain" : "track");
     this.track.hidden = this.hint.hidden = !isSetup;
+    this.hint.textContent = `${t("setupHint")} ${t(`circle_${clip.shape}`)}`;
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !clip.track;
     this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
