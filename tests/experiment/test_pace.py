@@ -1,6 +1,7 @@
 """The pace of a clip from its swing: whole clips, changes, and what must not be taken for one."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -66,6 +67,8 @@ def test_a_slow_part_is_found_with_its_ends(run, rate):
     assert 14.0 < slow.end <= last.begin < 15.6
     (text,) = pace_warnings(motion, STIFFNESS, 1.0)
     assert "the clip changes its pace (slow motion 1 from 0.00 to " in text
+    ends = re.search(r"start ([\d.]+) and end ([\d.]+) s with slow motion 8", text).groups()
+    assert [*map(float, ends)] == pytest.approx([slow.begin / 8.0, slow.end / 8.0], rel=0.05)
     (text,) = pace_warnings(motion, None, 1.0)
     assert "8 from" in text
     assert "if its fastest part is not slow" in text

@@ -107,9 +107,15 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             for part, factor in zip(parts, factors, strict=True)
         )
         known = "" if stiffness else ", if its fastest part is not slow"
+        # Times of a part are divided by its own slow motion.
+        each = ", ".join(
+            f"start {part.begin / factor:.2f} and end {part.end / factor:.2f} s with slow motion "
+            f"{_number(factor * slow_motion)}"
+            for part, factor in zip(parts, factors, strict=True)
+        )
         return [
-            f"the clip changes its pace (slow motion {paces}{known}): track its parts one by one, "
-            "each with its own slow motion"
+            f"the clip changes its pace (slow motion {paces}{known}): track its parts by "
+            f"themselves, {each}"
         ]
     longest = int(np.argmax([part.end - part.begin for part in parts]))
     factor, part = float(factors[longest]), parts[longest]
