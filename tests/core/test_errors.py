@@ -2,6 +2,8 @@
 
 import pickle
 
+import numpy as np
+
 from latolato.core.errors import InputError
 from latolato.scenario.tables import ForeignParameterError
 
@@ -12,6 +14,14 @@ def test_a_name_in_a_value_stays_as_it_is():
     whole = InputError("Ball needs '{parameter}' [m]", parameter="length", way_out="give it")
     assert str(whole) == "Ball needs 'length' [m]; give it"
     assert whole.worded("the length") == "Ball needs 'the length' [m]; give it"
+
+
+def test_values_of_numpy_are_written_as_pythons_own():
+    texts = [
+        str(InputError("must be less", parameter="mass", value=value))
+        for value in (np.array([1.0, 2.0]), np.int64(3), np.float32(0.5))
+    ]
+    assert texts == [f"mass must be less, got {end}" for end in ("[1.0, 2.0]", "3", "0.5")]
 
 
 def test_its_parts_survive_a_process():

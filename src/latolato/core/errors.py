@@ -75,9 +75,10 @@ class InputError(ValueError):
                 text = text.replace(f"'{_NAME}'", _NAME)
             text = text.replace(_NAME, str(name)) if is_whole else f"{name} {text}"
         if self.has_value:
-            is_float = isinstance(self.value, float)
-            value = f"{self.value:.9g}" if is_float else f"{self.value!r:.{_LONGEST}}"
-            text += f", got {value}"
+            # Arrays and numbers of numpy as Python's own.
+            value = getattr(self.value, "tolist", lambda: self.value)()
+            is_float = isinstance(value, float)
+            text += f", got {value:.9g}" if is_float else f", got {value!r:.{_LONGEST}}"
         if self.way_out is not None:
             text += f"; {self.way_out}"
         if self.where:

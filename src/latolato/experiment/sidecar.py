@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence, Sized
+from collections.abc import Collection, Mapping, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
@@ -305,7 +305,7 @@ def checked_place(name: str, value: Any) -> Place:
 
 def checked_stick(value: Any) -> tuple[Place, Place]:
     """Return both ends of a stick [pixels], or raise if they are none or hardly apart."""
-    if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 2:
+    if isinstance(value, str) or not isinstance(value, Collection) or len(value) != 2:
         raise InputError("must be two places in pixels", parameter="stick", value=value)
     one, other = (checked_place("stick", end) for end in value)
     if math.dist(one, other) < _SHORTEST:
