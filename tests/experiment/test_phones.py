@@ -189,6 +189,13 @@ def test_what_is_given_overrides_the_file_and_is_checked_by_the_swing(fast, tmp_
         tracked(slow, truth, slow_motion=16.0)
 
 
+def test_a_ball_that_a_wrong_slow_motion_loses_is_explained(swing):
+    with pytest.warns(RuntimeWarning, match="check the slow motion of 32"):
+        ll.track(
+            swing.path, pivot=swing.pivot, balls=swing.balls, length=swing.length, slow_motion=32.0
+        )
+
+
 def test_slow_motion_that_the_file_does_not_declare_is_suggested(fast, tmp_path):
     path, truth = fast
     with pytest.warns(RuntimeWarning, match="declare a slow motion of 4, or correct the length"):

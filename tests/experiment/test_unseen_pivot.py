@@ -200,6 +200,8 @@ def test_pivots_that_make_no_sense_are_refused(above, capsys, pivot, reason):
 def test_two_pivots_need_two_balls(above):
     with pytest.raises(InputError, match="two pivots need two balls"):
         ll.track(above[0], pivot=[(1, 1), "outside"], balls=1)
+    with pytest.raises(InputError, match="only one moving ball was found, not two"):
+        ll.track(above[0], pivot=["outside", "outside"])
 
 
 def test_a_driven_pivot_out_of_the_picture_makes_no_angles(tmp_path):

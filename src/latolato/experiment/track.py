@@ -52,8 +52,8 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
-# Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.25, 0.5
+# Shares of samples below which no ball was followed, hardly one, and one in slow motion too seldom.
+_NEVER, _SELDOM, _OFTEN = 0.25, 0.5, 0.95
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -278,7 +278,7 @@ def prepare(
     own = _own_pivots(pivot)
     if own:
         if count == 1:
-            raise InputError("two pivots need two balls", parameter="balls", value=count)
+            raise InputError("two pivots need two {parameter}", parameter="balls", value=count)
         count = 2
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
@@ -411,7 +411,9 @@ def _checked(setup: Setup, video: Video) -> Setup:
     """Return a set-up that is complete: balls in frame and region, the pivot not too far away."""
     if (setup.stick is None) != (setup.stick_length is None):
         missing = "stick" if setup.stick is None else "stick_length"
-        raise InputError(f"{missing} is missing: both ends of a stick and its length are needed")
+        raise InputError(
+            "is missing: both ends of a stick and its length are needed", parameter=missing
+        )
     named = [("ball", place) for place in setup.balls]
     named += [("end of the stick", place) for place in setup.stick or ()]
     for frame, ball, u, v in setup.corrections:
@@ -596,19 +598,21 @@ def _believed(
 ) -> Positions:
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     share = float(seen.is_measured.mean())
-    if share == 0.0:
-        raise InputError("the ball was found in no frame", way_out="point at its centre")
+    places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
+    factor = task.setup.slow_motion
+    pace = f"check the slow motion of {factor:g}: a wrong one makes the ball hard to follow"
     if share < _NEVER:
         raise InputError(
-            f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
-            way_out="point at the middle of the ball",
+            f"what was pointed at as a ball, at {places}, is found in {100.0 * share:.0f} % of the "
+            "samples only",
+            way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
         )
     _examine(task, sample, seen, balls, radius)
     share = float(seen.is_measured.mean())
-    if share < _SELDOM:
+    if share < (_SELDOM if factor == 1.0 else _OFTEN):
         task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: look at the "
-            "overlay"
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: "
+            + ("look at the overlay" if factor == 1.0 else pace)
         )
     return seen
 

@@ -297,8 +297,13 @@ def _starts(
         ]
         if len(on_circle) >= count:
             return list(on_circle[:count])
+    shown = sum(len(group) >= count for group in places)
+    if not shown:
+        raise InputError(
+            "only one moving ball was found, not two", way_out="point at pivot and both balls"
+        )
     raise InputError(
-        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in frame "
-        f"{number}",
+        f"{count} {'balls were' if count == 2 else 'ball was'} found in {shown} of {len(places)} "
+        f"frames, but not in frame {number}",
         way_out="point at pivot and ball, or look in another frame (--click-frame)",
     )
