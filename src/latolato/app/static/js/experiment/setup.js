@@ -5,7 +5,7 @@ import { Form } from "../shared/form.js";
 import { SOON, spanText } from "../shared/left.js";
 import { cut, leaveOut } from "../shared/reading.js";
 import { short, toSi } from "../shared/units.js";
-import { inWords } from "../shared/words.js";
+import { inWords, withLabels } from "../shared/words.js";
 import { t } from "../strings.js";
 
 const FIRST = ["length", "radius", "mass"];
@@ -155,7 +155,8 @@ export class Setup {
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
     this.failed.hidden = !clip.error || isOwn;
-    this.failed.textContent = isOwn ? "" : clip.error;
+    // It begins with the name of a file.
+    this.failed.textContent = isOwn ? "" : withLabels(clip.error ?? "", this.fields);
     if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";
   }
 

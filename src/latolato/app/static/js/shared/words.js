@@ -10,6 +10,15 @@ export const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
  * @returns {string}
  */
 export function inWords(text, words) {
-  const sentence = text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
+  const sentence = withLabels(text, words);
   return sentence.charAt(0).toUpperCase() + sentence.slice(1);
+}
+
+/**
+ * Return a text with the words of the page for the options that it names.
+ * @param {string} text
+ * @param {Record<string, {label: string}>} words
+ */
+export function withLabels(text, words) {
+  return text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
 }
