@@ -580,7 +580,7 @@ def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(pa
 def test_a_question_about_two_balls_offers_a_toy(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=self_start")
     page.get_by_text("It is about two balls that knock together").wait_for()
-    page.get_by_role("button", name="Ask it of a toy").click()
+    page.get_by_role("button", name="Ask about a toy").click()
     page.locator(".finding").filter(has_text="the balls part by themselves").wait_for(
         timeout=240_000
     )

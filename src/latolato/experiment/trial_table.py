@@ -30,7 +30,7 @@ TEXTS = {
     "source": "file that the trial is from",
     "class": "class of motion: none, weak (settled at 45 deg) or strong (90 deg at any time)",
     "set_by": "how the set was decided: folder, amplitude or given",
-    "note": "what to know of the trial",
+    "note": "remarks about the trial",
 }
 COUNTS = {
     "borderline": "1 where an angle is within 3 standard deviations of a limit of its class",
