@@ -79,12 +79,13 @@ coverage: $(STAMPS)/test kernels ## run the tests and report the lines not reach
 	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
 
 .PHONY: lint
-lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, types, layers
+lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, words, types, layers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python .ci/javascript.py
+	$(BIN)/python .ci/words.py
 	$(BIN)/node $(VENV)/js/node_modules/typescript/bin/tsc -p tests/app/js
 
 .PHONY: format
