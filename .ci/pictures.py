@@ -1,4 +1,4 @@
-"""Makes the README's pictures anew: the moving toy, and pages of the application.
+"""Makes the README's pictures again: the moving toy, and pages of the application.
 
 `make pictures` runs it; it needs Chromium.
 """
@@ -27,10 +27,11 @@ SIZE = {"width": 1366, "height": 860}
 
 def main() -> None:
     """Write the moving picture and the screenshots."""
-    from app_pages import launch
-    from app_server import start_server, stop_server
     from PIL import Image
     from playwright.sync_api import sync_playwright
+
+    from app_pages import launch
+    from app_server import start_server, stop_server
 
     moving = ["simulate", "toy", "--duration", "8", "--fps", "20", "--animate"]
     subprocess.run([sys.executable, "-m", "latolato", *moving, IMAGES / "toy.gif"], check=True)
