@@ -51,7 +51,7 @@ def _corrections(value: Any) -> tuple[Correction, ...]:
     return tuple(checked_correction(one) for one in value)
 
 
-# What else a page says of a video, each with its check. Frames count from the first of the file.
+# What else a page says about a video, each with its check. Frames count from the first of the file.
 TOOLS: dict[str, Callable[[Any], Any]] = {
     "stick": checked_stick,
     "region": checked_region,

@@ -1,4 +1,4 @@
-/** What is said of a clip on its picture: the frames to use, the frame to point in, corrections. */
+/** Tools below the picture of a clip: the frames to use, the frame to point in, corrections. */
 
 import { el } from "../shared/dom.js";
 import { t } from "../strings.js";
@@ -52,7 +52,7 @@ export class Tools {
   }
 
   /**
-   * Show what can be done with a clip, and what was said of it.
+   * Show what can be done with a clip, and what was chosen.
    * @param {Clip} clip
    */
   update(clip) {
@@ -153,7 +153,7 @@ export function toolPlaces({ width, height }) {
 }
 
 /**
- * Return what the description of a clip says of frames, region, stick and corrections.
+ * Return frames, region, stick and corrections, as the description of a clip has them.
  * @param {Clip} clip
  */
 export function toolsOf(clip) {
