@@ -98,7 +98,7 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"Yes: neighbouring starts drift apart {e_folding(largest)}: chaos.{tail}"
     if status == "regular":
         return f"No: neighbouring starts come together {e_folding(largest)}.{tail}"
-    return f"It cannot be told in this time: follow it longer.{tail}"
+    return f"The run is too short to tell: follow it longer.{tail}"
 
 
 QUESTION = Question(

@@ -148,7 +148,7 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"Yes: differences between them die out, {e_folding(value)}."
     if state == "broken":
         return f"No: a small difference between them grows, {e_folding(value)}."
-    return f"It cannot be told in this time: a difference grows at {number(value)} 1/s."
+    return f"The run is too short to tell: a difference grows at {number(value)} 1/s."
 
 
 QUESTION = Question(

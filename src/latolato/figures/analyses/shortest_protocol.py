@@ -109,7 +109,7 @@ def verdict(dataset: xr.Dataset) -> str:
         )
         return f"It cannot help: no push up to {most} rad/s leads beyond the {rest} from rest."
     if status != "found":
-        return f"No first stage that was tried reaches the large swing; {hand}."
+        return f"None of the first stages tried reaches the large swing; {hand}."
     ratio, lead = float(dataset["best_first_ratio"]), float(dataset["lead_time"])
     angle = float(dataset["upper_angle"])
     swing = "whole turns" if angle > math.pi else f"the large swing of {degrees(angle)}"
