@@ -105,8 +105,9 @@ QUESTION = Question(
     group=DISTURBANCE,
     title="Is it chaotic?",
     term="Lyapunov exponents",
-    reading="Two starts that almost agree: do they drift apart? A red bar above zero means yes, "
-    "ever faster, and nobody can foretell the motion for long; blue bars mean they meet again.",
+    reading="Do two starts that almost agree drift apart? A red bar above zero means yes, ever "
+    "faster, and nobody can predict the motion for long. Blue bars mean that they come "
+    "together again.",
     first=("duration", "transient"),
     conditions=(on_rods,),
     quick={"duration": "300"},

@@ -156,7 +156,7 @@ QUESTION = Question(
     title="Do both balls stay mirror images?",
     term="transverse stability of the symmetric motion",
     reading="Both balls start almost as mirror images. Below zero the difference dies out, and one "
-    "ball tells all; above zero it grows, and each ball goes its own way.",
+    "ball tells you everything. Above zero it grows, and each ball goes its own way.",
     first=("duration", "transient"),
     quick={"duration": "300"},
     conditions=(is_toy, on_rods),

@@ -121,8 +121,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="Does “first fast, then slow” help?",
     term="two-stage driving protocol",
-    reading="On the left each cell is a first stage: to the right how long it is held, upwards how "
-    "fast it is; bright ones succeed. On the right the push of a hand that does the same. If "
+    reading="On the left each cell is a first stage: its duration to the right, its speed upwards; "
+    "bright cells succeed. On the right you see the push by hand that does the same. If "
     "nothing was searched, a curve shows how far each push leads.",
     first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
     quick={"phases": "4"},
