@@ -106,6 +106,10 @@ docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
+.PHONY: pictures
+pictures: $(STAMPS)/test $(STAMPS)/browsers kernels ## make the README's pictures again
+	$(BIN)/python .ci/pictures.py
+
 .PHONY: bench
 bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
 	@for script in benchmarks/*.py; do \
@@ -113,9 +117,12 @@ bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
 	done
 
 .PHONY: dist
-dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/
+dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/; licences of all packages into build/
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
+	@du -h dist/*
+	@mkdir -p build
+	@$(BIN)/pip-licenses --order=license --format=markdown --output-file=build/licences.md
 
 .PHONY: clean
 clean: ## remove what was built, keep .venv
