@@ -1,15 +1,14 @@
-"""Tracks clips that others published, with good and bad clicks, and prints what came of them.
+"""Tracks clips published by others, with good and bad clicks, and prints the results.
 
     python benchmarks/real_clips.py CLONES [TABLE]
 
 `CLONES` holds clones of the repositories in ``real_clips.toml`` as ``owner+name``, ``owner/name``
-or ``name``. Clips that are not there are left out. The exit code is 1 if a case ends otherwise
-than expected.
+or ``name``. Missing clips are left out. The exit code is 1 if a case does not end as expected.
 
-`TABLE` is a Markdown file to write: of each track the period, or the arm where there is none, from
-the whole clip and from its halves, which should agree. It is the period of small swings where the
-pivot is known, else that of the swings as they are, which falls with the amplitude; the arm's error
-is that of its mean alone.
+`TABLE` is a Markdown file to write. For each track it lists the period, or the arm if there is no
+period, from the whole clip and from its halves, which should agree. If the pivot is known, this is
+the period of small swings; otherwise it is that of the actual swings, which falls with the
+amplitude. The arm's error is that of its mean alone.
 """
 
 from __future__ import annotations

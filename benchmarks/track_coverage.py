@@ -1,10 +1,10 @@
 """Counts how often true angles lie within the stated deviations of tracked synthetic clips.
 
-For each way of filming, with one driven ball, two driven balls and one that swings freely: the
+For each filming condition, with one driven ball, two driven balls and one that swings freely: the
 share of samples flagged ok within two deviations (wanted: 90 percent, or a warning), the root mean
-square error, the median deviation and the warnings. Clicks are rounded to whole pixels; lens and
-rolling shutter are declared, and once more not declared. Run ``python benchmarks/track_coverage.py
-[CONDITION ...]``; prints a table.
+square error, the median deviation and the warnings. Clicks are rounded to whole pixels. Lens and
+rolling shutter are declared in one pass and undeclared in another.
+Run ``python benchmarks/track_coverage.py [CONDITION ...]``; it prints a table.
 """
 
 from __future__ import annotations

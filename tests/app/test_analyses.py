@@ -261,7 +261,7 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
     [
         ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
         ("regular", "No: neighbouring starts come together e-fold every 2 s."),
-        ("marginal", "It cannot be told"),
+        ("marginal", "The run is too short to tell"),
         ("failed", "There is no answer: the computation failed."),
     ],
 )
@@ -579,7 +579,7 @@ def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(pa
 
 def test_a_question_about_two_balls_offers_a_toy(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=self_start")
-    page.get_by_text("It is about two balls that knock together").wait_for()
+    page.get_by_text("This question needs two balls that collide").wait_for()
     page.get_by_role("button", name="Ask about a toy").click()
     page.locator(".finding").filter(has_text="the balls part by themselves").wait_for(
         timeout=240_000

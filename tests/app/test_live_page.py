@@ -184,7 +184,7 @@ def test_a_toy_that_does_not_come_says_why(page, watch):
 def test_a_motion_that_cannot_be_followed_begins_again(page):
     open_live(page)
     page.evaluate("() => window.latolato.views.live.toy.push(1e9)")
-    page.get_by_text("The toy starts again").wait_for()
+    page.get_by_text("The toy restarts").wait_for()
     wait_for_toy(page, "toy.time > 0.1")
 
 

@@ -229,7 +229,7 @@ def test_points_of_a_continuation_do_not_run_alone(tmp_path):
     )  # fmt: skip
     about, _ = unpack(stored.block_of(path, {}))
     assert about["stored"]["options"] is None
-    assert "goes on from its neighbour" in about["stored"]["reason"]
+    assert "continues from its neighbour" in about["stored"]["reason"]
 
 
 def test_a_stored_map_takes_either_spacing(maps):

@@ -611,7 +611,7 @@ def test_a_full_disk_gives_one_line_and_leaves_a_store_to_go_on_with(tmp_path, m
         replace(*names)
 
     monkeypatch.setattr(os, "replace", full)
-    words = "No space left on device .finished chunks are kept; once this is mended"
+    words = "No space left on device .finished chunks are kept; once this is fixed"
     with pytest.raises(OSError, match=words) as caught:
         fill(PLAN, path, reasons=[(0, "for the last file")])
     assert caught.value.errno == errno.ENOSPC

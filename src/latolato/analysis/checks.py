@@ -76,8 +76,8 @@ def check_rods(system: System) -> None:
     """Raise InputError for strings where a motion is carried on by its angle and velocity."""
     if checked_system(system).suspension == "string":
         raise InputError(
-            "must be 'rod' here: each motion goes on from an angle and an angular velocity, and a "
-            "slack ball has a distance and a radial velocity too",
+            "must be 'rod' here: each motion continues from an angle and an angular velocity, but "
+            "a slack ball also has a distance and a radial velocity",
             parameter="suspension",
             value=system.suspension,
             way_out="sweep starts instead, or give suspension='rod'",

@@ -50,7 +50,7 @@ def response_period_map(
     Parameters
     ----------
     system, drive
-        The laws; amplitude and frequency of the drive are replaced. None is harmonic.
+        The laws; amplitude and frequency of the drive are replaced. None means a harmonic drive.
     drive_amplitude : sequence of float
         A0 [m], at least 0.
     frequency_ratio : sequence of float

@@ -49,7 +49,7 @@ def serve(
     host : str
         The address to listen on.
     port : int, optional
-        The port, 0 for any free one; by default 8765, or a free one if that is taken.
+        The port; 0 for any free one. Default: 8765, or a free one if that is taken.
     browser : bool
         Whether to open the page.
     allow_others : bool

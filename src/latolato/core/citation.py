@@ -17,7 +17,7 @@ SOFTWARE_AUTHOR = "The latolato developers"
 
 
 def cite() -> str:
-    """Return the text to cite latolato and the paper by, followed by BibTeX entries.
+    """Return how to cite latolato and the paper, followed by BibTeX entries.
 
     Examples
     --------

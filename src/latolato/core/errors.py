@@ -16,7 +16,7 @@ _LONGEST = 200
 
 
 class InputError(ValueError):
-    """Input that breaks a rule; everything else that is raised is a fault of the program.
+    """Input that breaks a rule; any other exception is a bug in the program.
 
     Its text is one line, made of its parts: ``radius must lie in [0, length), got 0.5; give less
     than 0.4``. Programs read the parts, never the text.

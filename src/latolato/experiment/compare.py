@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: Any) -> xr.Dataset:
-    """Return a comparison of what was measured and what is computed.
+    """Return a comparison of measurement and computation.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ def _frames(
 
 
 class Scene:
-    """A picture of which only the moving parts are drawn again.
+    """A picture in which only the moving parts are redrawn.
 
     Parameters
     ----------

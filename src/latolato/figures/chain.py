@@ -39,7 +39,7 @@ _STILL = 320
 
 @dataclass(frozen=True, kw_only=True)
 class Clip:
-    """A motion that is filmed, or sampled as a film would.
+    """A motion to film, or to sample at the times of a film.
 
     Attributes
     ----------

@@ -59,9 +59,9 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     NetCDF holds everything, sweeps and analyses too; complex variables become two, ``name_real``
     and ``name_imag``, which `load` joins. CSV and Parquet hold sweeps, one row per point, and runs,
     one row per instant. The variables of a `BallPair` are columns ``angle_right`` and
-    ``angle_left``. The columns of a CSV have the units of pages and pictures: one that is not in
-    the unit of the dataset has its unit in its name, ``angle [deg]``, and `load` returns the same
-    numbers. The contacts of a run, if any were possible, go to a second file
+    ``angle_left``. The columns of a CSV have the units of pages and pictures: a column that is
+    not in the unit of the dataset has its unit in its name, ``angle [deg]``, and `load` returns
+    the same numbers. The contacts of a run, if any were possible, go to a second file
     ``<stem>.contacts.csv``, which is put in place first and removed when a run without them takes
     the place of one with them. An interrupted or failed call leaves no file; what a killed one left
     for the same path is removed by the next.

@@ -67,7 +67,7 @@ DEFERRED = (
     ),
 )
 
-# Errors that change no number but make a reader stumble.
+# Errors that change no number but confuse a reader.
 ERRATA = (
     "“(eq11)” in the text on Fig. 2 and in the supplement's Nonlinear phenomena means eq14, the "
     "small-angle equation; eq11 is the impact law.",
@@ -81,8 +81,8 @@ ERRATA = (
     "pivot.",
     "The conservation law of an impact is that of angular momentum about the pivot; it holds for "
     "every coefficient of restitution.",
-    "Energies, works and losses of the mirror-symmetric pair are per ball here; the pair has "
-    "twice that.",
+    "Energies, works and losses of the mirror-symmetric pair are given per ball here; the pair "
+    "has twice as much.",
 )
 
 
@@ -131,9 +131,9 @@ def render(
         title=_text(TITLE),
         version=escape(version_of()),
         lead=_text(
-            f"What {PAPER_AUTHORS[0]} and others, “{PAPER_TITLE}”, state about a driven "
-            "pendulum and a colliding pair of pendulums, beside what an accurate calculation "
-            "gives. Every number is computed by the program that wrote this page; every verdict "
+            f"This report compares what {PAPER_AUTHORS[0]} and others, “{PAPER_TITLE}”, state "
+            "about a driven pendulum and a colliding pair of pendulums with an accurate "
+            "calculation. The program that wrote this page computed every number. Every verdict "
             "follows from the numbers and the limits shown with them."
         ),
         meta=_text(
@@ -143,11 +143,11 @@ def render(
         tally=_tally(claims),
         contents=contents,
         claims_note=_text(
-            "A claim is reproduced if all its limits hold for what the paper prints, reproduced "
-            "with an assumption if they hold once something unprinted is assumed, and else not as "
-            "printed. Where the paper prints too little to test its claim, only the method is "
-            "checked, on synthetic data or by calculation; such a check says nothing about the "
-            "paper's measurements. ✓ and ✗ mark limits that held and did not."
+            "A claim is reproduced if all its limits hold for the printed parameters. It is "
+            "reproduced with an assumption if they hold once something unprinted is assumed, and "
+            "not as printed otherwise. Where the paper prints too little to test its claim, we "
+            "check only the method, on synthetic data or by calculation; such a check says "
+            "nothing about the paper's measurements. ✓ marks limits that hold, ✗ limits that fail."
         ),
         claims=_claims(claims),
         deferred=_left_out(left_out) + _deferred({claim.name for claim in claims}),
@@ -160,8 +160,8 @@ def render(
         rerun=_rerun(parts),
         cite=escape(cite()),
         footer=_text(
-            f"Written by latolato {version_of()}. This file holds everything it shows; the "
-            "pictures and data beside it are for further use."
+            f"Written by latolato {version_of()}. This file is self-contained; the pictures and "
+            "data next to it are for further use."
         ),
     )
 
@@ -469,15 +469,15 @@ def _method(parts: Sequence[Part]) -> str:
     return (
         "<p>"
         + _text(
-            "Runs use a symmetric splitting method of sixth order with fixed steps; contacts are "
+            "Runs use a symmetric splitting method of sixth order with fixed steps. Contacts are "
             "located on the solution itself, and a pair at rest stays at rest until the pivot "
             "falls faster than gravity. The residual is the largest error of E(t) - E(0) - work + "
-            "losses, where work and losses are integrals of their own, over the largest energy of "
-            "the run; runs with the clamp artefact are left out, for it breaks the ledger. Growth "
-            "rates, edges and thresholds of eq14 come from Hill's determinant and are checked by "
-            "runs. Maps use the same method with longer steps; the tolerance beside them is the "
-            "error of the angle that regular motion is aimed at. Chaotic motion keeps its averages "
-            "but not its digits."
+            "losses, relative to the largest energy of the run; work and losses are separate "
+            "integrals. Runs with the clamp artefact are left out, because it breaks the ledger. "
+            "Growth rates, edges and thresholds of eq14 come from Hill's determinant and are "
+            "checked by runs. Maps use the same method with longer steps; their tolerance is the "
+            "target error of the angle for regular motion. Chaotic motion keeps its averages but "
+            "not its digits."
         )
         + f"</p>{_scrolled(heads, rows)}{_method_of_maps(parts)}"
         + (f"<p>Warnings of the runs:</p>{_list(notes)}" if notes else "")
@@ -527,8 +527,8 @@ def _rerun(parts: Sequence[Part]) -> str:
         "<p>The whole report, then one figure:</p><pre>latolato reproduce</pre>"
         f"<pre>{escape(code)}</pre><p>"
         + _text(
-            "Each data file holds, for each of its runs, the scenario as JSON: system, drive, "
-            "start. Those of maps hold the plan of each sweep."
+            "Each data file contains the scenario of each run as JSON: system, drive, start. The "
+            "files of maps contain the plan of each sweep."
         )
         + "</p>"
     )

@@ -160,7 +160,7 @@ def _figures(table: xr.Dataset) -> list[tuple[Figure, str]]:
                 "How far the ball is from its circle about the pivot, over time and over the "
                 "angle. A wave over the angle means lens, perspective or a pivot beside the hinge.",
             ),
-            (_pivot_figure(table), "The pivot's height with one harmonic, and what it leaves."),
+            (_pivot_figure(table), "The pivot's height with one harmonic, and the rest."),
             (_sigma_figure(table), "Standard deviations of the angles flagged ok."),
         ]
 

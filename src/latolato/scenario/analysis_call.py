@@ -140,13 +140,13 @@ class AnalysisCall:
         if isinstance(law, ContactLaw) and "contact" not in self.own:
             kind = contact_laws.name_of(law)
             warnings.warn(
-                f"contact '{kind}' of the scenario is left out: {self.name} is of exact contact",
+                f"the scenario's contact '{kind}' is left out: {self.name} uses exact contact",
                 RuntimeWarning,
                 stacklevel=2,
             )
         if scenario.run.get("noise") is not None and "noise_strength" not in self.own:
             warnings.warn(
-                f"the noise of the scenario is left out: {self.name} is of the motion without",
+                f"the scenario's noise is left out: {self.name} analyses the motion without it",
                 RuntimeWarning,
                 stacklevel=2,
             )

@@ -66,14 +66,14 @@ class Scenario:
     drive : Drive
         How the pivot moves.
     run : mapping
-        The further arguments of `latolato.simulate` by name.
+        The other arguments of `latolato.simulate` by name.
     varied : mapping
         The arguments of `latolato.sweep` that ``[sweep]`` gives: `axes`, `observables` and more;
         empty for a scenario of one run.
     name, title, description : str
-        What the scenario is called and what it shows, with every assumption made.
+        Name and title of the scenario, and what it shows, with every assumption made.
     question : str
-        What somebody who sees the motion may ask: pages show it as a headline.
+        A question that the motion raises; pages show it as a headline.
     figure : str
         The figure of the paper that it belongs to.
     """
@@ -236,7 +236,7 @@ class Scenario:
 
 
 def load_scenario(source: str | Path) -> Scenario:
-    """Return a scenario that is shipped, written in a TOML file, or stored in a run's file.
+    """Return a shipped scenario, one from a TOML file, or the one stored in a run's file.
 
     Parameters
     ----------

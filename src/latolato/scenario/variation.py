@@ -179,7 +179,7 @@ def _spread(name: str, low: Any, high: Any, count: int, is_log: bool, unit: str)
 
 
 def parse_axis(text: str) -> tuple[str, Any]:
-    """Return name and values of an axis of the command line, as texts.
+    """Return the name and the values of an axis given on the command line, as texts.
 
     Examples
     --------

@@ -55,7 +55,7 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True)
 class Record:
-    """A run as plain arrays: all that those need who look at numbers only, without xarray.
+    """A run as plain arrays, without xarray: enough for callers that only need the numbers.
 
     Attributes
     ----------

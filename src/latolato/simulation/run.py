@@ -277,7 +277,7 @@ def _closed(
         if halvings == MOST_HALVINGS or int(state.total_steps) > MOST_STEPS_TO_REPEAT:
             share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
             warnings.warn(
-                f"the energy ledger closes to {residual:.3g} J only, {share:.2g} of "
+                f"the energy ledger closes only to {residual:.3g} J, {share:.2g} of "
                 f"the largest energy: tolerance {tolerance:g} was not reached with step "
                 f"{trajectory.step:.3g} s",
                 RuntimeWarning,

@@ -250,7 +250,7 @@ def checked_start(
     low, high = walls
     if angle is None and offset is None:
         raise InputError(
-            "is needed [rad] (for a LatoLato initial_offset may stand instead)",
+            "is needed [rad] (a LatoLato also accepts initial_offset)",
             parameter="initial_angle",
         )
     if offset is not None:

@@ -138,7 +138,7 @@ def in_order(counts: Mapping[str, int]) -> dict[str, int]:
 
 
 class Results:
-    """A sweep's results: which chunks are missing, and what became of the points of the others.
+    """A sweep's results: the missing chunks, and the results of the points in the others.
 
     Attributes
     ----------

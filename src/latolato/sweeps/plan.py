@@ -495,8 +495,8 @@ def _start(
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*fixed, *varied}]
     if missing and "initial_offset" not in {*fixed, *varied}:
         raise InputError(
-            f"{missing[0]} is needed [rad], as a value or an axis (for a LatoLato initial_offset "
-            "may stand instead)"
+            f"{missing[0]} is needed [rad], as a value or an axis (a LatoLato also accepts "
+            "initial_offset)"
         )
     return tuple(sorted((k, v) for k, v in fixed.items() if k not in varied))
 

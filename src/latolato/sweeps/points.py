@@ -437,8 +437,8 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
     """
     if plan.continuation:
         raise InputError(
-            f"a point of this map goes on from its neighbour along {plan.continuation}: it cannot "
-            "run alone"
+            f"a point of this map continues from its neighbour along {plan.continuation}: it "
+            "cannot run alone"
         )
     columns = columns_of(plan, np.array([number]))
     system, drive, start = _objects(plan, columns, 0, None)

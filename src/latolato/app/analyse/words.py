@@ -4,7 +4,7 @@
 # `Question` has their labels.
 OPTION_WORDS = {
     "angle_tolerance": "Two samples are the same within",
-    "direction": "Which way it is followed",
+    "direction": "Direction in which to follow it",
     "drive_amplitude": "Amplitude of the drive",
     "duration": "How long each run lasts",
     "frequency_ratio": "Drive speed, ω/ω₀",
@@ -16,9 +16,9 @@ OPTION_WORDS = {
     "noise_seed": "Seed of the random numbers",
     "noise_strength": "Strength of the random kicks",
     "order": "Number of the tongue (1 at ω = 2ω₀)",
-    "parameter": "What is changed",
+    "parameter": "Parameter to change",
     "period": "Repeats after how many shakes",
-    "periods": "Shakes that are watched",
+    "periods": "Shakes to watch",
     "points": "How many values",
     "position": "Position of the ball",
     "push": "What the push gives",

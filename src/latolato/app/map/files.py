@@ -49,7 +49,7 @@ _BALLS = ("right", "left")
 
 
 def prepare(known: Mapping[str, Path], body: Any) -> Job:
-    """Return the job that makes a file of the map on show.
+    """Return the job that makes a file of the current map.
 
     A page sends its `kind`; `stored`, the name of a stored map, or the `options` and the `sweep`
     of its own; `observable` with `ball` and `select`; and how the map looks: `scale`, `log`,

@@ -209,7 +209,7 @@ def _laws(path: Path, taken: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
         "stored": {
             "options": _options(plan) if alone else None,
             "reason": "" if alone else (
-                f"a point of this map goes on from its neighbour along {plan.continuation}: it "
+                f"a point of this map continues from its neighbour along {plan.continuation}: it "
                 "cannot run alone"
             ),
             "sets": {**sets, "all": fixed},

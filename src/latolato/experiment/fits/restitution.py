@@ -57,7 +57,7 @@ def fit_restitution(
     start: Annotated[float | None, "s"] = None,
     end: Annotated[float | None, "s"] = None,
 ) -> Fit:
-    """Return the coefficient of restitution of every impact that is seen, and of all together.
+    """Return the coefficient of restitution of every visible impact, and of all together.
 
     Paper eq11: of a table with two balls from their relative angular velocity, of one with one
     ball from its own at a wall.

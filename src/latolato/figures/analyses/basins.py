@@ -157,8 +157,9 @@ QUESTION = Question(
     group=BEGINNING,
     title="Does it matter how it starts?",
     term="basins of attraction",
-    reading="Each point is a start: to the right its angle, upwards its speed. One colour ends in "
-    "one motion; where they mix finely, a tiny change decides. Dots: even rounding does.",
+    reading="Each point is one start: its angle to the right, its speed upwards. Points of one "
+    "colour end in the same motion. Where colours mix finely, a tiny change decides; at the "
+    "dots even rounding does.",
     first=("angle_points", "velocity_points", "transient_periods"),
     quick={"angle_points": "40", "velocity_points": "40"},
     conditions=(settles, is_shaken),

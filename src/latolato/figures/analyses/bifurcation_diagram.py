@@ -124,9 +124,9 @@ QUESTION = Question(
     group=LONG_RUN,
     title="What happens when I turn one knob?",
     term="bifurcation diagram",
-    reading="Above each setting of the knob stand the angles seen once per shake: one dot, it "
-    "repeats every shake; two dots, every second; a smear, never. Red is the way up, blue the way "
-    "back down: where they differ, the past decides.",
+    reading="Above each setting of the knob you see the angles once per shake. One dot: the motion "
+    "repeats every shake; two dots: every second shake; a smear: never. Red is the way up, "
+    "blue the way back down: where they differ, the past decides.",
     first=("parameter", "low", "high", "points"),
     quick={"points": "41", "parameter": "frequency_ratio"},
     conditions=(settles, is_shaken, on_rods),

@@ -199,8 +199,8 @@ QUESTION = Question(
     group=DISTURBANCE,
     title="How does a rhythm change, and where does it end?",
     term="continuation of a periodic orbit",
-    reading="One repeating motion is followed while a knob is turned: solid where it is stable, "
-    "dashed where it is not. Marks show where it turns round, splits or begins to touch.",
+    reading="The curve follows one repeating motion while a knob turns: solid where it is stable, "
+    "dashed where it is not. Marks show where it turns back, splits or begins to touch.",
     first=("parameter", "low", "high", "period", "direction"),
     quick={"points": "100", "parameter": "frequency_ratio"},
     conditions=(is_shaken,),

@@ -88,8 +88,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="How long until random jiggling sets it off?",
     term="noise activation, first passage",
-    reading="Many toys are jiggled at random. The curve is the share that has not yet reached the "
-    "angle; a straight line here means that the toy does not age: pure chance.",
+    reading="Many toys are jiggled at random. The curve shows the share that has not yet reached "
+    "the angle. A straight line here means that the toy does not age: pure chance.",
     first=("noise_strength", "threshold_angle", "trajectories", "duration"),
     quick={"noise_strength": "0.5", "trajectories": "100", "duration": "300"},
     place=6,

@@ -129,8 +129,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="How hard must I push to get it going?",
     term="basin boundary on a line of starts",
-    reading="To the right the speed of the drive, upwards the smallest push that starts lasting "
-    "motion. At zero it starts by itself; where a point is missing no push helps.",
+    reading="The drive speed runs to the right, the smallest push that starts lasting motion "
+    "upwards. At zero the toy starts by itself; where a point is missing, no push helps.",
     first=("frequency_ratio", "push", "largest_push"),
     quick={"frequency_ratio": "{ratios} : 16", "scan_points": "30"},
     conditions=(settles, is_shaken),

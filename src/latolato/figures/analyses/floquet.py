@@ -131,7 +131,7 @@ QUESTION = Question(
     title="Is there a steady rhythm nearby, and is it stable?",
     term="Floquet multipliers of a periodic orbit",
     reading="A motion that repeats is found exactly, from a start near it. If all dots lie inside "
-    "the circle, small disturbances die out; a red one outside makes them grow.",
+    "the circle, small disturbances die out; a red dot outside makes them grow.",
     first=("period",),
     conditions=(is_shaken,),
     place=2,

@@ -77,8 +77,8 @@ QUESTION = Question(
     group=REST,
     title="Does a small swing grow or die away?",
     term="growth rate, Floquet exponent",
-    reading="To the right the speed of the drive, upwards how fast a small swing grows. Above zero "
-    "it grows, below it dies away. The dot marks the present speed.",
+    reading="The drive speed runs to the right, the growth rate of a small swing upwards. Above "
+    "zero the swing grows, below zero it dies away. The dot marks the present speed.",
     first=("position",),
     conditions=(can_hang, is_even),
     place=3,

@@ -103,8 +103,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="Does it remember where it came from?",
     term="hysteresis, bistability",
-    reading="The drive is made slowly faster, then slowly slower; upwards the largest swing. Where "
-    "both curves part, the toy does one thing or the other, depending on its past.",
+    reading="The drive slowly gets faster, then slower; the curves show the largest swing. Where "
+    "they part, the toy does one thing or the other, depending on its past.",
     first=("frequency_ratio", "duration"),
     quick={"frequency_ratio": "{ratios} : 41", "duration": "60"},
     conditions=(settles, is_shaken, on_rods),

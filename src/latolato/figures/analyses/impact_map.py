@@ -85,8 +85,9 @@ QUESTION = Question(
     group=LONG_RUN,
     title="In what rhythm do the balls clack?",
     term="impact map",
-    reading="Every dot is a clack: to the right when in the shake it comes, upwards how fast the "
-    "balls part. Few dots mean a steady rhythm. On the right each clack against the one before.",
+    reading="Every dot is a clack: its moment within the shake to the right, its rebound speed "
+    "upwards. Few dots mean a steady rhythm. On the right you see each clack against the one "
+    "before.",
     first=("periods", "transient_periods"),
     conditions=(has_contacts, is_shaken),
     place=5,

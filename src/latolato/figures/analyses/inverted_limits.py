@@ -84,8 +84,8 @@ QUESTION = Question(
     group=REST,
     title="Can it stand on its head?",
     term="Kapitza's pendulum, dynamic stabilisation",
-    reading="Inside the coloured part fast shaking holds the ball upright. To the right the speed "
-    "of the drive, upwards its amplitude over the length; dashed is Kapitza's formula.",
+    reading="In the coloured part fast shaking holds the ball upright. The drive speed runs to the "
+    "right, its amplitude over the length upwards; the dashed line is Kapitza's formula.",
     first=("frequency_ratio",),
     conditions=(can_stand,),
     place=4,

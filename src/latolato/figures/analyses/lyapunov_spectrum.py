@@ -98,15 +98,16 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"Yes: neighbouring starts drift apart {e_folding(largest)}: chaos.{tail}"
     if status == "regular":
         return f"No: neighbouring starts come together {e_folding(largest)}.{tail}"
-    return f"It cannot be told in this time: follow it longer.{tail}"
+    return f"The run is too short to tell: follow it longer.{tail}"
 
 
 QUESTION = Question(
     group=DISTURBANCE,
     title="Is it chaotic?",
     term="Lyapunov exponents",
-    reading="Two starts that almost agree: do they drift apart? A red bar above zero means yes, "
-    "ever faster, and nobody can foretell the motion for long; blue bars mean they meet again.",
+    reading="Do two starts that almost agree drift apart? A red bar above zero means yes, ever "
+    "faster, and nobody can predict the motion for long. Blue bars mean that they come "
+    "together again.",
     first=("duration", "transient"),
     conditions=(on_rods,),
     quick={"duration": "300"},

@@ -148,7 +148,7 @@ def verdict(dataset: xr.Dataset) -> str:
         return f"Yes: differences between them die out, {e_folding(value)}."
     if state == "broken":
         return f"No: a small difference between them grows, {e_folding(value)}."
-    return f"It cannot be told in this time: a difference grows at {number(value)} 1/s."
+    return f"The run is too short to tell: a difference grows at {number(value)} 1/s."
 
 
 QUESTION = Question(
@@ -156,7 +156,7 @@ QUESTION = Question(
     title="Do both balls stay mirror images?",
     term="transverse stability of the symmetric motion",
     reading="Both balls start almost as mirror images. Below zero the difference dies out, and one "
-    "ball tells all; above zero it grows, and each ball goes its own way.",
+    "ball tells you everything. Above zero it grows, and each ball goes its own way.",
     first=("duration", "transient"),
     quick={"duration": "300"},
     conditions=(is_toy, on_rods),

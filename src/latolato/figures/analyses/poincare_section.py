@@ -81,8 +81,9 @@ QUESTION = Question(
     group=LONG_RUN,
     title="What pattern does it draw, seen once per shake?",
     term="Poincaré (stroboscopic) section",
-    reading="Every dot is one flash per shake: to the right the angle, upwards the speed. A few "
-    "dots mean a rhythm, a closed curve two rhythms that do not fit, a cloud with layers chaos.",
+    reading="Every dot is one flash per shake: the angle to the right, the speed upwards. A few "
+    "dots mean a rhythm, a closed curve two rhythms that do not fit together, a layered "
+    "cloud chaos.",
     first=("periods", "section_phase"),
     conditions=(settles, is_shaken),
     place=3,

@@ -146,14 +146,14 @@ def ends_as_cosine(system: Any, drive: Any) -> str | None:
 def has_contacts(system: Any, drive: Any) -> str | None:
     """Say whether there are two balls."""
     if not system.has_contacts:
-        return "It is about two balls that knock together: choose LatoLato or BallPair."
+        return "This question needs two balls that collide: choose LatoLato or BallPair."
     return None
 
 
 def on_rods(system: Any, drive: Any) -> str | None:
     """Say whether the balls hang on rods."""
     if system.suspension == "string":
-        return "It is about balls on rods: on strings a ball's angle and speed do not tell all."
+        return "This question needs rods: on strings, more than angle and speed matters."
     return None
 
 
@@ -164,7 +164,7 @@ def drags_with_pivot(system: Any, drive: Any) -> str | None:
     try:
         check_drag(system)
     except InputError:
-        return "It is about air that moves with the pivot: choose that, or no damping."
+        return "This question needs air that moves with the pivot: choose that, or no damping."
     return None
 
 
@@ -173,7 +173,7 @@ def is_toy(system: Any, drive: Any) -> str | None:
     from latolato.physics.pendulum import LatoLato
 
     if not isinstance(system, LatoLato):
-        return "It is about two equal balls: choose LatoLato."
+        return "This question needs two equal balls: choose LatoLato."
     return None
 
 
@@ -183,9 +183,9 @@ def _is_free(position: str) -> Condition:
 
         if system.has_contacts:
             where = "hang straight down" if position == "hanging" else "stand upright"
-            return f"It is about one ball: two of them touch before they {where}."
+            return f"This question needs one ball: two balls touch before they {where}."
         if position == "inverted" and system.is_linear:
-            return "The Mathieu equation knows no upright position: choose a pendulum."
+            return "The Mathieu equation has no upright position: choose a pendulum."
         try:
             linearised(system, drive if drive.moves else None, position)
         except InputError as error:

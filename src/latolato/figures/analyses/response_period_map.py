@@ -116,8 +116,9 @@ QUESTION = Question(
     group=LONG_RUN,
     title="Where does it repeat, rest or run wild?",
     term="map of response periods",
-    reading="Each cell is one toy: to the right the speed of the drive, upwards its amplitude. The "
-    "colour says after how many shakes its motion repeats; pale cells rest, red ones never repeat.",
+    reading="Each cell is one toy: the drive speed runs to the right, the amplitude upwards. The "
+    "colour shows after how many shakes its motion repeats; pale cells rest, red ones never "
+    "repeat.",
     first=("drive_amplitude", "frequency_ratio"),
     quick={"drive_amplitude": "{amplitudes} : 16", "frequency_ratio": "{ratios} : 16"},
     conditions=(settles, is_even),

@@ -83,8 +83,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="How far must the hand move for it to start by itself?",
     term="lift-off from resting contact",
-    reading="To the right the speed of the drive, upwards its amplitude. Inside the coloured part "
-    "the pivot drops faster than the balls fall, and they part without a push.",
+    reading="The drive speed runs to the right, the amplitude upwards. In the coloured part the "
+    "pivot drops faster than the balls fall, and they part without a push.",
     first=("frequency_ratio", "check"),
     conditions=(has_contacts, drags_with_pivot),
     place=3,

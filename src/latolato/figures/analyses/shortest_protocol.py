@@ -109,7 +109,7 @@ def verdict(dataset: xr.Dataset) -> str:
         )
         return f"It cannot help: no push up to {most} rad/s leads beyond the {rest} from rest."
     if status != "found":
-        return f"No first stage that was tried reaches the large swing; {hand}."
+        return f"None of the first stages tried reaches the large swing; {hand}."
     ratio, lead = float(dataset["best_first_ratio"]), float(dataset["lead_time"])
     angle = float(dataset["upper_angle"])
     swing = "whole turns" if angle > math.pi else f"the large swing of {degrees(angle)}"
@@ -121,8 +121,8 @@ QUESTION = Question(
     group=BEGINNING,
     title="Does “first fast, then slow” help?",
     term="two-stage driving protocol",
-    reading="On the left each cell is a first stage: to the right how long it is held, upwards how "
-    "fast it is; bright ones succeed. On the right the push of a hand that does the same. If "
+    reading="On the left each cell is a first stage: its duration to the right, its speed upwards; "
+    "bright cells succeed. On the right you see the push by hand that does the same. If "
     "nothing was searched, a curve shows how far each push leads.",
     first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
     quick={"phases": "4"},

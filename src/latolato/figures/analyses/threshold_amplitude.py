@@ -56,7 +56,7 @@ QUESTION = Question(
     group=REST,
     title="How strongly must it be shaken to swing up by itself?",
     term="threshold of parametric resonance",
-    reading="Inside the coloured tongues hanging still is impossible. The dot is where this speed "
+    reading="In the coloured tongues hanging still is impossible. The dot shows where this speed "
     "first meets a tongue; below it a small swing dies away.",
     first=("frequency_ratio", "order"),
     conditions=(can_hang, is_even),

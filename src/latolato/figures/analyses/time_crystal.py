@@ -142,8 +142,9 @@ QUESTION = Question(
     group=LONG_RUN,
     title="Does it keep its half-speed beat?",
     term="subharmonic line, “time crystal” order",
-    reading="Does it swing once in two shakes, and does random jiggling make it lose the beat? "
-    "The left curve is its memory of the beat: flat near 1 it is kept, falling to 0 it is lost.",
+    reading="Does it swing once in two shakes, and does random jiggling make it lose the beat? The "
+    "left curve shows its memory of the beat: near 1 it keeps the beat, near 0 it has lost "
+    "it.",
     first=("noise_strength", "trajectories", "periods"),
     quick={"noise_strength": "0", "trajectories": "1"},
     conditions=(is_shaken,),

@@ -66,8 +66,8 @@ QUESTION = Question(
     group=REST,
     title="At which speeds does hanging still become impossible?",
     term="parametric resonance, Mathieu-Hill tongue",
-    reading="Inside the coloured tongues the smallest swing grows by itself, as on a garden swing. "
-    "The dashed line marks the chosen amplitude; the dots are the edges on it.",
+    reading="In the coloured tongues the smallest swing grows by itself, as on a garden swing. The "
+    "dashed line marks the chosen amplitude; the dots are the edges on it.",
     first=("drive_amplitude", "order", "position"),
     conditions=(can_hang, is_shaken),
     place=1,

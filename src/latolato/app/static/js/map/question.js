@@ -204,8 +204,8 @@ function startOf(registry, system, options, varied) {
   const missing = sides.map((side) => START[0] + side)
     .find((name) => !(name in start) && !varied.includes(name));
   if (missing && !("initial_offset" in start) && !varied.includes("initial_offset"))
-    throw new InputError(`${missing} is needed [rad], as a value or an axis (for a LatoLato `
-      + "initial_offset may stand instead)");
+    throw new InputError(`${missing} is needed [rad], as a value or an axis (a LatoLato also `
+      + "accepts initial_offset)");
   return start;
 }
 

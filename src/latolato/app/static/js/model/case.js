@@ -231,7 +231,7 @@ function startOf(registry, system, meets, run) {
   const { initial_angle: angle = null, initial_offset: offset = null } = run;
   const parameter = "initial_angle";
   if (angle === null && offset === null)
-    throw new InputError("is needed [rad] (for a LatoLato initial_offset may stand instead)", { parameter });
+    throw new InputError("is needed [rad] (a LatoLato also accepts initial_offset)", { parameter });
   if (offset !== null) {
     if (system.kind !== "latolato")
       throw new InputError("counts from the low contact angle of a LatoLato",

@@ -219,7 +219,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   const warnings = status === "complete" ? [] : [`the run ${status}; later samples are NaN`];
   if (isLoose) {
     const share = residual / kernels.get(record, "state.largest_energy");
-    warnings.push(`the energy ledger closes to ${general(residual, 3)} J only, ${general(share, 2)} of the `
+    warnings.push(`the energy ledger closes only to ${general(residual, 3)} J, ${general(share, 2)} of the `
       + `largest energy: tolerance ${general(each.tolerance)} was not reached with step `
       + `${general(kernels.get(record, "settings.step"), 3)} s`);
   }
