@@ -1,14 +1,20 @@
 """Tracks clips that others published, with good and bad clicks, and prints what came of them.
 
-    python benchmarks/real_clips.py CLONES
+    python benchmarks/real_clips.py CLONES [TABLE]
 
 `CLONES` holds clones of the repositories in ``real_clips.toml`` as ``owner+name``, ``owner/name``
 or ``name``. Clips that are not there are left out. The exit code is 1 if a case ends otherwise
 than expected.
+
+`TABLE` is a Markdown file to write: of each track the period, or the arm where there is none, from
+the whole clip and from its halves, which should agree. It is the period of small swings where the
+pivot is known, else that of the swings as they are, which falls with the amplitude; the arm's error
+is that of its mean alone.
 """
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import tempfile
@@ -17,11 +23,16 @@ import warnings
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import latolato as ll
 from latolato.core.errors import InputError
+from latolato.experiment.quality import circle_distances
+from latolato.experiment.tracking.wander import period_of
 
 # Share of samples that may be ok where the ball is not followed, and that must be where it is.
 _FEW, _MANY = 0.05, 0.6
+_HEAD = "clip|pointed at|ok|geometry|whole clip|first half|second half|halves differ by"
 
 
 def _content(clones: Path, clip: dict[str, Any]) -> bytes | None:
@@ -38,25 +49,61 @@ def _content(clones: Path, clip: dict[str, Any]) -> bytes | None:
     return None
 
 
-def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str]:
-    """Return the share of samples that are ok, and the reason or the warnings."""
+def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str, Any]:
+    """Return the share of samples that are ok, the reason or the warnings, and the track table."""
     given = {name: case[name] for name in ("pivot", "balls", "length", "radius") if name in case}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             table = ll.track(path, **given)
     except InputError as error:
-        return 0.0, f"refused: {error}".replace(f"{path}: ", "")
-    return float((table.flag_1 == "ok").mean()), str(table.attrs.get("warnings", ""))
+        return 0.0, f"refused: {error}".replace(f"{path}: ", ""), None
+    return float((table.flag_1 == "ok").mean()), str(table.attrs.get("warnings", "")), table
+
+
+def _period(table: Any) -> tuple[float, float]:
+    """Return the period and its standard deviation [s], NaN for none."""
+    if table.attrs["geometry"] == "unknown":
+        places = np.column_stack([table.ball_1_u, table.ball_1_v])
+        places[table.flag_1.values != "ok"] = math.nan
+        return period_of(table.time.values, places)
+    try:
+        fit = ll.fit_decay(table, method="equation", compare=False, profile=False)
+    except InputError:
+        return math.nan, math.nan
+    frequency = fit.estimates["natural_frequency"]
+    return math.tau / frequency.value, math.tau * frequency.sigma / frequency.value**2
+
+
+def _arm(table: Any) -> tuple[float, float]:
+    """Return the arm and the standard error of its mean [pixels], NaN without a pivot."""
+    ok = table.flag_1.values == "ok"
+    if table.attrs["geometry"] == "unknown" or not ok.any():
+        return math.nan, math.nan
+    distances = circle_distances(table, 1)[ok] / table.attrs.get("metres_per_pixel", 1.0)
+    arm = table.attrs["arm_pixels"] + float(np.mean(distances))
+    return arm, float(np.std(distances)) / math.sqrt(ok.sum())
+
+
+def _halves(table: Any) -> list[str]:
+    """Return period or arm of the whole clip and of its halves, and by how much these differ."""
+    is_late = (table.time > 0.5 * (table.time[0] + table.time[-1])).values
+    parts = [table, table.isel(frame=~is_late), table.isel(frame=is_late)]
+    measures = (_period, "s"), (_arm, "pixels")
+    measured = [([measure(part) for part in parts], unit) for measure, unit in measures]
+    pairs, unit = max(measured, key=lambda each: int(np.isfinite(each[0]).sum()))
+    texts = [f"{value:.5g} ± {sigma:.2g} {unit}" for value, sigma in pairs]
+    apart = abs(pairs[1][0] - pairs[2][0]) / math.hypot(pairs[1][1], pairs[2][1])
+    return ["-" if "nan" in text else text for text in (*texts, f"{apart:.1f} sigma")]
 
 
 def main() -> int:
     """Track every case whose clip is there."""
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         print(__doc__, file=sys.stderr)
         return 2
     clips = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))["clip"]
-    failed = 0
+    failed, rows = 0, [_HEAD, "|".join("-" * len(_HEAD.split("|")))]
     with tempfile.TemporaryDirectory() as folder:
         for number, clip in enumerate(clips):
             content = _content(Path(sys.argv[1]), clip)
@@ -66,12 +113,20 @@ def main() -> int:
             path = Path(folder) / f"{number}{Path(clip['file']).suffix}"
             path.write_bytes(content)
             for case in clip["case"]:
-                share, text = _outcome(path, case)
-                is_good = share > _MANY if case["expected"] == "followed" else share < _FEW
+                share, text, table = _outcome(path, case)
+                outcomes = {"followed": share > _MANY, "refused": share < _FEW}
+                is_good = outcomes.get(case["expected"], any(outcomes.values()))
                 failed += not is_good
                 verdict = "as expected" if is_good else "WRONG"
                 print(f"  {case['name']:38} {100 * share:4.0f} % ok  {verdict:12} {text}")
                 sys.stdout.flush()
+                if table is not None and len(sys.argv) == 3:
+                    clicks = [str(case[name]) for name in ("pivot", "balls") if name in case]
+                    about = f"{100 * share:.0f} %", table.attrs["geometry"]
+                    cells = " ".join([case["name"], *clicks]), *about, *_halves(table)
+                    rows.append("|".join([f"{clip['repository']} {clip['file']}", *cells]))
+    if len(sys.argv) == 3:
+        Path(sys.argv[2]).write_text("".join(f"|{row}|\n" for row in rows), "utf-8")
     return 1 if failed else 0
 
 

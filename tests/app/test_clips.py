@@ -29,7 +29,8 @@ from latolato.core.errors import InputError
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
-from little_videos import encoded
+from latolato.experiment.video import open_video
+from little_videos import encoded, slowed
 
 HOME = "http://127.0.0.1:8000"
 HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
@@ -151,6 +152,31 @@ def one_line(message):
     assert 0 < len(text) < 400
     assert not [part for part in ("\n", "/tmp", "latolato-clips", "Traceback") if part in text]
     return text
+
+
+def test_a_page_knows_what_a_file_says_of_slow_motion_and_plays_it_as_it_is(clip, tmp_path):
+    path, truth = clip
+    limits = dataclasses.asdict(Allowance().limits)
+    for capture_rate, is_sure in ((120.0, True), (20.0, False)):
+        slow = slowed(path, tmp_path / "slow.mp4", 4, capture_rate)
+        job = {"path": str(slow), "folder": str(tmp_path), "limits": limits, "name": "slow.mp4"}
+        seen = WORK["look"](job, lambda stage, share: None)
+        assert seen["clock"] == {
+            "capture_rate": capture_rate, "shown_rate": pytest.approx(5.0),
+            "slow_motion": pytest.approx(capture_rate / 5.0), "is_sure": is_sure,
+        }  # fmt: skip
+        times = [frame.time for frame in open_video(tmp_path / "copy.mp4").frames()]
+        np.testing.assert_allclose(times, 4.0 * truth["time"], atol=1e-3)
+    places = {"pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"]}
+    job["description"] = {**places, "length": "36.3 cm"}
+    done = WORK["track"](job, lambda stage, share: None)
+    assert any("declare one of 4" in text for text in done["warnings"])
+    job["description"]["slow_motion"] = "4"
+    done = WORK["track"](job, lambda stage, share: None)
+    assert not any("slow" in text for text in done["warnings"])
+    _, points = unpack((tmp_path / "points.bin").read_bytes())
+    np.testing.assert_allclose(points["time"], truth["time"], atol=1e-3)
+    np.testing.assert_allclose(points["media_time"], 4.0 * truth["time"], atol=1e-3)
 
 
 def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):

@@ -139,6 +139,8 @@ WRONG = [
         {"length": 1}, {"left_mass": -1}, {**STRING, "initial_distance": [0.1, 1.1]},
         {**STRING, "initial_distance": 0.5},
         {**STRING, "initial_distance": [0.5, 0.5], "initial_angle": [-1, 1]},
+        {**STRING, "initial_distance": [0.5, 0.5], "initial_angle": [0.05, 0]},
+        {**STRING, "initial_distance": [0.5, 1.0], "initial_angle": [0.05, 0]},
     )),
     without(PAIR, "right_mass"), without(PAIR, "right_mass", "right_length", "right_radius"),
 ]  # fmt: skip

@@ -126,10 +126,26 @@ OFFLINE = {
 }
 
 
+def _code(folder, is_scalar):
+    """Return the files of compiled code that one browser runs."""
+    files = (folder / "kernels").glob("*.wasm")
+    return sorted(path.name for path in files if path.stem.endswith("-scalar") is is_scalar)
+
+
+# Which of them a browser keeps.
+KEPT_CODE = """async () => {
+  const [name] = await caches.keys();
+  const paths = (await (await caches.open(name)).keys()).map(({ url }) => new URL(url).pathname);
+  return paths.filter((path) => path.endsWith(".wasm")).map((path) => path.split("/").at(-1))
+    .sort();
+}"""
+
+
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.goto(web[0])
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     visit.evaluate("() => navigator.serviceWorker.ready")
+    assert visit.evaluate(KEPT_CODE) == _code(web[1], is_scalar=False)
     visit.context.set_offline(True)
     for query, ready in OFFLINE.items():
         visit.goto(f"{web[0]}?{query}")
@@ -235,8 +251,11 @@ def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
     page.on("request", lambda request: loaded.add(request.url.rpartition("/")[2]))
     page.goto(f"{web[0]}?view=play&scenario=toy")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.evaluate("() => navigator.serviceWorker.ready")
+    kept = page.evaluate(KEPT_CODE)
     other.close()
     assert {name for name in loaded if name.endswith(".wasm")} == {"one-scalar.wasm"}
+    assert kept == _code(web[1], is_scalar=True)
 
 
 def test_firefox_runs_the_site(web):
@@ -405,8 +424,20 @@ def test_files_that_are_kept_are_those_of_the_pages(web):
     assert styles
     assert set(styles) <= set(paths)
     assert all((folder / path).is_file() for path in paths)
-    pages = sum((folder / path).stat().st_size for path in paths)
-    assert pages < 2_500_000, "the first visit loads all of this"
+    sizes = {path: (folder / path).stat().st_size for path in paths}
+    for is_scalar in (False, True):
+        left_out = _code(folder, not is_scalar)
+        first = sum(size for path, size in sizes.items() if Path(path).name not in left_out)
+        assert first < 2_000_000, "the first visit loads all of this"
+
+
+# Without its report a server that begins all the same ends at once.
+@pytest.mark.parametrize("command", ["app --report none", "site out"])
+def test_commands_without_code_for_pages_say_how_to_make_it(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("latolato.app.STATIC", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, command.split())
+    assert "compiled code is missing; in a clone, run: make kernels" in str(answer.exception)
 
 
 def test_what_makes_no_site_is_refused(tmp_path):

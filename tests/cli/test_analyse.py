@@ -278,6 +278,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["tongue_edges", "fig03a", "--plot", "a.txt"], "the name of a picture must end in"),
         (["pair_symmetry", "fig04a", "--drive-amplitude", "0 : 1"], "must be low : high : count"),
         (["continue_orbit", "fig03a", "--low", "1"], "continue_orbit needs high"),
+        (["bifurcation_diagram", "fig03a"], "bifurcation_diagram needs parameter: give --"),
         (
             ["continue_orbit", "fig03a", "--low", "1", "--high", "3", "--parameter", "lenght"],
             "unknown parameter 'lenght': did you mean 'length'?",

@@ -1,5 +1,6 @@
 """Small clips with known truth, made once for all tests of tracking."""
 
+import numpy as np
 import pytest
 
 import latolato as ll
@@ -27,6 +28,18 @@ class Clip:
     @staticmethod
     def _place(attrs, name):
         return tuple(round(attrs[f"{name}_pixel_{axis}"], 1) for axis in "uv")
+
+    def places_at(self, number):
+        """Pivot and balls in a frame, as somebody would click on them."""
+        scale = self.truth.attrs["metres_per_pixel"]
+
+        def place(name):
+            x, y = (self.truth[f"{name}_{axis}"].values for axis in "xy")
+            moved = np.array([x[number] - pivot[0], pivot[1] - y[number]]) / scale
+            return tuple(np.rint(self.pivot + moved).tolist())
+
+        pivot = [self.truth[f"pivot_{axis}"].values[0] for axis in "xy"]
+        return place("pivot"), [place(f"ball_{b + 1}") for b in range(len(self.balls))]
 
     @property
     def options(self):

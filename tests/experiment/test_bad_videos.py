@@ -62,7 +62,7 @@ def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp
     whole = swing.path.read_bytes()
     cut = tmp_path / "cut.mp4"
     cut.write_bytes(whole[: int(0.955 * len(whole))])
-    with pytest.warns(RuntimeWarning, match="frames that the file declares could not be decoded"):
+    with pytest.warns(RuntimeWarning, match="frames that the file declares are missing: it is cut"):
         table = ll.track(cut, pivot=swing.pivot, balls=swing.balls, length=swing.length)
     assert 3 < swing.truth.sizes["frame"] - table.sizes["frame"] < 12
 
@@ -194,8 +194,10 @@ def with_stamps(path, stamps):
 
 
 def test_a_click_outside_the_frame_is_refused(swing, tmp_path, capsys):
-    told = refused(capsys, tmp_path, swing.path, "--pivot", "900,10", "--ball", "10,10")
-    assert "pivot at (900, 10) lies outside the frame of 320 x 240" in told
+    told = refused(capsys, tmp_path, swing.path, "--pivot", "90,10", "--ball", "900,10")
+    assert "ball at (900, 10) lies outside the frame of 320 x 240" in told
+    told = refused(capsys, tmp_path, swing.path, "--pivot", "9e5,10", "--ball", "10,10")
+    assert "the pivot at (900000, 10) is farther than" in told
     told = refused(capsys, tmp_path, swing.path, "--pivot", "90,10", "--ball", "10,nan")
     assert "ball must be a column and a row" in told
 

@@ -195,6 +195,18 @@ def test_a_ball_beside_the_click_is_refused():
     assert "16 pixels" in far.reason
 
 
+def test_a_ball_that_comes_to_the_click_only_later_is_refused():
+    centres = _swinging()
+    track = _track(centres)
+    track.flags[:3] = "lost"
+    assert gate.clicked_ball(track, [centres[0]]) is None
+    track.flags[3] = "lost"
+    late = gate.clicked_ball(track, [centres[4]])
+    assert late is not None
+    assert late.is_refusal
+    assert "4 frames" in late.reason
+
+
 @pytest.mark.parametrize(
     "declared,passes", [(9.0, True), (7.9, False), (17.9, True), (18.1, False)]
 )
@@ -272,6 +284,17 @@ def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
     assert finding is not None
     assert not finding.is_refusal
     assert "part of something larger" in finding.reason
+
+
+@pytest.mark.parametrize(
+    "extent,place,reason",
+    [(16.0, [100.0, 150.0], None), (16.0, [220.0, 150.0], "change"), (3.0, [100.0, 150.0], "too")],
+)
+def test_a_disc_that_moves_by_less_than_its_radius_is_believed_by_its_edge(extent, place, reason):
+    path = np.stack([0.5 * extent * np.cos(np.arange(30) / 4.0), np.zeros(30)], axis=-1)
+    sample = _drawn(np.array([100.0, 150.0]) + path, radius=40.0)
+    finding = gate.changing_pixels(sample, _track(np.array(place) + path, radius=40.0))
+    assert (finding.is_refusal and reason in finding.reason) if reason else finding is None
 
 
 def test_light_that_changes_for_all_changes_nothing():

@@ -215,6 +215,14 @@ def test_without_a_pivot_the_geometry_is_unknown_and_the_period_known(swing, cro
     )
 
 
+@pytest.mark.filterwarnings("ignore:found in the video|no period|the pivot seems:RuntimeWarning")
+def test_without_a_pivot_balls_are_followed_from_any_frame(cropped):
+    tables = [ll.track(cropped, click_frame=number) for number in (0, 80)]
+    places = [np.stack([t.ball_1_u, t.ball_1_v]) for t in tables]
+    np.testing.assert_array_equal(*places)
+    assert np.isfinite(places[0]).mean() > 0.8
+
+
 def test_the_period_of_a_swing_comes_from_its_path():
     from latolato.experiment.tracking.wander import period_of
 
@@ -225,6 +233,19 @@ def test_the_period_of_a_swing_comes_from_its_path():
     period, sigma = period_of(times, places)
     assert period == pytest.approx(1.213, rel=1e-3)
     assert sigma < 3e-3
+
+
+def test_swings_that_are_hidden_are_counted_or_make_no_period():
+    from latolato.experiment.tracking.wander import period_of
+
+    times = np.arange(600) / 25.0
+    places = np.column_stack([100.0 * np.sin(2.0 * np.pi * times), 0.0 * times])
+    # Every second swing is hidden but for its turning points.
+    hidden = (times % 2.0 > 1.0) & (np.abs(places[:, 0]) < 90.0)
+    seen = np.where(hidden[:, None], np.nan, places)
+    assert period_of(times, seen)[0] == pytest.approx(1.0, rel=1e-3)
+    seen[times % 1.0 > 0.4] = np.nan
+    assert np.isnan(period_of(times, seen)[0])
 
 
 def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
@@ -243,8 +264,8 @@ def test_a_batch_survives_a_bad_file(swing, tmp_path, capsys):
 def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monkeypatch):
     learned = []
 
-    def astray(*args):
-        scene = learn_image_model(*args)
+    def astray(*args, **options):
+        scene = learn_image_model(*args, **options)
         learned.append(args[4])
         if args[4] is not None:  # the radius declared: a circle beside the ball is taken for it
             scene.look.radius *= 1.3
@@ -253,7 +274,7 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
 
     monkeypatch.setattr("latolato.experiment.track.learn_image_model", astray)
     radius = swing.truth.attrs["radius"]
-    with pytest.warns(RuntimeWarning, match="the balls' radius is"):
+    with pytest.warns(RuntimeWarning, match="the radius of a ball is"):
         table = ll.track(
             swing.path,
             pivot=swing.pivot,

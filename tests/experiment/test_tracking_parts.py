@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 import latolato as ll
 from latolato.experiment.calibration.deviations import honest_deviations, scatter_of
@@ -23,6 +24,7 @@ from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import fitting, smears
 from latolato.experiment.tracking.kernels import layers as kernels
+from latolato.experiment.tracking.pivot import PivotTracker, learn_template
 from latolato.experiment.tracking.predict import Predictor
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.video import Frame
@@ -97,9 +99,11 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     disc = np.hypot(i - 103.0, j - 98.0) < 20.0
     luma[disc] = np.where(i[disc] > 103, 190, 40)
     grey = np.full((100, 100), 128, np.uint8)
-    colours = Colours(kernels.linear_light(), kernels.colour_coefficients("bt709", True))
+    colours = Colours(kernels.linear_light("srgb"), kernels.colour_coefficients("bt709", True))
     click, pivot = np.array([101.0, 100.0]), np.array([100.0, -80.0])
-    centre, radius = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
+    centre, radius, _ = disc_at(
+        Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False
+    )
     assert np.allclose(centre, [103.0, 98.0], atol=1.5)
     assert radius == pytest.approx(20.0, rel=0.06)
 
@@ -168,7 +172,7 @@ def test_colours_of_grey_planes_are_linear_light():
     luma = np.array([[16, 235, 126]], np.uint8)
     chroma = np.full((1, 2), 128, np.uint8)
     mix = kernels.colour_coefficients("bt709", is_full_range=False)
-    out = Colours(kernels.linear_light(), mix).window((luma, chroma, chroma), (0, 0), (1, 3))
+    out = Colours(kernels.linear_light("srgb"), mix).window((luma, chroma, chroma), (0, 0), (1, 3))
     # sRGB: half the coded range is 21.6 % of the light (IEC 61966-2-1); table of quarter steps.
     half = ((110 / 219 + 0.055) / 1.055) ** 2.4
     assert np.allclose(out[0, :, 0], [0.0, 1.0, half], atol=2e-3)
@@ -186,6 +190,16 @@ def test_a_prediction_follows_the_pendulum_between_frames():
     # Leapfrog of 2.4 ms steps: (w h)^2/24 of the change.
     assert found.angles[0] == pytest.approx(run.angle.values[-1], abs=1e-5)
     assert found.velocities[0] == pytest.approx(run.angular_velocity.values[-1], abs=1e-3)
+
+
+def test_accelerations_tell_the_stiffness_where_no_length_is_declared():
+    predictor = Predictor(20.0, 0.0, is_known=False)
+    unsure = predictor.noise
+    noise = np.random.default_rng(1).normal(0.0, 0.5, 60)
+    for angle, error in zip(0.8 * np.cos(np.arange(60) / 5.0), noise, strict=True):
+        predictor.learn(angle, -50.0 * math.sin(angle) + error)
+    assert predictor.stiffness == pytest.approx(50.0, rel=0.05)
+    assert predictor.noise < 0.2 * unsure
 
 
 @pytest.mark.parametrize("middle", [0.0, math.pi])
@@ -427,3 +441,25 @@ def test_medians_of_planes_are_lower_medians(count):
     for k, median in enumerate(median_planes(frames)):
         ranked = np.sort([frame[2 + k] for frame in frames], axis=0)
         assert np.array_equal(median, ranked[(count - 1) // 2])
+
+
+def test_a_pivot_whose_slow_frames_are_at_one_end_is_told_from_the_wall():
+    random = np.random.default_rng(3)
+    wall = 150.0 + 300.0 * gaussian_filter(random.standard_normal((160, 120)), 3.0)
+    pairs = [(0, 0)] * 12 + [(row, row + 5) for row in range(10, 58, 4)]
+    frames, grey = [], np.full((80, 60), 128, np.uint8)
+    for pair, rows in enumerate(pairs):
+        for k, row in enumerate(rows):
+            luma = wall + 2.0 * random.standard_normal(wall.shape)
+            luma[row + 40 : row + 61, 45:76] = 60.0
+            luma = np.clip(luma, 0.0, 255.0).astype(np.uint8)
+            frames.append(Frame(10 * pair + k, 0.0, luma, grey, grey))
+    shifts = np.stack([np.zeros(48), np.array(pairs, float).ravel()], axis=-1)
+    side = np.zeros((61, 61))
+    tracker = PivotTracker(np.array([60.0, 50.0]), side, side, np.zeros((2, 2)))
+    learn_template(tracker, frames, median_planes(frames)[0], shifts)
+    rows, columns = (np.abs(at - 30) for at in np.nonzero(tracker.weight))
+    # The block of 31 x 21 pixels and its edge.
+    assert rows.max() <= 12
+    assert columns.max() <= 17
+    assert len(rows) > 300

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 import latolato as ll
 from latolato.core.errors import InputError
@@ -177,6 +178,18 @@ def test_a_run_with_slack_strings_shows_distances_and_when_strings_go_slack_and_
     assert "Distance" in figure.axes[1].get_title(loc="left") + str(
         [text.get_text() for text in figure.axes[1].texts]
     )
+
+
+def test_marks_of_strings_have_the_colour_of_neither_ball(hung):
+    axes = ll.plot(hung).axes[0]
+    balls = {to_hex(line.get_color()) for line in axes.get_lines()}
+    marks = {
+        to_hex(marks.get_facecolor()[0])
+        for marks in axes.collections
+        if marks.get_label().startswith(("slack", "taut"))
+    }
+    assert len(balls) == len(marks) == 2
+    assert not balls & marks
 
 
 def test_strings_that_stay_taut_are_drawn_as_rods_are():

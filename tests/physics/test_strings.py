@@ -237,6 +237,17 @@ def test_two_balls_that_do_not_meet_are_two_single_ones(drags):
         np.testing.assert_allclose(both.distance[i], alone.distance, rtol=0, atol=1e-10)
 
 
+def test_two_balls_that_pass_through_each_other_pass_through_strings_too():
+    b = Body(0.3, 0.1, r=0.05)
+    start, times = [(0.6, 0.0, 0.15), (0.5, 2.0, b.l)], np.linspace(0.0, 0.15, 21)
+    both = simulated(Strings([b, b]), start, times, contact=None)
+    assert both.attrs["status"] == "complete"
+    assert (np.diff(np.sign(both.angle[0] - both.angle[1])) != 0).any()
+    for i in (0, 1):
+        alone = simulated(Strings([b]), [start[i]], times)
+        np.testing.assert_allclose(both.angle[i], alone.angle, rtol=0, atol=1e-10)
+
+
 def test_a_shorter_ball_is_pushed_up_its_string():
     # l_long^2 - l_short^2 > (r1 + r2)^2: at the bottom the line of centres points inwards.
     right, left = (ll.Ball(length=l, mass=0.1, radius=0.03) for l in (0.3, 0.27))

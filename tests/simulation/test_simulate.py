@@ -530,6 +530,15 @@ class TestLimits:
         assert np.all(np.isfinite(result.angle.values[result.time.values < last]))
         assert np.isnan(result.angle.values[-1])
 
+    @pytest.mark.parametrize("suspension", ["rod", "string"])
+    def test_a_run_that_stops_where_it_begins_has_no_share_of_its_time(self, suspension):
+        toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, suspension=suspension)
+        start = {"initial_offset": 0.0, "initial_angular_velocity": -1.0}
+        with pytest.warns(RuntimeWarning, match="stopped at t = 0 s by contact_limit = 1"):
+            result = ll.simulate(toy, **start, duration=1.0, contact_limit=1)
+        share = "slack_fraction" if suspension == "string" else "compression_fraction"
+        assert np.isnan(result.attrs[share])
+
     def test_contact_limit_above_the_contacts_changes_nothing(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
         free = ll.simulate(toy, initial_angle=0.5, duration=20.0)

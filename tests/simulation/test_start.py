@@ -4,9 +4,13 @@ import math
 import re
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.numerics.integrate import Start, integrate
+from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
+from latolato.physics.contacts import ExactContact
 from latolato.simulation.start import checked_contact, checked_drive, checked_start, walls_of
 
 BALL = {"length": 0.2, "mass": 0.1}
@@ -20,6 +24,15 @@ RODS = ll.LatoLato(**BALL, radius=0.02)
 def started(system, angle, distance, *, velocity=0.0, offset=None, contact="exact"):
     walls = walls_of(system, checked_contact(contact, system))
     return checked_start(system, walls, angle, velocity, offset, distance)
+
+
+def refusal(*start):
+    """What is said of a start, nothing if it is taken."""
+    try:
+        started(*start)
+    except ll.InputError as error:
+        return str(error)
+    return ""
 
 
 @pytest.mark.parametrize("distance", [None, 0.2])
@@ -50,12 +63,36 @@ def test_balls_on_slack_strings_may_touch():
     assert started(PAIR, (touching, -touching), (0.1, 0.1)).distances == (0.1, 0.1)
 
 
-def test_balls_on_strings_of_two_lengths_may_hang_one_above_the_other():
-    assert started(PAIR, (0.0, 0.0), (0.2, 0.1)).angles == (0.0, 0.0)
+def test_balls_may_hang_one_above_the_other_where_the_lower_string_is_slack():
+    assert started(PAIR, (0.0, 0.0), (0.19, 0.1)).angles == (0.0, 0.0)
+
+
+def test_a_start_in_a_taut_string_is_refused_where_a_run_would_end_at_once():
+    generator, ends = np.random.default_rng(3), []
+    for _ in range(100):
+        angles = (generator.uniform(0.0, 2.0 * math.pi), 0.0)
+        distances = tuple(generator.permutation([0.2, generator.uniform(0.001, 0.2)]))
+        said = refusal(PAIR, angles, distances)
+        if "overlap" in said:
+            continue
+        is_refused = "the taut string of one ball runs through the other ball" in said
+        start = Start(angles, (0.0, 0.0), distances)
+        run = integrate(PAIR, ll.FixedPivot(), start, np.zeros(1), 1e-6, step=0.01)
+        ends.append(run.status != "complete")
+        assert ends[-1] is is_refused
+        # The rule of sweeps.
+        case = cases_of(
+            PAIR, ExactContact(), angles=angles, initial_distance=distances, duration=1.0,
+            tolerance=1e-10, bounds=(0.0, 0.0),
+        )  # fmt: skip
+        problem = prepared_runs(case, choose_stepper(PAIR))[1]
+        assert PROBLEMS[problem] == ("overlap" if is_refused else "fine")
+    assert 5 < sum(ends) < len(ends) - 5
 
 
 def test_balls_that_pass_through_each_other_may_overlap():
     assert started(TOY, 0.15, 0.1, contact="none").distances == (0.1,)
+    assert started(PAIR, (0.0, 0.0), (0.2, 0.1), contact="none").distances == (0.2, 0.1)
 
 
 REFUSED = [
@@ -75,6 +112,8 @@ REFUSED = [
     (TOY, 2.0 * math.pi + 0.5, 0.1, "initial_angle must lie in [0, pi] rad"),
     (PAIR, (-0.5, 0.5), (0.1, 0.1), "initial_angle[0] - initial_angle[1] must lie in "
      "[0, 2 pi] rad, got -1"),
+    (PAIR, (0.0, 0.0), (0.2, 0.1), "at this initial_distance the taut string of one ball runs "
+     "through the other ball; give other distances or angles"),
 ]  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Container, Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
@@ -13,6 +13,9 @@ from typer.core import TyperCommand
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.scenario.options import law_options
+
+if TYPE_CHECKING:
+    from latolato.experiment.sidecar import Pivot
 
 # What typer raises for wrong options; its name has moved between versions.
 UsageError: Any = typer.BadParameter.__mro__[1]
@@ -90,14 +93,46 @@ def place_of(flag: str, text: str) -> tuple[float, float]:
     >>> place_of("--pivot", "640.5, 194")
     (640.5, 194.0)
     """
+    u, v = pixels_of(flag, text, "a column and a row in pixels such as 640,200")
+    return u, v
+
+
+def pixels_of(flag: str, text: str, example: str) -> list[float]:
+    """Return numbers with commas between them, as many as the last word of an example has.
+
+    Examples
+    --------
+    >>> pixels_of("--region", "0, 20, 500.5, 300", "four edges such as 0,0,640,480")
+    [0.0, 20.0, 500.5, 300.0]
+    """
     parts = text.split(",")
     try:
-        u, v = (float(part) for part in parts)
+        numbers = [float(part) for part in parts]
     except ValueError:
-        raise InputError(
-            "must be a column and a row in pixels such as 640,200", parameter=flag, value=text
-        ) from None
-    return u, v
+        numbers = []
+    if len(numbers) != 1 + example.split()[-1].count(","):
+        raise InputError(f"must be {example}", parameter=flag, value=text)
+    return numbers
+
+
+def pivots_of(texts: Sequence[str] | None) -> Pivot | tuple[Pivot, ...] | None:
+    """Return the pivot that `--pivot` points at, or both; a place or ``"outside"`` each.
+
+    Raises
+    ------
+    InputError
+        For more than two.
+    """
+    from latolato.experiment.sidecar import OUTSIDE
+
+    if not texts:
+        return None
+    if len(texts) > 2:
+        raise InputError("may be given twice at most", parameter="--pivot", value=len(texts))
+    pivots: tuple[Pivot, ...] = tuple(
+        OUTSIDE if text == OUTSIDE else place_of("--pivot", text) for text in texts
+    )
+    return pivots[0] if len(pivots) == 1 else pivots
 
 
 def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspect.Parameter:

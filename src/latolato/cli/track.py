@@ -9,11 +9,16 @@ from typing import Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, place_of, with_options
+from latolato.cli.options import JsonOption, pivots_of, pixels_of, place_of, with_options
 from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import VIDEO_PARAMETERS
+from latolato.experiment.sidecar import (
+    checked_correction,
+    checked_region,
+    checked_stick,
+)
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -21,9 +26,11 @@ def track(
     videos: Annotated[list[Path], typer.Argument(help="Videos.")],
     balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
     pivot: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
-            help="Column and row of the pivot in the first frame as displayed: 640,194.",
+            help="Column and row of the pivot in the clicked frame as displayed: 640,194. Out of "
+            "the picture it must rest; outside has it fitted to the ball's arc. Given twice for "
+            "two balls about pivots of their own.",
             metavar="U,V",
         ),
     ] = None,
@@ -33,6 +40,29 @@ def track(
             help="The same of a ball's centre; given twice for two balls. What is not pointed at "
             "is found in the video.",
             metavar="U,V",
+        ),
+    ] = None,
+    region: Annotated[
+        str | None,
+        typer.Option(
+            help="Left, top, right and bottom of the part of the picture in which balls are "
+            "looked for.",
+            metavar="U,V,U,V",
+        ),
+    ] = None,
+    stick: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of both ends of a stick of known length beside the swing.",
+            metavar="U,V,U,V",
+        ),
+    ] = None,
+    correct: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Place of a ball in a frame, set by hand: frame, ball (1 or 2), column and row. "
+            "May be given several times.",
+            metavar="FRAME:BALL:U,V",
         ),
     ] = None,
     sidecar: Annotated[
@@ -84,11 +114,11 @@ def track(
     places = tuple(place_of("--ball", text) for text in ball or ())
     _check_places(balls, places)
     if sidecar is not None:
-        _check_sidecar(sidecar, videos, pivot is not None or bool(places))
+        _check_sidecar(sidecar, videos, bool(pivot or places))
     common: dict[str, Any] = {
-        "pivot": None if pivot is None else place_of("--pivot", pivot),
+        "pivot": pivots_of(pivot),
         "balls": places or balls,
-        "values": _in_si(values, limit or []),
+        "values": _in_si(values, limit or []) | _places(region, stick, correct or []),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -132,14 +162,39 @@ def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -
         raise InputError("give either --sidecar or places, not both")
 
 
+def _places(region: str | None, stick: str | None, correct: Sequence[str]) -> dict[str, Any]:
+    """Return the region in which balls are looked for, both ends of the stick, and corrections."""
+    places: dict[str, Any] = {}
+    if region is not None:
+        example = "left, top, right and bottom in pixels such as 100,50,900,700"
+        places["region"] = checked_region(pixels_of("--region", region, example))
+    if stick is not None:
+        example = "column and row of one end and of the other such as 100,200,400,210"
+        one_u, one_v, other_u, other_v = pixels_of("--stick", stick, example)
+        places["stick"] = checked_stick([(one_u, one_v), (other_u, other_v)])
+    if correct:
+        places["corrections"] = tuple(_correction(text) for text in correct)
+    return places
+
+
+def _correction(text: str) -> tuple[int, int, float, float]:
+    """Return frame, ball and place of a ball that is set by hand."""
+    frame, ball, place = ([*text.split(":"), "", ""])[:3]
+    if not (frame.strip().isdigit() and ball.strip().isdigit()) or text.count(":") != 2:
+        raise InputError(
+            "must be frame, ball and place such as 120:1:640,300", parameter="--correct", value=text
+        )
+    return checked_correction((int(frame), int(ball), *place_of("--correct", place)))
+
+
 def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
     from latolato.experiment.calibration.lens import Optics
     from latolato.experiment.video import Limits
     from latolato.scenario.units import to_si
 
-    arguments = {
-        name: to_si(option.flag, values[name], option.unit)
+    arguments: dict[str, Any] = {
+        name: to_si(option.flag, values[name], option.unit) if option.unit else values[name]
         for name, option in VIDEO_PARAMETERS.items()
         if values.get(name) is not None
     }

@@ -12,12 +12,15 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from latolato.cli.output import print_summary
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of
 from latolato.io.progress import bar
+
+if TYPE_CHECKING:
+    from latolato.experiment.sidecar import Pivot
 
 # Share of the work that is tracking where an overlay or a report follow.
 _TRACKED = 0.7
@@ -28,7 +31,7 @@ class Job:
     """One video, how to track it and what to write."""
 
     video: Path
-    pivot: tuple[float, float] | None
+    pivot: Pivot | tuple[Pivot, ...] | None
     balls: int | tuple[tuple[float, float], ...] | None
     values: Mapping[str, Any]
     sidecar: Path | None
@@ -194,14 +197,16 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
 def _proposed(job: Job, task: Any) -> dict[str, Any]:
     """Write a picture of the proposal and return the summary."""
     from latolato.experiment.overlay import draw_proposal
+    from latolato.experiment.tracking.propose import options_of
 
     picture = job.output or job.video.with_name(f"{job.video.stem}.proposal.png")
     setup = task.setup
     return {
         "video": str(job.video),
         "setup_file": None if task.setup_file is None else str(task.setup_file),
-        "pivot": setup.pivot,
+        "pivot": [setup.pivot, setup.pivot_2] if setup.has_own_pivots else setup.pivot,
         "ball": list(setup.balls),
+        "options": options_of(setup),
         "is_proposed": setup.is_proposed,
         "files": [str(draw_proposal(task.video, setup, picture, task.radius))],
     }
@@ -225,10 +230,20 @@ def summarise(table: Any) -> dict[str, Any]:
     numbers["drive_amplitude"] = harmonic and harmonic.amplitude
     numbers["drive_frequency"] = harmonic and harmonic.frequency
     for name in (
+        "slow_motion",
+        "capture_rate",
+        "shown_rate",
         "exposure",
         "circle_residual",
         "metres_per_pixel",
+        "scale_source",
+        "length",
+        "length_sigma",
         "angle_offset_sigma",
+        "pivot_source",
+        "angle_scale_sigma",
+        "origin_u",
+        "origin_v",
         "period",
         "period_sigma",
     ):
@@ -240,24 +255,29 @@ def summarise(table: Any) -> dict[str, Any]:
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a summary as names and texts for reading."""
+    from latolato.experiment.quality import clock_text, unseen_pivot
+
     if "is_proposed" in summary:
-        clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in summary["ball"])
-        if summary["pivot"] is not None:
-            u, v = summary["pivot"]
-            clicks = f"--pivot {u:g},{v:g} {clicks}"
-        return {"video": summary["video"], **_setup_file(summary), "places": clicks}
+        places = summary["options"]
+        return {"video": summary["video"], **_setup_file(summary), "places": places}
     shares = ", ".join(f"{100.0 * share:.3g} % {name}" for name, share in summary["flags"].items())
     lines = {
         "video": f"{summary['video']}, {summary['frames']} frames, {summary['duration']:.6g} s",
         **_setup_file(summary),
         "balls": f"{summary['balls']}, {shares}",
     }
+    if clock := clock_text(summary):
+        lines["slow motion"] = clock
     if summary["angle_sigma"] is not None:
         lines["angle sigma"] = f"{1e3 * summary['angle_sigma']:.3g} mrad"
     if summary["geometry"] == "unknown":
         lines["geometry"] = "unknown: positions in pixels, no angles"
     elif summary["geometry"] == "angles":
         lines["geometry"] = "angles only: positions in pixels"
+    if "length_sigma" in summary:
+        length, sigma = (1e2 * summary[name] for name in ("length", "length_sigma"))
+        by = f"by the scale of the {summary['scale_source']}"
+        lines["length"] = f"{length:.5g} cm, sigma {sigma:.2g} cm, {by}"
     if "period" in summary:
         lines["period"] = f"{summary['period']:.6g} s, sigma {summary['period_sigma']:.2g} s"
     if summary["drive_amplitude"] is not None:
@@ -270,7 +290,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
             f"({rate / tau:.5g} Hz)"
         )
     elif summary["geometry"] != "unknown":
-        lines["pivot"] = "rests"
+        lines["pivot"] = unseen_pivot(summary) or "rests"
     if "exposure" in summary:
         lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
     for k, text in enumerate(summary["warnings"]):

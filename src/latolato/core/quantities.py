@@ -12,6 +12,11 @@ from functools import lru_cache
 from typing import Any
 
 
+def in_brackets(unit: str) -> str:
+    """Return what stands behind a name for its unit: nothing for texts and plain numbers."""
+    return "" if unit in ("", "1") else f" [{unit}]"
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A quantity's SI unit (as xarray and pint read it), its TeX symbol and what it is.
@@ -34,8 +39,7 @@ class Quantity:
     @property
     def label(self) -> str:
         """Axis label: name, symbol and unit."""
-        unit = "" if self.unit == "1" else f" [{self.unit}]"
-        return f"{self.long_name} ${self.symbol}${unit}"
+        return f"{self.long_name} ${self.symbol}${in_brackets(self.unit)}"
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -167,7 +171,7 @@ QUANTITIES: dict[str, Quantity] = {
     "decay_rate": Quantity("1/s", "k", "amplitude decay rate C/(2ml)"),
     "contact_angle_low": Quantity("rad", r"\theta_{low}", "contact angle at the bottom"),
     "contact_angle_high": Quantity("rad", r"\theta_{high}", "contact angle at the top"),
-    "contact_separation": Quantity("rad", r"\Theta", "angle between the rods at bottom contact"),
+    "contact_separation": Quantity("rad", r"\Theta", "angle between the balls at bottom contact"),
     "clamp_step": Quantity("s", "h", "fixed step of contact 'clamp'"),
     "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
     # drive
@@ -271,6 +275,10 @@ QUANTITIES: dict[str, Quantity] = {
     "ball_1_y": Quantity("m", "y_1", "right ball above the mean pivot"),
     "ball_2_x": Quantity("m", "x_2", "left ball to the right of the mean pivot"),
     "ball_2_y": Quantity("m", "y_2", "left ball above the mean pivot"),
+    "pivot_2_x": Quantity("m", "x_{02}", "the left ball's own pivot, to the right of the other's"),
+    "pivot_2_y": Quantity("m", "y_{02}", "the left ball's own pivot, above the other's"),
+    "pivot_2_u": Quantity("pixel", "u_{02}", "column of the left ball's own pivot in the picture"),
+    "pivot_2_v": Quantity("pixel", "v_{02}", "row of the left ball's own pivot in the picture"),
     "pivot_u": Quantity("pixel", "u_0", "column of the pivot in the picture"),
     "pivot_v": Quantity("pixel", "v_0", "row of the pivot in the picture"),
     "ball_1_u": Quantity("pixel", "u_1", "column of the right ball in the picture"),

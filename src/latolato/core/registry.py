@@ -13,7 +13,7 @@ from functools import lru_cache, wraps
 from typing import Any, Generic, TypeVar, get_type_hints
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import COUNT, Range
+from latolato.core.quantities import COUNT, Range, in_brackets
 
 Entry = TypeVar("Entry")
 Law = TypeVar("Law")
@@ -306,7 +306,7 @@ def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
     if missing:
         name = missing[0]
         quantity = known[name].metadata.get("quantity")
-        unit = f" [{quantity.unit}]" if quantity else ""
+        unit = in_brackets(quantity.unit) if quantity else ""
         raise InputError(f"{kind.__name__} needs '{{parameter}}'{unit}", parameter=name)
 
 

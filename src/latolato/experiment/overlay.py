@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ import numpy as np
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.sidecar import Setup
-from latolato.experiment.track_table import balls_of
+from latolato.experiment.track_table import balls_of, has_own_pivots
 from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
@@ -25,6 +26,7 @@ COLOURS = {
     "ok": (86, 180, 233),
     "collision": (240, 228, 66),
     "occluded": (230, 159, 0),
+    "manual": (0, 158, 115),
     "predicted": (204, 121, 167),
     "lost": (213, 94, 0),
 }
@@ -45,37 +47,38 @@ def places_of(table: xr.Dataset, size: tuple[int, int]) -> tuple[np.ndarray, np.
     size : tuple of int
         Width and height of the picture [pixels].
     """
-    balls = range(1, balls_of(table) + 1)
-    count = table.sizes["frame"]
+    names = ["pivot", *(f"ball_{b}" for b in range(1, balls_of(table) + 1))]
+    pivot, *centres = (_place_of(table, name, size) for name in names)
+    return pivot, np.stack(centres, axis=1)
 
-    def columns(first: str, second: str) -> np.ndarray:
-        if first not in table.variables:
-            return np.full((count, 2), np.nan)
-        return np.stack([table[first].values, table[second].values], axis=-1)
 
+def own_pivot_of(table: xr.Dataset, size: tuple[int, int]) -> np.ndarray:
+    """Return the second ball's own pivot (frame, 2) in the picture [pixels]."""
+    return _place_of(table, "pivot_2", size)
+
+
+def _place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray:
+    """Return where a pivot or a ball is in the picture (frame, 2) [pixels]; NaN is unknown."""
     attrs = table.attrs
-    if "metres_per_pixel" in attrs:
+    ends = "xy" if "metres_per_pixel" in attrs else "uv"
+    columns = [f"{name}_{end}" for end in ends]
+    if columns[0] not in table.variables:
+        return np.full((table.sizes["frame"], 2), np.nan)
+    first, second = (table[column].values for column in columns)
+    place = np.stack([first, second], axis=-1)
+    if ends == "xy":
         tilt, scale = float(attrs["gravity_direction"]), float(attrs["metres_per_pixel"])
         right = np.array([math.cos(tilt), -math.sin(tilt)])
         down = np.array([math.sin(tilt), math.cos(tilt)])
         origin = np.array([attrs["origin_u"], attrs["origin_v"]])
-
-        def pixels_of(name: str) -> np.ndarray:
-            x, y = columns(f"{name}_x", f"{name}_y").T
-            place: np.ndarray = origin + (np.outer(x, right) - np.outer(y, down)) / scale
-            return place
-
-    else:
-
-        def pixels_of(name: str) -> np.ndarray:
-            return columns(f"{name}_u", f"{name}_v")
-
-    pivot = pixels_of("pivot")
-    centres = np.stack([pixels_of(f"ball_{b}") for b in balls], axis=1)
+        place = origin + (np.outer(first, right) - np.outer(second, down)) / scale
+    source = {"pivot": "pivot_source", "pivot_2": "pivot_source_2"}.get(name)
+    if attrs.get(source, "picture") != "picture":
+        return place  # far out of the picture the lens's polynomial means nothing
     optics = Optics(
         lens_k1=float(attrs.get("lens_k1", 0.0)), lens_k2=float(attrs.get("lens_k2", 0.0))
     )
-    return distorted(pivot, size, optics), distorted(centres, size, optics)
+    return distorted(place, size, optics)
 
 
 def write_overlay(
@@ -149,9 +152,11 @@ class Artist:
     """Draws one table's samples on frames."""
 
     def __init__(self, table: xr.Dataset, size: tuple[int, int]) -> None:
-        self.pivots, self.centres = places_of(table, size)
-        self.radius = float(table.attrs.get("radius_pixels", 0.02 * min(size)))
-        self.times = table["time"].values
+        pivot, self.centres = places_of(table, size)
+        self.pivots = [pivot, own_pivot_of(table, size)] if has_own_pivots(table) else [pivot] * 2
+        radius = float(table.attrs.get("radius_pixels", 0.02 * min(size)))
+        self.radii = [radius, float(table.attrs.get("radius_pixels_2", radius))]
+        self.times, self.numbers = table["time"].values, table["frame"].values
         balls = range(1, balls_of(table) + 1)
         self.flags = np.stack([table[f"flag_{b}"].values for b in balls], axis=-1)
         self.angles = np.stack([table[f"angle_{b}"].values for b in balls], axis=-1)
@@ -161,21 +166,22 @@ class Artist:
     def drawn(self, picture: np.ndarray, number: int, *, has_text: bool = True) -> np.ndarray:
         """Return a picture with the samples of a frame on it, and with what they are in words."""
         picture = np.ascontiguousarray(picture)
-        pivot = self.pivots[number]
         for b, flag in enumerate(self.flags[number]):
             centre, colour = self.centres[number, b], COLOURS[str(flag)]
+            pivot, radius = self.pivots[b][number], self.radii[b]
             if has_text and flag != "ok":
                 self._write(picture, f"ball {b + 1} {flag}", 2 + b, colour)
             if not np.isfinite(centre).all():
                 continue
             away = centre - pivot
             if np.isfinite(away).all():
-                end = centre - away * min(self.radius / max(float(np.hypot(*away)), 1e-9), 1.0)
+                end = centre - away * min(radius / max(float(np.hypot(*away)), 1e-9), 1.0)
                 _line(picture, pivot, end, colour, self.line)
-            _circle(picture, centre, self.radius, colour, self.line)
+            _circle(picture, centre, radius, colour, self.line)
             _circle(picture, centre, 1.0, colour, self.line)
-        if np.isfinite(pivot).all():
-            _cross(picture, pivot, 0.5 * self.radius + 3.0, self.line)
+        for pivots in self.pivots:
+            if np.isfinite(pivots[number]).all():
+                _cross(picture, pivots[number], 0.5 * self.radii[0] + 3.0, self.line)
         if not has_text:
             return picture
         degrees = ", ".join(
@@ -183,7 +189,7 @@ class Artist:
             for angle in self.angles[number]
             if math.isfinite(angle)
         )
-        text = f"frame {number}   {self.times[number]:.3f} s   {degrees}"
+        text = f"frame {self.numbers[number]}   {self.times[number]:.3f} s   {degrees}"
         self._write(picture, text, 1, _PIVOT)
         return picture
 
@@ -228,22 +234,24 @@ def _fixed(place: Any) -> tuple[int, int]:
 def draw_proposal(
     video: Video, setup: Setup, path: str | Path, radius: float | None = None
 ) -> Path:
-    """Write the first frame with pivot and balls marked as PNG and return the path."""
+    """Write the clicked frame with pivot and balls marked as PNG and return the path."""
     from latolato.core.atomic import atomic_path
     from latolato.io.files import check_suffix
 
     path = Path(path)
     check_suffix(path, (".png",), "the name of a picture")
-    picture = np.ascontiguousarray(picture_of(next(iter(video.frames())), video))
+    whole = replace(video, start=-math.inf, end=math.inf)
+    at = setup.click_frame - video.first_frame
+    frame = next(frame for frame in whole.frames() if frame.number >= at)
+    picture = np.ascontiguousarray(picture_of(frame, video))
     side = min(video.width, video.height)
     line, size = max(1, round(side / 400.0)), radius or 0.03 * side
-    pivot = None if setup.pivot is None else np.array(setup.pivot)
-    for ball, flag in zip(setup.balls, ("ok", "occluded"), strict=False):
+    pivots = [setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot]
+    for ball, flag, pivot in zip(setup.balls, ("ok", "occluded"), pivots, strict=False):
         if pivot is not None:
             _line(picture, pivot, ball, COLOURS[flag], line)
+            _cross(picture, np.array(pivot), size, line)
         _circle(picture, ball, size, COLOURS[flag], line)
-    if pivot is not None:
-        _cross(picture, pivot, size, line)
     with atomic_path(path) as unfinished:
         unfinished.write_bytes(encoded(picture, ".png"))
     return path

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, POSITIVE, QUANTITIES, Quantity, Range
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity, Range
 
 
 def _of_camera(
     name: str, label: str, description: str, *, unit: str = "1", allowed: Range = ANY,
-    default: float = 0.0,
+    default: float | None = 0.0,
 ) -> Parameter:  # fmt: skip
     return Parameter(
         name=name, owner="camera", kind=float, description=description,
@@ -22,10 +22,41 @@ def _of_toy(name: str, description: str) -> Parameter:
     )
 
 
+CLIP = (
+    Parameter(
+        name="start", owner="clip", kind=float, description="first instant used",
+        quantity=Quantity("s", "", "first instant used"),
+    ),
+    Parameter(
+        name="end", owner="clip", kind=float, description="last instant used",
+        quantity=Quantity("s", "", "last instant used"),
+    ),
+    Parameter(
+        name="click_frame", owner="clip", kind=int, allowed=NON_NEGATIVE,
+        description="number of the frame in which pivot and balls are pointed at; the first one "
+        "of the file is 0; by default the first one used",
+        quantity=Quantity("", "", "frame in which pivot and balls are pointed at"),
+    ),
+)  # fmt: skip
+SHAPES = ("disc", "template")
+LOOK = (
+    Parameter(
+        name="shape", owner="look", kind=str, choices=SHAPES, default=SHAPES[0],
+        description="how balls are recognised: a disc, or a template of what was pointed at",
+        quantity=Quantity("", "", "shape"),
+    ),
+    Parameter(
+        name="patch", owner="look", kind=float, allowed=Range(8.0, 1000.0),
+        description="side of the square about the click that the template is made of, in pixels; "
+        "by default from the radius, or 0.3 of the distance from pivot to click",
+        quantity=Quantity("1", "", "side of the template"),
+    ),
+)  # fmt: skip
 CAMERA = (
     _of_camera(
         "slow_motion", "slow motion: how many times slower than life it plays",
-        "how many times slower than life it plays", allowed=POSITIVE, default=1.0,
+        "how many times slower than life it plays, by default as the file says", allowed=POSITIVE,
+        default=None,
     ),
     _of_camera(
         "row_time", "time from row to row of a rolling shutter",
@@ -41,8 +72,17 @@ VIDEO_PARAMETERS = {
     parameter.name: parameter
     for parameter in (
         _of_toy("length", "from pivot to ball centre: the scale"),
-        _of_toy("radius", "radius of a ball, checked against the length"),
+        _of_toy("radius", "radius of a ball: checked against the scale, or the scale without any"),
+        Parameter(
+            name="stick_length",
+            kind=float,
+            description="length of the stick",
+            allowed=POSITIVE,
+            quantity=Quantity("m", "", "length of the stick"),
+        ),
         _of_toy("gravity", "9.8 by default"),
+        *CLIP,
+        *LOOK,
         *CAMERA,
     )
 }

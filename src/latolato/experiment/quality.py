@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.track_table import FLAGS, balls_of
+from latolato.experiment.track_table import FLAGS, balls_of, has_own_pivots, table_of_ball
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,11 +38,43 @@ def typical_sigma(table: xr.Dataset) -> float | None:
     return float(np.median(sigmas)) if sigmas.size else None
 
 
+def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
+    """Return where a pivot is that the picture does not show, and how well it is known, in words.
+
+    None for a pivot in the picture, and where there is none.
+    """
+    source = attributes.get("pivot_source", "picture")
+    if source == "picture":
+        return None
+    known = "as declared" if source == "declared" else "from the arc"
+    shared = "angles and scale" if attributes.get("scale_source") == "length" else "angles"
+    return (
+        f"out of the picture at ({attributes['origin_u']:.0f}, {attributes['origin_v']:.0f}) "
+        f"{known}, taken to rest; {shared} are known to "
+        f"{100.0 * attributes['angle_scale_sigma']:.2g} %"
+    )
+
+
+def clock_text(attributes: Mapping[str, Any]) -> str:
+    """Return why a table's times are not those of its file, from its attributes; "" if they are."""
+    factor, filmed = attributes.get("slow_motion", 1.0), attributes.get("capture_rate")
+    if filmed is None:
+        return "" if factor == 1.0 else f"times divided by {factor:g}"
+    shown = attributes["shown_rate"]
+    source = "from the file" if abs(factor * shown / filmed - 1.0) < 0.05 else "against the file"
+    return (
+        f"{filmed:.4g} frames a second filmed, {shown:.4g} shown: times divided by {factor:g} "
+        f"({source})"
+    )
+
+
 def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
     """Return how far a ball is outside its circle about the pivot [m], in pixels without a scale.
 
     Shape (frame,).
     """
+    if has_own_pivots(table):
+        table, ball = table_of_ball(table, ball), 1
     ends = "xy" if np.isfinite(table["pivot_x"].values).any() else "uv"
     if f"pivot_{ends[0]}" not in table.variables:
         return np.full(table.sizes["frame"], np.nan)

@@ -5,22 +5,29 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sized
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
 from numbers import Real
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import ANY
-from latolato.core.registry import checked_number, suggest
+from latolato.core.quantities import ANY, NON_NEGATIVE, Range
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.parameters import CLIP, LOOK, SHAPES
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
 SUFFIX = ".track.toml"
+# Shortest stick whose ends are told apart well enough for a scale [pixels].
+_SHORTEST = 8.0
 Place = tuple[float, float]
+Correction = tuple[int, int, float, float]
+# What is given for a pivot that the picture does not show, and whose place is not known.
+OUTSIDE: Final = "outside"
+Pivot = Place | Literal["outside"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,12 +37,30 @@ class Setup:
     Parameters
     ----------
     pivot : tuple of float or None
-        Column and row of the pivot in the first frame as displayed [pixels]; None where it is not
+        Column and row of the pivot in the clicked frame as displayed [pixels]; None where it is not
         in the picture.
     balls : tuple of tuple of float
         The same of each ball's centre.
+    pivot_2 : tuple of float or None
+        The same of the second ball's own pivot.
+    has_own_pivots : bool
+        Whether the second of two balls has a pivot of its own.
+    start, end : float or None
+        First and last instant used [s].
+    click_frame : int
+        Number in the file of the frame in which pivot and balls are pointed at.
+    region : tuple of float or None
+        Left, top, right and bottom of the part in which balls are looked for [pixels].
+    shape : str
+        How balls are recognised: ``"disc"`` or ``"template"``.
+    patch : float or None
+        Side of the square about the click that the template is made of [pixels].
     length, radius : float or None
         From pivot to ball centre, and of a ball [m].
+    stick : tuple of tuple of float or None
+        Column and row of both ends of a stick of known length [pixels].
+    stick_length : float or None
+        Its length [m].
     gravity : float
         Gravitational acceleration [m/s^2].
     optics : Optics
@@ -44,19 +69,33 @@ class Setup:
         How many times slower than life the video plays.
     limits : Limits
         The largest videos that are read.
+    corrections : tuple of tuple
+        Number in the file of a frame, ball from 1 on, column and row of the ball's centre there
+        [pixels], as set by hand.
     is_proposed : bool
         Whether nobody pointed at pivot or balls: they were found in the video.
     """
 
     pivot: Place | None
     balls: tuple[Place, ...]
+    start: float | None = None
+    end: float | None = None
+    click_frame: int = 0
+    region: tuple[float, float, float, float] | None = None
+    shape: str = SHAPES[0]
+    patch: float | None = None
     length: float | None = None
     radius: float | None = None
+    stick: tuple[Place, Place] | None = None
+    stick_length: float | None = None
     gravity: float = GRAVITY
     optics: Optics = field(default_factory=Optics)
     slow_motion: float = 1.0
     limits: Limits = field(default_factory=Limits)
+    corrections: tuple[Correction, ...] = ()
     is_proposed: bool = False
+    pivot_2: Place | None = None
+    has_own_pivots: bool = False
 
 
 def sidecar_path(table: str | Path) -> Path:
@@ -97,12 +136,19 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
 
     geometry = {
         "pivot": setup.pivot,
+        "pivot_2": setup.pivot_2,
+        "own_pivots": setup.has_own_pivots or None,
         "balls": setup.balls,
+        "corrections": setup.corrections or None,
         "length": setup.length,
         "radius": setup.radius,
+        "stick": setup.stick,
+        "stick_length": setup.stick_length,
         "gravity": setup.gravity,
         "proposed": setup.is_proposed,
     }
+    clip = {one.name: getattr(setup, one.name) for one in CLIP} | {"region": setup.region}
+    look = {one.name: getattr(setup, one.name) for one in LOOK}
     camera = {"slow_motion": setup.slow_motion, **asdict(setup.optics)}
     head = {
         "video": Path(video).name,
@@ -111,8 +157,14 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     }
     lines = [
         "# How this video was tracked: latolato track reads this file and makes the same table.",
-        "# Places are columns and rows of the first frame as displayed; all else is in SI units.",
+        "# Places are columns and rows of the clicked frame as displayed; all else is in SI units.",
         *_lines(head),
+        "",
+        "[clip]",
+        *_lines(clip),
+        "",
+        "[look]",
+        *_lines(look),
         "",
         "[geometry]",
         *_lines(geometry),
@@ -174,25 +226,48 @@ def _parsed(path: Path) -> dict[str, Any]:
 
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
-    _check_names("", tables, ("video", "sha256", "latolato", "geometry", "camera", "limits"))
-    geometry = _table(
-        tables, "geometry", ("pivot", "balls", "length", "radius", "gravity", "proposed")
-    )
+    known = ("video", "sha256", "latolato", "clip", "look", "geometry", "camera", "limits")
+    _check_names("", tables, known)
+    clip = _table(tables, "clip", (*(one.name for one in CLIP), "region"))
+    look = _table(tables, "look", tuple(one.name for one in LOOK))
+    names = ("length", "radius", "stick_length", "gravity")
+    geometry = _table(tables, "geometry", (
+        "pivot", "pivot_2", "own_pivots", "balls", "corrections", "stick", *names, "proposed",
+    ))  # fmt: skip
     camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
     limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
     limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
-    pivot, balls = geometry.pop("pivot", None), geometry.pop("balls", [])
+    pivots = {
+        name: checked_place(f"geometry.{name}", geometry.pop(name))
+        for name in ("pivot", "pivot_2")
+        if name in geometry
+    }
+    balls, stick = geometry.pop("balls", []), geometry.pop("stick", None)
+    corrections = geometry.pop("corrections", [])
     is_proposed = bool(geometry.pop("proposed", False))
+    has_own_pivots = bool(geometry.pop("own_pivots", False))
+    numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
+    for parameters, table in ((CLIP, clip), (LOOK, look)):
+        numbers |= {
+            one.name: one.checked(table[one.name]) for one in parameters if one.name in table
+        }
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
+    if has_own_pivots and len(balls) != 2:
+        raise InputError("geometry.own_pivots are those of two balls")
     return Setup(
-        pivot=None if pivot is None else checked_place("geometry.pivot", pivot),
+        pivot=pivots.get("pivot"),
+        pivot_2=pivots.get("pivot_2"),
+        has_own_pivots=has_own_pivots,
         balls=tuple(checked_place("geometry.balls", ball) for ball in balls),
         slow_motion=camera.pop("slow_motion", 1.0),
         optics=Optics(**camera),
         limits=Limits(**limits),
         is_proposed=is_proposed,
-        **_numbers({"geometry": geometry}, "geometry", tuple(geometry)),
+        region=checked_region(clip["region"]) if "region" in clip else None,
+        stick=None if stick is None else checked_stick(stick),
+        corrections=tuple(checked_correction(one) for one in corrections),
+        **numbers,
     )
 
 
@@ -226,6 +301,47 @@ def checked_place(name: str, value: Any) -> Place:
     if not is_pair or not all(isinstance(one, Real) and math.isfinite(one) for one in value):
         raise InputError("must be a column and a row in pixels", parameter=name, value=value)
     return float(value[0]), float(value[1])
+
+
+def checked_stick(value: Any) -> tuple[Place, Place]:
+    """Return both ends of a stick [pixels], or raise if they are none or hardly apart."""
+    if isinstance(value, str) or not isinstance(value, Sequence) or len(value) != 2:
+        raise InputError("must be two places in pixels", parameter="stick", value=value)
+    one, other = (checked_place("stick", end) for end in value)
+    if math.dist(one, other) < _SHORTEST:
+        raise InputError(
+            f"must be {_SHORTEST:g} pixels long or more in the picture", parameter="stick"
+        )
+    return one, other
+
+
+def checked_correction(value: Any) -> Correction:
+    """Return frame, ball, column and row of a place set by hand, or raise if it is none."""
+    try:
+        frame, ball, u, v = value
+    except (TypeError, ValueError):
+        raise InputError(
+            "must be frame, ball, column and row", parameter="corrections", value=value
+        ) from None
+    place = checked_place("corrections", (u, v))
+    return (
+        checked_count("frame of a correction", frame, NON_NEGATIVE),
+        checked_count("ball of a correction", ball, Range(1, 2)),
+        *place,
+    )
+
+
+def checked_region(value: Any) -> tuple[float, float, float, float]:
+    """Return left, top, right and bottom of a part of the picture [pixels], or raise."""
+    try:
+        left, top, right, bottom = (float(one) for one in value)
+    except (TypeError, ValueError):
+        left, top, right, bottom = 4 * (math.nan,)
+    if not (left < right and top < bottom and math.isfinite(right - left + bottom - top)):
+        raise InputError(
+            "must be left, top, right and bottom in pixels", parameter="region", value=value
+        )
+    return left, top, right, bottom
 
 
 def _lines(values: Mapping[str, Any]) -> list[str]:

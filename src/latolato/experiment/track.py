@@ -4,31 +4,39 @@ from __future__ import annotations
 
 import math
 import warnings as alarms
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import POSITIVE, QUANTITIES
-from latolato.core.registry import checked_number
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.calibration.lens import Optics
+from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
+from latolato.experiment.calibration.lens import Optics, undistorted
+from latolato.experiment.calibration.pace import motion_of, pace_warnings
+from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
+    OUTSIDE,
     Setup,
+    checked_correction,
     checked_place,
+    checked_region,
+    checked_stick,
     read_sidecar,
     with_changes,
     write_sidecar,
 )
 from latolato.experiment.track_table import track_table
-from latolato.experiment.tracking.follow import follow
+from latolato.experiment.tracking.follow import Corrections, follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
-from latolato.experiment.tracking.positions import Positions
+from latolato.experiment.tracking.learn_template import learn_template_model
+from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.wander import follow_path, period_of
@@ -38,21 +46,27 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Place = Sequence[float]
+Pivot = Place | Literal["outside"]
 Progress = Callable[[float], None]
-# Difference of declared and measured radius that is worth a warning.
-_RADIUS_TOLERANCE = 0.03
+# Share by which a declared size must differ from the measured one to be worth a warning.
+_TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples below which no ball was followed, and hardly one.
-_NEVER, _SELDOM = 0.25, 0.4
+_NEVER, _SELDOM = 0.25, 0.5
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
-# Shares of the work: the first reading, learning the scene.
-_READ, _LEARNED = 0.25, 0.35
+# Half the side of a template over the radius of the bob.
+_PATCH = 1.4
+# Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
+# learning the scene.
+_READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# How far from the picture a pivot may be, in diagonals of the picture.
+_FARTHEST = 10.0
 
 
 @dataclass
@@ -68,13 +82,39 @@ class Task:
     setup_file: Path | None = None
 
 
+@dataclass(frozen=True)
+class _Track:
+    """Balls that were followed about one pivot."""
+
+    scene: ImageModel
+    seen: Positions
+    measured: Calibration
+
+
+@dataclass(frozen=True)
+class _Path:
+    """Balls whose pivot is not known, and why."""
+
+    seen: Positions
+    doubt: str
+
+
 def track(
     path: str | Path,
     *,
-    pivot: Place | None = None,
+    pivot: Pivot | Sequence[Pivot] | None = None,
     balls: int | Sequence[Place] | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    click_frame: int | None = None,
+    region: Sequence[float] | None = None,
     length: float | None = None,
     radius: float | None = None,
+    stick: Sequence[Place] | None = None,
+    stick_length: float | None = None,
+    shape: str | None = None,
+    patch: float | None = None,
+    corrections: Mapping[int, Mapping[int, Place]] | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -88,22 +128,51 @@ def track(
     ----------
     path : str or Path
         The video.
-    pivot : sequence of float, optional
-        Column and row of the pivot in the first frame as displayed [pixels].
+    pivot : sequence of float or "outside", or a sequence of two of these, optional
+        Column and row of the pivot in the clicked frame as displayed [pixels]. A pivot out of the
+        picture must rest: declare its place (which counts as known to 2 % of its distance from
+        the ball), or say ``"outside"`` to have it fitted from the arc on which the ball runs. Two
+        are the own pivots of two balls, in their order if these are pointed at.
     balls : int or sequence of sequence of float, optional
-        How many balls swing, 1 or 2; or column and row of each ball's centre in the first frame.
+        How many balls swing, 1 or 2; or column and row of each ball's centre in the clicked frame.
         What is not pointed at is found in the video, and a warning names it.
+    start, end : float, optional
+        First and last instant used, as in the column ``time`` [s].
+    click_frame : int, optional
+        Number of the clicked frame: that in which pivot and balls are pointed at, or found. The
+        first one of the file is 0; by default it is the first one used.
+    region : sequence of float, optional
+        Left, top, right and bottom of the part of the picture in which balls are looked for
+        [pixels]; the pivot may lie outside.
     length : float, optional
-        From pivot to ball centre [m]: the scale of the picture. Without it angles are known, and
-        positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so on).
+        From pivot to ball centre [m]: the scale of the picture. Without it the scale is that of
+        the stick, without that one of the radius; the others are checked against it. Without any,
+        angles are known, and positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so
+        on).
     radius : float, optional
-        Radius of a ball [m], which is checked against the length's scale.
+        Radius of a ball [m].
+    stick : sequence of sequence of float, optional
+        Column and row of both ends of a stick of known length, in the plane of the swing
+        [pixels].
+    stick_length : float, optional
+        Its length [m].
+    shape : str, optional
+        How balls are recognised: as a ``"disc"``, the default, or by a ``"template"`` of what was
+        pointed at, which turns with the pendulum: rings, blocks, bottles.
+    patch : float, optional
+        Side of the square about the click that the template is made of [pixels]. By default 2.8
+        radii, where radius and scale are known, else 0.3 of the distance from pivot to click.
+    corrections : mapping, optional
+        Places that are set by hand: ``{frame: {ball: (u, v)}}`` with the number of the frame as in
+        the table, the ball's number, and column and row of its centre [pixels]. Tracking goes on
+        from there. They join those of a sidecar.
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
         Row time of a rolling shutter and radial distortion of the lens.
     slow_motion : float, optional
-        How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz.
+        How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz. By default
+        what the file declares without doubt, else 1.
     limits : Limits, optional
         Largest duration, size and memory that a video may ask for.
     sidecar : str or Path, optional
@@ -116,14 +185,19 @@ def track(
     Returns
     -------
     xarray.Dataset
-        One row per decoded frame on the dimension ``frame``: ``time``, positions of pivot and balls
+        One row per frame used on the dimension ``frame``: ``time``, positions of pivot and balls
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
-        hidden), predicted (carried on by the equation of motion) and lost. The attribute
-        ``geometry`` is ``metric``; ``angles`` without a length; ``unknown`` without a pivot in the
-        picture, where angles are NaN, flags are about the ball's image alone, and ``period`` and
-        ``period_sigma`` [s] come from its path. ``warnings`` repeats what was warned of.
+        hidden), manual (set by hand, to 1 pixel), predicted (carried on by the equation of motion)
+        and lost. The attribute
+        ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
+        the picture and the arc does not show one at rest: angles are then NaN, flags are about the
+        ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
+        ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
+        two all angles share the relative error ``angle_scale_sigma``, which is in no
+        ``angle_sigma_1``. The second ball's own pivot has columns ``pivot_2_x`` and so on, and
+        attributes that end in ``_2``. ``warnings`` repeats what was warned of.
 
     Raises
     ------
@@ -131,15 +205,17 @@ def track(
         If there is no such file.
     InputError
         If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a place lies outside the frame, no ball is found, what was followed is not the ball, the
-        camera moves, or the sidecar is another video's.
+        a ball lies outside the frame or a pivot too far from it, no ball is found, what was
+        followed is not the ball, the camera moves, one length cannot be that of two balls about
+        pivots of their own, or the sidecar is another video's.
         Without the extra `video`.
 
     Warns
     -----
     RuntimeWarning
-        For a set-up that was read, what was found instead of pointed at, a radius that does not fit
-        the length, a path that is no circle, an unknown direction of gravity, an unknown geometry.
+        For a set-up that was read, what was found instead of pointed at, a radius or a stick that
+        does not fit the scale, a path that is no circle, an unknown direction of gravity, an
+        unknown geometry.
 
     Notes
     -----
@@ -154,8 +230,21 @@ def track(
     """
     path = checked_path("path", path)
     settings = {
+        "start": start,
+        "end": end,
+        "click_frame": click_frame,
+        "region": None if region is None else checked_region(region),
         "length": length,
         "radius": radius,
+        "stick": None if stick is None else checked_stick(stick),
+        "stick_length": stick_length,
+        "shape": shape,
+        "patch": patch,
+        "corrections": tuple(
+            checked_correction((frame, ball, *place))
+            for frame, places in (corrections or {}).items()
+            for ball, place in places.items()
+        ),
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -174,144 +263,369 @@ def track(
 
 def prepare(
     path: Path,
-    pivot: Place | None,
+    pivot: Pivot | Sequence[Pivot] | None,
     balls: int | Sequence[Place] | None,
     settings: dict[str, Any],
     sidecar: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Task:
     """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
-    for name in ("length", "radius", "gravity"):
-        if settings.get(name) is not None:
-            checked_number(name, settings[name], POSITIVE, QUANTITIES[name].unit)
-    slower = settings.get("slow_motion")
-    video = open_video(
-        path, slow_motion=1.0 if slower is None else slower, limits=settings.get("limits")
-    )
+    for name, value in settings.items():
+        if value is not None and name in VIDEO_PARAMETERS:
+            VIDEO_PARAMETERS[name].checked(value)
     clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
         raise InputError("must be 1 or 2", parameter="balls", value=count)
+    own = _own_pivots(pivot)
+    if own:
+        if count == 1:
+            raise InputError("two pivots need two balls", parameter="balls", value=count)
+        count = 2
     with reading(path):
         if pivot is None and clicks is None and sidecar is not None and Path(sidecar).is_file():
-            setup = with_changes(read_sidecar(sidecar, path), settings)
+            stored = read_sidecar(sidecar, path)
+            if settings.get("click_frame") not in (None, stored.click_frame):
+                raise InputError(
+                    f"is {stored.click_frame} in '{sidecar}', which has the places of that frame",
+                    parameter="click_frame",
+                    way_out="remove the file, or point at pivot and balls",
+                )
+            setup = with_changes(stored, settings)
+            both = {one[:2]: one for one in (*stored.corrections, *setup.corrections)}
+            setup = replace(setup, corrections=tuple(sorted(both.values())))
             if count is not None and count != len(setup.balls):
                 raise InputError(
                     f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
                     way_out="remove it, or point at pivot and balls",
                 )
-            video = open_video(path, slow_motion=setup.slow_motion, limits=setup.limits)
+            video = _video_of(path, setup, setup.slow_motion)
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
+        pivots = own or (None if pivot is None else _checked_pivot(pivot), None)
         setup = Setup(
-            pivot=None if pivot is None else checked_place("pivot", pivot),
+            pivot=pivots[0],
+            pivot_2=pivots[1],
+            has_own_pivots=bool(own),
             balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
         )
-        setup = with_changes(_checked(setup, video), settings)
+        setup = with_changes(setup, settings)
+        video = _video_of(path, setup, settings.get("slow_motion"))
+        setup = replace(setup, slow_motion=video.slow_motion)
+        if settings.get("click_frame") is None:
+            setup = replace(setup, click_frame=video.first_frame)
+        setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
-            return Task(video, setup)
-        sample = _sample_of(video, progress)
+            return Task(video, _right_first(setup))
+        sample = _sample_of(video, setup, progress)
+        known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
-            video, sample, pivot=pivot, balls=clicks, count=count, optics=setup.optics
+            video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
         )
-        setup = with_changes(proposal, settings)
+        pivot_1, pivot_2 = proposal.pivot, None
+        if own:
+            places = [place for place in own if place is not None]
+            if clicks is None and len(places) == 2:
+                pivots = tuple(sorted(places, reverse=True))
+            pivot_1, pivot_2 = pivots
+        setup = replace(
+            setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True
+        )
         return Task(video, setup, sample, [proposal_text(setup)], size)
+
+
+def _checked_pivot(pivot: Any) -> tuple[float, float] | None:
+    """Return a pivot's place [pixels], None where it is out of the picture and to be fitted."""
+    return None if isinstance(pivot, str) and pivot == OUTSIDE else checked_place("pivot", pivot)
+
+
+def _own_pivots(pivot: Any) -> tuple[tuple[float, float] | None, ...]:
+    """Return the places of two pivots, nothing for one or none."""
+    if pivot is None or isinstance(pivot, str) or all(isinstance(one, Real) for one in pivot):
+        return ()
+    if len(pivot) != 2:
+        raise InputError("must be one pivot, or two", parameter="pivot", value=len(pivot))
+    return tuple(_checked_pivot(one) for one in pivot)
+
+
+def _right_first(setup: Setup) -> Setup:
+    """Return a set-up whose right-hand ball comes first if balls have pivots of their own."""
+    if not setup.has_own_pivots or setup.balls[0][0] >= setup.balls[1][0]:
+        return setup
+    return replace(setup, balls=setup.balls[::-1], pivot=setup.pivot_2, pivot_2=setup.pivot)
 
 
 def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
-    video, pivot = task.video, task.setup.pivot
+    video, setup = task.video, task.setup
     with reading(video.path):
-        sample = task.sample or _sample_of(video, progress)
-        balls = [np.array(ball) for ball in task.setup.balls]
-        if pivot is None:
-            table = _wandered(task, sample, balls, progress)
+        sample = task.sample or _sample_of(video, setup, progress)
+        if setup.has_own_pivots:
+            table = _apart(task, sample, progress)
         else:
-            table = _tracked(task, sample, np.array(pivot), balls, progress)
+            found = _found(task, sample, _part(progress, _READ, 1.0))
+            if isinstance(found, _Track):
+                table = _table(task, [found])
+            else:
+                table = _wandered(task, sample, found)
     if progress:
         progress(1.0)
-    missing = video.frame_count - table.sizes["frame"]
-    if missing > _FEW_MISSING:
+    missing = video.expected_count - table.sizes["frame"]
+    if missing > _FEW_MISSING and video.end == math.inf:
         task.warnings.append(
-            f"{missing} of the {video.frame_count} frames that the file declares could not be "
-            "decoded: is it whole?"
+            f"{missing} of the {video.expected_count} frames that the file declares "
+            + ("are missing: it is cut off" if video.is_cut_off else "could not be decoded")
+        )
+    clock = video.clock
+    if video.slow_motion == 1.0 and not clock.is_sure:
+        task.warnings.append(
+            f"the file says that {clock.capture_rate:.4g} frames a second were filmed and "
+            f"{clock.shown_rate:.4g} are shown: if it is slow motion, declare one of "
+            f"{clock.slow_motion:.3g}"
         )
     if task.warnings:
-        # One text, whose parts a semicolon tells apart.
-        task.warnings[:] = [text.replace("; ", ", ") for text in task.warnings]
+        # One text, whose parts a semicolon tells apart, and each part once.
+        task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
 
 
-def _sample_of(video: Video, progress: Progress | None) -> Sample:
+def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
+    """Return the part of a video that a set-up names, at the file's own pace if none is known."""
+    start = -math.inf if setup.start is None else setup.start
+    end = math.inf if setup.end is None else setup.end
+    if not start < end:
+        raise InputError(f"must lie after start ({start:g} s)", parameter="end", value=end)
+    video = open_video(path, slow_motion=slow_motion, limits=setup.limits, start=start, end=end)
+    return replace(video, region=setup.region)
+
+
+def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
     """Return the first reading of a video that shows a motion."""
-    sample = read_sample(video, progress and (lambda share: progress(_READ * share)))
+    tell = progress and (lambda share: progress(_READ * share))
+    sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
     return sample
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
-    """Return a set-up whose places lie inside the frame."""
+    """Return a set-up that is complete: balls in frame and region, the pivot not too far away."""
+    if (setup.stick is None) != (setup.stick_length is None):
+        missing = "stick" if setup.stick is None else "stick_length"
+        raise InputError(f"{missing} is missing: both ends of a stick and its length are needed")
     named = [("ball", place) for place in setup.balls]
-    if setup.pivot is not None:
-        named.insert(0, ("pivot", setup.pivot))
+    named += [("end of the stick", place) for place in setup.stick or ()]
+    for frame, ball, u, v in setup.corrections:
+        named.append((f"correction of ball {ball} in frame {frame}", (u, v)))
+    if setup.region is not None:
+        left, top, right, bottom = setup.region
+        named += [("corner of the region", corner) for corner in ((left, top), (right, bottom))]
+        for u, v in setup.balls:
+            if not (left <= u <= right and top <= v <= bottom):
+                raise InputError(
+                    f"ball at ({u:g}, {v:g}) lies outside the region from ({left:g}, {top:g}) to "
+                    f"({right:g}, {bottom:g})"
+                )
     for name, (u, v) in named:
-        if not (0 <= u <= video.width - 1 and 0 <= v <= video.height - 1):
+        if not _is_inside((u, v), video):
             raise InputError(
                 f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
+    reach = _FARTHEST * math.hypot(video.width, video.height)
+    for u, v in filter(None, (setup.pivot, setup.pivot_2)):
+        if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
+            raise InputError(
+                f"the pivot at ({u:g}, {v:g}) is farther than {reach:.0f} pixels from the picture",
+                way_out=f"say '{OUTSIDE}' to have it fitted from the arc",
+            )
     return setup
 
 
-def _tracked(
+def _is_inside(place: Place, video: Video) -> bool:
+    """Return whether a place lies in the picture."""
+    return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
+
+
+def _corrections(task: Task, sample: Sample) -> Corrections:
+    """Return the places that are set by hand, by frame from the first one used on, and ball.
+
+    Raises
+    ------
+    InputError
+        If no such frame is used, or there is no such ball.
+    """
+    places: dict[int, dict[int, np.ndarray]] = {}
+    first, count = task.video.first_frame, len(task.setup.balls)
+    for number, ball, *place in task.setup.corrections:
+        if not 0 <= number - first < len(sample.times):
+            raise InputError(
+                f"frame {number} is corrected, but only frames {first} to "
+                f"{first + len(sample.times) - 1} are used"
+            )
+        if ball > count:
+            raise InputError(f"ball {ball} is corrected in frame {number}, but there is only one")
+        places.setdefault(number - first, {})[ball - 1] = np.array(place)
+    return places
+
+
+def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
+    """Return the table of two balls, each of which was followed about a pivot of its own."""
+    tracks: list[_Track] = []
+    for b, pivot in enumerate((task.setup.pivot, task.setup.pivot_2)):
+        corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
+        alone = replace(
+            task.setup,
+            pivot=pivot,
+            balls=task.setup.balls[b : b + 1],
+            has_own_pivots=False,
+            corrections=tuple(corrections),
+        )
+        low = _READ + 0.5 * b * (1.0 - _READ)
+        tell = _part(progress, low, low + 0.5 * (1.0 - _READ))
+        found = _found(replace(task, setup=alone), sample, tell)
+        if isinstance(found, _Path):
+            balls = [np.array(ball) for ball in task.setup.balls]
+            path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
+            return _wandered(task, sample, _Path(path, found.doubt))
+        tracks.append(found)
+    right, left = (track.seen for track in tracks)
+    is_meeting = meetings(right, left)
+    for seen in (right, left):
+        seen.flags[(is_meeting & (seen.flags[:, 0] == "ok"))[:, None]] = "collision"
+    return _table(task, tracks)
+
+
+def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _Path:
+    """Return balls about one pivot: in the picture, or where the arc shows it."""
+    pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
+    if pivot is not None and _is_inside(pivot, task.video):
+        scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
+        return _Track(scene, seen, _calibrated(task, sample, scene, seen))
+    if task.setup.shape == "template":
+        raise InputError(
+            "a bob that is no disc can be followed about a pivot in the picture only",
+            way_out="point at the pivot, or at a disc on the bob",
+        )
+    corrections = _corrections(task, sample)
+    tell = _part(progress, 0.0, _FOLLOWED)
+    path = follow_path(task.video, sample, balls, tell, corrections)
+    circle, doubt = _circle_of(task, path)
+    if circle is None or doubt is not None:
+        return _Path(path, f"{doubt}")
+    before = len(task.warnings)
+    tell = _part(progress, _FOLLOWED, 1.0)
+    scene, seen = _followed(task, sample, circle.centre, balls, tell, path)
+    circle, doubt = _circle_of(task, seen)
+    if circle is None or doubt is not None:
+        del task.warnings[before:]  # they are about a track that is given up
+        return _Path(path, f"{doubt}")
+    return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
+
+
+def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
+    """Return the circle about a pivot that is not seen, and why it cannot be believed."""
+    video, setup, optics = task.video, task.setup, task.setup.optics
+    size = video.width, video.height
+    clean = np.where((seen.flags == "ok")[..., None], seen.centres, np.nan)
+    places = undistorted(clean, size, optics)
+    declared = None if setup.pivot is None else np.array(setup.pivot)
+    has_lens = bool(optics.lens_k1 or optics.lens_k2)
+    circle = fit_circle(places, size, declared=declared, has_lens=has_lens)
+    return circle, doubt_about(seen.times, places, circle)
+
+
+def _followed(
     task: Task,
     sample: Sample,
     pivot: np.ndarray,
     balls: list[np.ndarray],
     progress: Progress | None,
-) -> xr.Dataset:
-    """Return the table about a pivot in the picture."""
+    path: Positions | None = None,
+) -> tuple[ImageModel, Positions]:
+    """Return what was learned of a clip, and where its balls are about the pivot.
+
+    `path` is that of balls about a pivot that the picture does not show.
+    """
     video, setup = task.video, task.setup
-    length, radius = setup.length, setup.radius
+    size, radius = (video.width, video.height), setup.radius
+    corrections = _corrections(task, sample)
+    tell = _part(progress, 0.0, _LEARNED)
+
+    def learned(radius: float | None) -> ImageModel:
+        if setup.shape == "template":
+            half = 0.5 * setup.patch if setup.patch else _PATCH * radius if radius else None
+            is_seen = path is None
+            return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
+        unseen = None if path is None else path.radius
+        return learn_image_model(video, sample, pivot, balls, radius, tell, unseen_radius=unseen)
+
+    if path is not None:
+        scene = learned(None)
+        period, _ = period_of(path.times, path.centres[:, 0])
+        stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
+        seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
+        return scene, _believed(task, sample, seen, balls)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
-    expected = radius / length * arm if radius and length else None
+    scale = scale_of(setup, size, (arm, 0.0))
+    expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must lie apart, 8 pixels or more")
-    scene = learn_image_model(
-        video, sample, pivot, balls, expected, _part(progress, _READ, _LEARNED)
-    )
-    if expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene):
+    scene = learned(expected)
+    is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
+    if is_off and setup.shape == "disc":
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
-            free = learn_image_model(video, sample, pivot, balls, None, None)
+            free = learned(None)
         except InputError:
             free = scene
         if free.explained > scene.explained:
             scene = free
-    stiffness = setup.gravity / length if length else 0.0
-    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
+    stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
+    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
+    declared = radius / scale.metres if radius and scale else None
+    return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _believed(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    balls: list[np.ndarray],
+    radius: float | None = None,
+) -> Positions:
+    """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     share = float(seen.is_measured.mean())
     if share == 0.0:
-        raise InputError(
-            "the ball was found in no frame", way_out="point at its centre in the first frame"
-        )
+        raise InputError("the ball was found in no frame", way_out="point at its centre")
     if share < _NEVER:
         raise InputError(
             f"what was pointed at as a ball is found in {100.0 * share:.0f} % of the samples only",
-            way_out="point at the ball's centre in the first frame",
+            way_out="point at the middle of the ball",
         )
+    _examine(task, sample, seen, balls, radius)
+    share = float(seen.is_measured.mean())
     if share < _SELDOM:
         task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: was it pointed "
-            "at?"
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: look at the "
+            "overlay"
         )
-    declared = radius / length * scene.arm if radius and length else None
-    _examine(task, sample, seen, balls, declared)
+    return seen
+
+
+def _calibrated(
+    task: Task, sample: Sample, scene: ImageModel, seen: Positions, circle: Circle | None = None
+) -> Calibration:
+    """Return angles about the hinge, or about the centre of a circle where no pivot is seen."""
+    video, setup = task.video, task.setup
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
-    measured = calibrate(seen, (video.width, video.height), video.rotation, setup.optics)
+    size = video.width, video.height
+    measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    stiffness = setup.gravity / setup.length if setup.length else None
+    task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
@@ -320,7 +634,7 @@ def _tracked(
             "the ball has a pattern that turns with it: where the pattern resembles the "
             f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
         )
-    return _table(task, scene, seen, measured)
+    return measured
 
 
 def _examine(
@@ -342,9 +656,9 @@ def _examine(
             seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: ImageModel) -> float:
+def _doubt(scene: ImageModel, scale_sigma: float = 0.0) -> float:
     """Return by which share the radius measured may differ from that declared."""
-    return _RADIUS_TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    return _TOLERANCE + scene.look.radius_sigma / scene.look.radius
 
 
 def _part(progress: Progress | None, low: float, high: float) -> Progress | None:
@@ -355,107 +669,198 @@ def _part(progress: Progress | None, low: float, high: float) -> Progress | None
     return lambda share: tell(low + (high - low) * share)
 
 
-def _table(task: Task, scene: ImageModel, seen: Positions, measured: Calibration) -> xr.Dataset:
-    """Return the table in metres, or in pixels where the length is unknown."""
-    length, radius = task.setup.length, task.setup.radius
-    task.warnings += measured.warnings
-    scale = length / measured.hinge.arm if length else math.nan
-    measured_radius = scene.look.radius * scale
-    turn = measured.gravity.direction
+def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
+    """Return the table in metres, or in pixels where no scale is known.
+
+    The second track, if there is one, is that of a ball about a pivot of its own.
+    """
+    first = tracks[0].measured
+    for track in tracks:
+        task.warnings += track.measured.warnings
+    scale = _scale(task, tracks)
+    metres_per_pixel = scale.metres if scale else math.nan
+    turn = first.gravity.direction
     right = np.array([math.cos(turn), -math.sin(turn)])
     down = np.array([math.sin(turn), math.cos(turn)])
-    origin = np.nanmean(measured.pivots, axis=0)
+    origin = np.nanmean(first.pivots, axis=0)
+    columns = _frames(task, tracks[0].seen.times)
 
-    def metres(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        away = (places - origin) * scale
-        return away @ right, -(away @ down)
+    def put(name: str, places: np.ndarray) -> None:
+        away = (places - origin) * metres_per_pixel
+        columns[f"{name}_x"], columns[f"{name}_y"] = away @ right, -(away @ down)
+        if scale is None:
+            columns[f"{name}_u"], columns[f"{name}_v"] = places.T
 
-    columns: dict[str, Any] = {"time": seen.times}
-    columns["pivot_x"], columns["pivot_y"] = metres(measured.pivots)
-    if not length:
-        columns["pivot_u"], columns["pivot_v"] = measured.pivots.T
+    for k, track in enumerate(tracks):
+        seen, measured = track.seen, track.measured
+        put("pivot_2" if k else "pivot", measured.pivots)
+        for b in range(seen.centres.shape[1]):
+            number = k + b + 1
+            put(f"ball_{number}", measured.centres[:, b])
+            columns[f"angle_{number}"] = measured.angles[:, b]
+            columns[f"angle_sigma_{number}"] = measured.sigmas[:, b]
+            columns[f"flag_{number}"] = seen.flags[:, b]
+    for track in tracks:
+        _warn_of(task, track, scale)
+    if scale is None:
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give the length for the scale"
-        )
-    for b in range(seen.centres.shape[1]):
-        columns[f"ball_{b + 1}_x"], columns[f"ball_{b + 1}_y"] = metres(measured.centres[:, b])
-        columns[f"angle_{b + 1}"] = measured.angles[:, b]
-        columns[f"angle_sigma_{b + 1}"] = measured.sigmas[:, b]
-        columns[f"flag_{b + 1}"] = seen.flags[:, b]
-        if not length:
-            columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = measured.centres[:, b].T
-    if radius and length and abs(measured_radius / radius - 1.0) > _doubt(scene):
-        task.warnings.append(
-            f"the balls' radius is {measured_radius * 1e3:.2f} mm by the length's scale, declared "
-            f"were {radius * 1e3:.2f} mm: is the length from pivot to ball centre right?"
+            "the length is unknown: positions are in pixels only; give the length for the scale, "
+            "or a stick, or the radius of a ball"
         )
     attributes = {
-        **_declared(task, "metric" if length else "angles"),
-        "metres_per_pixel": scale if length else None,
-        "measured_radius": measured_radius if length else None,
-        "measured_radius_sigma": scene.look.radius_sigma * scale if length else None,
-        "radius_pixels": scene.look.radius,
+        **_declared(task, "metric" if scale else "angles"),
+        "scale_source": scale.source if scale else None,
+        "metres_per_pixel": scale.metres if scale else None,
+        "metres_per_pixel_sigma": scale.share * scale.metres if scale else None,
         "origin_u": float(origin[0]),
         "origin_v": float(origin[1]),
-        "gravity_direction": measured.gravity.direction,
-        "gravity_source": measured.gravity.source,
-        "angle_offset_sigma": measured.angle_offset_sigma,
-        "exposure": scene.look.exposure,
-        "pivot_offset_x": float(measured.hinge.offset[0]),
-        "pivot_offset_y": float(measured.hinge.offset[1]),
-        "pivot_offset_x_sigma": float(measured.hinge.sigma[0]),
-        "pivot_offset_y_sigma": float(measured.hinge.sigma[1]),
-        "arm_pixels": measured.hinge.arm,
-        "arc": measured.hinge.arc,
-        "circle_residual": measured.hinge.residual,
     }
+    for k, track in enumerate(tracks):
+        own = _measured(task, track, scale)
+        attributes |= {f"{name}_2": each for name, each in own.items()} if k else own
     return track_table(columns, attributes)
 
 
-def _wandered(
-    task: Task, sample: Sample, balls: list[np.ndarray], progress: Progress | None
-) -> xr.Dataset:
-    """Return the table of balls about an unseen pivot: their places in the image, no angles."""
-    path = follow_path(task.video, sample, balls, _part(progress, _READ, 1.0))
-    _examine(task, sample, path, balls)
-    columns: dict[str, Any] = {"time": path.times}
-    for b in range(len(balls)):
-        columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = path.centres[:, b].T
-        columns[f"flag_{b + 1}"] = path.flags[:, b]
+def _scale(task: Task, tracks: list[_Track]) -> Scale | None:
+    """Return the scale of the picture; from two balls about pivots of their own, by their means.
+
+    Raises
+    ------
+    InputError
+        If one length is declared for balls whose distances from their pivots differ by more than
+        their errors and 3 %.
+    """
+    video, setup = task.video, task.setup
+    arms = np.array([track.measured.arm for track in tracks])
+    looks = np.array([(each.scene.look.radius, each.scene.look.radius_sigma) for each in tracks])
+    longest, shortest = arms[np.argmax(arms[:, 0])], arms[np.argmin(arms[:, 0])]
+    doubt = _TOLERANCE + 2.0 * math.hypot(*(arms[:, 1] / arms[:, 0]))
+    if setup.length and longest[0] / shortest[0] - 1.0 > doubt:
+        raise InputError(
+            f"the balls are {arms[0, 0]:.0f} and {arms[1, 0]:.0f} pixels from their pivots: one "
+            "length cannot be that of both",
+            way_out="leave the length out, and give it to fits of each ball",
+        )
+    arm, radius = arms.mean(axis=0), looks.mean(axis=0)
+    return scale_of(setup, (video.width, video.height), tuple(arm), tuple(radius))
+
+
+def _warn_of(task: Task, track: _Track, scale: Scale | None) -> None:
+    """Warn of a pivot that was fitted from the arc, and of sizes that do not fit the scale."""
+    setup, video = task.setup, task.video
+    hinge, look = track.measured.hinge, track.scene.look
+    if hinge.source == "arc":
+        u, v = track.measured.pivots[0]
+        and_scale = ", and the scale," if scale and scale.source == "length" else ""
+        task.warnings.append(
+            f"the pivot is not in the picture: it is taken to rest at ({u:.0f}, {v:.0f}), the "
+            f"centre of the ball's arc; all angles{and_scale} share an error of "
+            f"{100.0 * hinge.scale_sigma:.2g} %"
+        )
+    if scale is None:
+        return
+    about = "length from pivot to ball centre" if scale.source == "length" else scale.source
+    sizes = [("radius of a ball", setup.radius, look.radius, look.radius_sigma)]
+    if setup.stick is not None:
+        pixels = stick_pixels(setup, (video.width, video.height))
+        sizes.append(("stick", setup.stick_length, pixels, math.sqrt(2.0)))
+    for name, declared, pixels, sigma in sizes:
+        doubt = _TOLERANCE + math.hypot(sigma / pixels, 2.0 * scale.share)
+        if declared and abs(pixels * scale.metres / declared - 1.0) > doubt:
+            task.warnings.append(
+                f"the {name} is {pixels * scale.metres * 1e3:.2f} mm by the scale of the "
+                f"{scale.source}, declared were {declared * 1e3:.2f} mm: is the {about} right?"
+            )
+
+
+def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
+    """Return the attributes of balls about one pivot."""
+    look, measured = track.scene.look, track.measured
+    hinge, gravity = measured.hinge, measured.gravity
+    attributes: dict[str, Any] = {}
+    if scale is not None:
+        attributes["measured_radius"] = look.radius * scale.metres
+        attributes["measured_radius_sigma"] = scale.metres * math.hypot(
+            look.radius_sigma, look.radius * scale.share
+        )
+        if not task.setup.length:
+            arm, arm_sigma = measured.arm
+            attributes["length"] = arm * scale.metres
+            attributes["length_sigma"] = scale.metres * math.hypot(arm_sigma, arm * scale.share)
+    return attributes | {
+        "radius_pixels": look.radius,
+        "gravity_direction": gravity.direction,
+        "gravity_source": gravity.source,
+        "angle_offset_sigma": measured.angle_offset_sigma,
+        "exposure": look.exposure if task.setup.shape == "disc" else None,
+        "pivot_source": hinge.source,
+        "angle_scale_sigma": None if hinge.is_seen else hinge.scale_sigma,
+        "pivot_offset_x": float(hinge.offset[0]) if hinge.is_seen else None,
+        "pivot_offset_y": float(hinge.offset[1]) if hinge.is_seen else None,
+        "pivot_offset_x_sigma": float(hinge.sigma[0]),
+        "pivot_offset_y_sigma": float(hinge.sigma[1]),
+        "arm_pixels": hinge.arm,
+        "arc": hinge.arc,
+        "circle_residual": hinge.residual,
+    }
+
+
+def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
+    """Return the table of balls about an unknown pivot: their places in the image, no angles."""
+    seen = _believed(task, sample, path.seen, [np.array(ball) for ball in task.setup.balls])
+    columns = _frames(task, seen.times)
+    for b in range(seen.centres.shape[1]):
+        columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T
+        columns[f"flag_{b + 1}"] = seen.flags[:, b]
     task.warnings.append(
-        "no pivot is known: the geometry is unknown, there are no angles, the ball's places are in "
+        f"{path.doubt}: the geometry is unknown, there are no angles, the ball's places are in "
         "pixels; its period is in the table's attributes"
     )
-    period, sigma = period_of(path.times, path.centres[:, 0])
+    period, sigma = period_of(seen.times, seen.centres[:, 0])
     if math.isnan(period):
         task.warnings.append("no period: fewer than three swings were seen")
     attributes = {
         **_declared(task, "unknown"),
-        "radius_pixels": path.radius,
+        "radius_pixels": seen.radius,
         "period": None if math.isnan(period) else period,
         "period_sigma": None if math.isnan(sigma) else sigma,
     }
     return track_table(columns, attributes)
 
 
+def _frames(task: Task, times: np.ndarray) -> dict[str, Any]:
+    """Return the columns that say which frames the rows are of."""
+    return {"frame": task.video.first_frame + np.arange(len(times)), "time": times}
+
+
 def _declared(task: Task, geometry: str) -> dict[str, Any]:
     """Return the attributes that record the request."""
     video, setup = task.video, task.setup
-    places = {} if setup.pivot is None else {"pivot": setup.pivot}
+    pivots = {"pivot": setup.pivot, "pivot_2": setup.pivot_2}
+    places = {name: place for name, place in pivots.items() if place is not None}
     places |= {f"ball_{k + 1}": ball for k, ball in enumerate(setup.balls)}
     clicks = {
         f"{name}_pixel_{axis}": number
         for name, place in places.items()
         for axis, number in zip("uv", place, strict=True)
     }
+    clock = video.clock
+    is_other = clock.slow_motion != 1.0
     return {
         "source": video.path.name,
         "source_sha256": digest_of(video.path),
         "geometry": geometry,
+        "start": setup.start,
+        "end": setup.end,
+        "click_frame": setup.click_frame,
+        "shape": setup.shape,
+        "region": setup.region and ",".join(f"{edge:g}" for edge in setup.region),
         "length": setup.length,
         "radius": setup.radius,
         "gravity": setup.gravity,
         "slow_motion": setup.slow_motion,
+        "capture_rate": clock.capture_rate if is_other else None,
+        "shown_rate": clock.shown_rate if is_other else None,
         "row_time": setup.optics.row_time,
         "lens_k1": setup.optics.lens_k1,
         "lens_k2": setup.optics.lens_k2,

@@ -20,10 +20,12 @@ from latolato.core.registry import checked_choice, suggest
 if TYPE_CHECKING:
     import xarray as xr
 
-# What a sample can be: seen; balls in contact; hidden; carried on by physics; given up.
-FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
+# What a sample can be: seen; balls in contact; hidden; set by hand; carried on; given up.
+FLAGS = ("ok", "collision", "occluded", "manual", "predicted", "lost")
 # Of these, what the picture shows; the rest is computed by the tracker.
-MEASURED = FLAGS[:3]
+MEASURED = FLAGS[:4]
+# Of these, what is known as well as its standard deviation says.
+CLEAN = ("ok", "manual")
 SUFFIXES = (".csv", ".parquet", ".nc")
 # The columns in their order; those of the second ball come with two balls only.
 COLUMNS = (
@@ -31,7 +33,12 @@ COLUMNS = (
     "angle_1", "angle_2", "angle_sigma_1", "angle_sigma_2", "flag_1", "flag_2",
 )  # fmt: skip
 # Places in the picture, which a table has where no length gave a scale.
-PICTURE_COLUMNS = ("pivot_u", "pivot_v", "ball_1_u", "ball_1_v", "ball_2_u", "ball_2_v")
+PICTURE_COLUMNS = (
+    "pivot_u", "pivot_v", "pivot_2_u", "pivot_2_v", "ball_1_u", "ball_1_v", "ball_2_u", "ball_2_v",
+)  # fmt: skip
+# The pivot of the second ball, which a table has where each ball has a pivot of its own.
+OWN_PIVOT_COLUMNS = ("pivot_2_x", "pivot_2_y")
+_OPTIONAL = OWN_PIVOT_COLUMNS + PICTURE_COLUMNS
 _KIND = "track"
 
 
@@ -48,7 +55,8 @@ def track_table(
     Parameters
     ----------
     columns : mapping of str to array_like, shape (frame,)
-        Named as in `COLUMNS`, in SI units, and `PICTURE_COLUMNS`, in pixels. `time` is needed;
+        Named as in `COLUMNS` and `OWN_PIVOT_COLUMNS`, in SI units, and `PICTURE_COLUMNS`, in
+        pixels. `time` is needed;
         `frame` counts from 0 if it is left out; any ``_2`` makes it a table of two balls. Numbers
         that are left out are NaN; a flag that is left out is "ok" where its angle is known and
         "lost" elsewhere.
@@ -78,7 +86,7 @@ def track_table(
 
     balls = 2 if any("_2" in name for name in columns) else 1
     names = column_names(balls)
-    known = names + column_names(balls, PICTURE_COLUMNS)
+    known = names + column_names(balls, _OPTIONAL)
     for name in columns:
         if name not in known:
             raise InputError(
@@ -150,6 +158,42 @@ def balls_of(table: xr.Dataset) -> int:
     return 2 if "angle_2" in table.variables else 1
 
 
+def has_own_pivots(table: xr.Dataset) -> bool:
+    """Return whether each of a table's two balls has a pivot of its own."""
+    return OWN_PIVOT_COLUMNS[0] in table.variables
+
+
+def table_of_ball(table: xr.Dataset, ball: int) -> xr.Dataset:
+    """Return the table of one of two balls that have pivots of their own, as if it were alone.
+
+    Raises
+    ------
+    InputError
+        If there is no such ball.
+    """
+    if isinstance(ball, bool) or ball not in (1, 2):
+        raise InputError("must be 1 or 2 in this table", parameter="ball", value=ball)
+    columns = {
+        name: table[name].values for name in (*COLUMNS, *_OPTIONAL) if name in table.variables
+    }
+    attributes: dict[str, Any] = {str(n): each for n, each in table.attrs.items() if n != "table"}
+    parts = columns, attributes
+    if ball == 2:
+        for part in parts:
+            part |= {_of_first(name): each for name, each in part.items() if "_2" in name}
+    for part in parts:
+        for name in [name for name in part if "_2" in name]:
+            del part[name]
+    return track_table(columns, attributes)
+
+
+def _of_first(name: str) -> str:
+    """Return what the same of the first ball, or of its pivot, is called."""
+    first = name.replace("_2", "_1")
+    is_of_ball = first in COLUMNS or first.startswith("ball_1")
+    return first if is_of_ball else name.replace("_2", "")
+
+
 def write_table(table: xr.Dataset, path: str | Path) -> Path:
     """Write a track table as CSV, Parquet or NetCDF by its suffix and return the path.
 
@@ -175,7 +219,7 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
         return save(table, path)
     columns = {
         name: (table[name].values, table[name].attrs)
-        for name in COLUMNS + PICTURE_COLUMNS
+        for name in COLUMNS + _OPTIONAL
         if name in table.variables
     }
     with atomic_path(path) as unfinished:
@@ -228,7 +272,7 @@ def read_table(path: str | Path) -> xr.Dataset:
                     value=unit,
                 )
         attributes = {key: _plain(value) for key, value in attributes.items()}
-        known = {*column_names(balls), *PICTURE_COLUMNS}
+        known = {*column_names(balls), *_OPTIONAL}
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
         more = {name: columns.pop(name) for name in [*columns] if name not in known}
         if suffix != ".nc":

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +18,13 @@ import numpy as np
 from latolato.core.errors import InputError, import_extra, reading
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
+from latolato.experiment.container import (
+    Clock,
+    declared_clock,
+    displayed_turn,
+    missing_bytes,
+    square_size,
+)
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
 # measured at 3840 x 2160.
@@ -33,8 +43,14 @@ _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "fi
 _AS_VIDEO = (
     "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
 )
+# Error of a time stamp as a decimal number [s].
+_ROUNDED = 1e-6
 # Pixel formats whose planes are luma, then chroma at half resolution.
 _PLANAR = ("yuv420p", "yuvj420p")
+# ITU-T H.273: luma coefficients, and tone curves of high dynamic range.
+_MATRICES = {1: "bt709", 5: "bt601", 6: "bt601", 9: "bt2020", 10: "bt2020"}
+_TONES = {16: "pq", 18: "hlg"}
+_WRITE_AGAIN = "write the frames again, e.g. with ffmpeg -i VIDEO -crf 16 NEW.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,7 +85,10 @@ class Limits:
 
 
 class Frame(NamedTuple):
-    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved)."""
+    """One decoded frame as displayed: number, time [s] and its three planes (chroma halved).
+
+    Numbers count from the first frame between `Video.start` and `Video.end` on.
+    """
 
     number: int
     time: float
@@ -87,143 +106,239 @@ class Video:
     path : Path
         The file.
     width, height : int
-        Size as displayed, after its rotation [pixels].
+        Size as displayed, after its rotation and with square pixels.
     rotation : int
         Clockwise turn that the container asks for [degrees]: 0, 90, 180 or 270.
+    is_mirrored : bool
+        Whether it asks for left and right to be swapped before the turn.
     frame_rate : float
-        Mean number of frames per second as declared; 0 if unknown.
+        Mean number of frames per second of the scene's time as declared; 0 if unknown.
     frame_count : int
         Number of frames that the container shows, without those that an edit list cuts away; 0 if
         unknown.
     matrix : str
-        Which luma coefficients turn planes into colours: ``"bt601"`` or ``"bt709"``.
+        Which luma coefficients turn planes into colours: ``"bt601"``, ``"bt709"`` or ``"bt2020"``.
+    tone : str
+        The tone curve: ``"srgb"``, or ``"hlg"`` or ``"pq"`` of high dynamic range.
     is_full_range : bool
         Whether luma runs from 0 to 255 instead of 16 to 235.
     slow_motion : float
         Factor by which the container's clock is slower than the scene's.
+    clock : Clock
+        What the container declares about it.
+    is_cut_off : bool
+        Whether the end of the file is missing.
+    start, end : float
+        Times between which frames are decoded, both included [s].
+    first_frame : int
+        Number in the file of the first of these frames.
+    region : tuple of float, optional
+        Left, top, right and bottom of the part in which balls are looked for [pixels].
     """
 
     path: Path
     width: int
     height: int
     rotation: int
+    is_mirrored: bool
     frame_rate: float
     frame_count: int
     matrix: str
+    tone: str
     is_full_range: bool
     slow_motion: float
+    clock: Clock
+    is_cut_off: bool
     limits: Limits
+    start: float = -math.inf
+    end: float = math.inf
+    first_frame: int = 0
+    region: tuple[float, float, float, float] | None = None
 
-    def frames(self, until: float = float("inf")) -> Iterator[Frame]:
-        """Decode the frames in order.
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """First column and row in which balls are looked for, and the first ones beyond."""
+        left, top, right, bottom = self.region or (0.0, 0.0, self.width - 1.0, self.height - 1.0)
+        low, high = np.floor([left, top]).astype(int), np.ceil([right, bottom]).astype(int) + 1
+        return np.maximum(low, 0), np.minimum(high, [self.width, self.height])
+
+    @property
+    def expected_count(self) -> int:
+        """About how many frames lie between start and end, 0 if that is unknown."""
+        last: float = self.frame_count
+        if self.end < math.inf:
+            last = min(last, self.end * self.frame_rate + 1.0)
+        return max(math.ceil(last) - self.first_frame, 0)
+
+    def frames(self) -> Iterator[Frame]:
+        """Decode the frames between start and end in order.
 
         Raises
         ------
         InputError
-            If a frame's time stamp is missing or does not increase, or a limit is passed.
+            If a frame's time stamp is missing or does not increase, a limit is passed, or no frame
+            lies between start and end.
         """
-        last = first = -float("inf")
+        last = first = since = -math.inf
         number = 0
-        size = (self.width, self.height)[:: -1 if self.rotation % 180 else 1]
+        size = (0, 0)
+        is_turned = self.rotation % 180 == 90
+        shown = (self.height, self.width) if is_turned else (self.width, self.height)
         with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
             stream.thread_type = "AUTO"
-            for picture in _pictures(container, stream):
+            for picture in _pictures(self.path, container, stream):
                 if picture.pts is None:
-                    raise InputError(f"frame {number} has no time stamp")
+                    raise InputError(
+                        f"frame {number} has no time stamp",
+                        way_out="declare the frame rate, e.g. with ffmpeg -framerate 30 -i VIDEO "
+                        "-c copy NEW.mp4",
+                    )
                 time = float(picture.pts * stream.time_base) / self.slow_motion
                 if number == 0:
-                    first = time
+                    first, size = time, (picture.width, picture.height)
                 if (picture.width, picture.height) != size:
                     raise InputError(
                         f"frame {number} has another size than those before, {picture.width} x "
                         f"{picture.height} pixels"
                     )
-                self.limits.check("duration", time - first, f"{time - first:.4g} s are there")
                 if not time > last:
                     raise InputError(
                         f"time stamps must increase, frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
-                        way_out="write the file again, e.g. with ffmpeg -c copy",
+                        way_out=_WRITE_AGAIN,
                     )
-                self.limits.check("frames", number + 1, f"{number + 1} frames are there")
-                if time > until:
-                    return
-                yield Frame(number, time, *_planes(picture, self.rotation))
+                if time > self.end + _ROUNDED:
+                    break
+                if time >= self.start - _ROUNDED:
+                    since = time if since == -math.inf else since
+                    self.limits.check("duration", time - since, f"{time - since:.4g} s are there")
+                    count = number - self.first_frame + 1
+                    self.limits.check("frames", count, f"{count} frames are there")
+                    planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
+                    yield Frame(count - 1, time, *planes)
                 last = time
                 number += 1
-            declared = _duration(container, stream) / self.slow_motion
-            if 0 < number < self.frame_count - 3 and last - first < 0.97 * declared - 0.1:
+            else:
+                declared = _duration(container, stream) / self.slow_motion
+                if self.frame_rate:  # the duration of an AVI without its end is that of the rest
+                    declared = max(declared, self.frame_count / self.frame_rate)
+                if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
+                    raise InputError(
+                        f"the file is cut off: {number} frames are there, {last - first:.2f} of "
+                        f"{declared:.2f} s",
+                        way_out="copy it again",
+                    )
+            if since == -math.inf:
                 raise InputError(
-                    f"the file is cut off: {number} of {self.frame_count} frames are there, "
-                    f"{last - first:.2f} of {declared:.2f} s",
-                    way_out="copy it again",
+                    f"no frame lies between start ({self.start:g} s) and end ({self.end:g} s)"
                 )
-            if number == 0:
-                raise InputError("no frame could be decoded")
 
 
 def open_video(
-    path: str | Path, *, slow_motion: float = 1.0, limits: Limits | None = None
+    path: str | Path,
+    *,
+    slow_motion: float | None = None,
+    limits: Limits | None = None,
+    start: float = -math.inf,
+    end: float = math.inf,
 ) -> Video:
-    """Return what a video file is, after its first frame was decoded.
+    """Return what a video file is, after its frames up to the first at `start` were decoded.
 
     Parameters
     ----------
     path : str or Path
         The video.
     slow_motion : float
-        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8.
+        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8. By
+        default what the file declares without doubt, else 1.
     limits : Limits
         Refuse what is larger.
+    start, end : float
+        Times between which frames are decoded later, both included [s].
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     InputError
-        If it is no video, holds no picture or exceeds a limit.
+        If it is no video, holds no picture, exceeds a limit or ends before `start`.
         If PyAV is missing.
     """
     path = Path(path)
     limits = limits or Limits()
-    checked_number("slow_motion", slow_motion, POSITIVE, "1")
+    if slow_motion is not None:
+        checked_number("slow_motion", slow_motion, POSITIVE, "1")
     with reading(path):
         _check_file(path)
         with _opened(path) as container:
             if not len(container.streams):
-                raise InputError("it cannot be read as a video: nothing is in it; is it whole?")
+                raise _unreadable(path, "it cannot be read as a video: nothing is in it")
             if not container.streams.video:
-                raise InputError("it holds no video stream, only sound or data, or is cut off")
+                raise _unreadable(path, "it holds no video stream, only sound or data")
             stream = container.streams.video[0]
             context = stream.codec_context
-            size = context.width * context.height
-            if size == 0:
-                raise InputError("the size of its frames is unknown; is the file whole?")
+            width, height = square_size(context.width, context.height, stream.sample_aspect_ratio)
+            if width * height == 0:
+                raise _unreadable(path, "the size of its frames is unknown")
+            clock = declared_clock(container, stream)
+            if slow_motion is None:
+                slow_motion = clock.slow_motion if clock.is_sure else 1.0
             count = _frame_count(container, stream)
-            words = f"frames of {context.width} x {context.height} pixels"
-            limits.check("pixels", size, words)
-            limits.check("memory", size * _PER_PIXEL, f"{words} take memory")
+            words = f"frames of {width} x {height} pixels"
+            limits.check("pixels", width * height, words)
+            limits.check("memory", width * height * _PER_PIXEL, f"{words} take memory")
             duration = _duration(container, stream) / slow_motion
-            limits.check("duration", duration, f"it is {duration:.4g} s long")
-            limits.check("frames", count, f"it has {count} frames")
-            picture = next(_pictures(container, stream), None)
+            pictures = _pictures(path, container, stream)
+            picture = next(pictures, None)
             if picture is None:
-                raise InputError("no frame could be decoded")
-            rotation = round(-picture.rotation / 90.0) % 4 * 90
-            width, height = (picture.width, picture.height)[:: -1 if rotation % 180 else 1]
-            return Video(
+                raise _unreadable(path, "no frame could be decoded")
+            if picture.interlaced_frame:
+                raise InputError(
+                    "its frames are interlaced: odd and even rows were filmed at different times",
+                    way_out="make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 "
+                    "NEW.mp4",
+                )
+            first_frame = 0
+            if start > -math.inf:
+                slower = stream.time_base / Fraction(slow_motion)
+                first_frame = _number_at(start, chain([picture], pictures), slower)
+            rotation, is_mirrored = displayed_turn(picture)
+            shown = _square(picture, (width, height))
+            video = Video(
                 path=path,
-                width=width,
-                height=height,
+                width=(width, height)[rotation % 180 // 90],
+                height=(height, width)[rotation % 180 // 90],
                 rotation=rotation,
+                is_mirrored=is_mirrored,
                 frame_rate=float(stream.average_rate or 0.0) * slow_motion,
                 frame_count=count,
-                matrix=_matrix(picture),
-                is_full_range=picture.color_range == 2 or picture.format.name.startswith("yuvj"),
+                matrix=_matrix(shown),
+                tone=_TONES.get(int(picture.color_trc), "srgb"),
+                is_full_range=shown.color_range == 2 or shown.format.name.startswith("yuvj"),
                 slow_motion=slow_motion,
+                clock=clock,
+                is_cut_off=missing_bytes(path) > 0,
                 limits=limits,
+                start=start,
+                end=end,
+                first_frame=first_frame,
             )
+            part = min(end, duration) - max(start, 0.0)
+            limits.check("duration", part, f"it is {part:.4g} s long")
+            limits.check("frames", video.expected_count, f"it has {video.expected_count} frames")
+            return video
+
+
+def _number_at(start: float, pictures: Iterable[Any], tick: Fraction) -> int:
+    """Return the number of the first picture at or after a time [s], in ticks of a length [s]."""
+    time = -math.inf
+    for number, picture in enumerate(pictures):
+        time = time if picture.pts is None else float(picture.pts * tick)
+        if time >= start - _ROUNDED:
+            return number
+    rule = f"must lie before the end of the video at {time:.6g} s"
+    raise InputError(rule, parameter="start", value=start)
 
 
 def _check_file(path: Path) -> None:
@@ -271,6 +386,16 @@ def _pictures_in(folder: Path) -> str:
     return f"pictures {numbers[0]} to {numbers[-1]}{gaps}"
 
 
+def _unreadable(path: Path, reason: str) -> InputError:
+    """Return the error for a file that cannot be read: that its end is missing, if it is."""
+    missing = missing_bytes(path)
+    if missing:
+        return InputError(
+            f"the file is cut off: its last {missing} bytes are missing", way_out="copy it again"
+        )
+    return InputError(reason)
+
+
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """Open a container, with FFmpeg's reasons in one line."""
@@ -281,19 +406,19 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
-        raise InputError(f"it cannot be read as a video: {error.strerror}") from None
+        raise _unreadable(path, f"it cannot be read as a video: {error.strerror}") from None
     with container:
         yield container
 
 
-def _pictures(container: Any, stream: Any) -> Iterator[Any]:
+def _pictures(path: Path, container: Any, stream: Any) -> Iterator[Any]:
     """Decode one stream, with FFmpeg's reasons in one line."""
     import av
 
     try:
         yield from container.decode(stream)
     except av.error.FFmpegError as error:
-        raise InputError(f"decoding fails ({error.strerror}); is the file whole?") from None
+        raise _unreadable(path, f"decoding fails ({error.strerror})") from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:
@@ -317,20 +442,22 @@ def _duration(container: Any, stream: Any) -> float:
 
 def _matrix(picture: Any) -> str:
     """Return which luma coefficients the frames carry; untagged ones go by their height."""
-    space = int(picture.colorspace)
-    if space == 1:
-        return "bt709"
-    if space in (5, 6):
-        return "bt601"
-    return "bt709" if min(picture.height, picture.width) >= 720 else "bt601"
+    named = _MATRICES.get(int(picture.colorspace))
+    return named or ("bt709" if min(picture.height, picture.width) >= 720 else "bt601")
 
 
-def _planes(picture: Any, rotation: int) -> tuple[np.ndarray, ...]:
+def _square(picture: Any, size: tuple[int, int]) -> Any:
+    """Return a decoded picture in 8-bit planes, with square pixels."""
+    if picture.format.name in _PLANAR and (picture.width, picture.height) == size:
+        return picture
+    return picture.reformat(*size, format="yuv420p")
+
+
+def _planes(picture: Any, rotation: int, is_mirrored: bool) -> tuple[np.ndarray, ...]:
     """Return luma and chroma planes, turned as displayed."""
-    if picture.format.name not in _PLANAR:
-        picture = picture.reformat(format="yuv420p")
     planes = []
     for plane in picture.planes:
         rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
-        planes.append(np.rot90(rows[:, : plane.width], -rotation // 90))
+        rows = rows[:, : plane.width]
+        planes.append(np.rot90(rows[:, ::-1] if is_mirrored else rows, -rotation // 90))
     return tuple(planes)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.boundary import contour_lines
+from latolato.core.quantities import in_brackets
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str)
             annotation_clip=True,
         )
         text.set_path_effects([Stroke(linewidth=2.2, foreground=style.PAPER), Normal()])
-    tail = "" if unit[0] in ("", "1") else f" [{style.pretty_unit(unit[0])}]"
+    tail = in_brackets(style.pretty_unit(unit[0]))
     return Line2D([], [], color=style.INK, lw=0.8, label=f"equal {label}{tail}")
 
 

@@ -31,14 +31,14 @@ LEDGER = {
     "retension_loss": style.SKY,
     "noise_work": style.BLUE,
 }
-# Marker and colour of every kind of contact.
+# Marker and colour of every kind of contact; those of strings stand on the curve of either ball.
 MARKS = {
     "bottom": ("v", style.INK),
     "top": ("^", style.GREEN),
     "rest": ("s", style.RED),
     "release": ("o", style.ORANGE),
-    "slack": ("<", style.SKY),
-    "taut": (">", style.BLUE),
+    "slack": ("<", style.GREY),
+    "taut": (">", style.INK),
 }
 _MARK_SIZE = 7.0  # points squared
 # Works and losses below this share of the largest energy are rounding.

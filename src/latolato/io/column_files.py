@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError, import_extra
-from latolato.core.quantities import QUANTITIES
+from latolato.core.quantities import QUANTITIES, in_brackets
 
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, Any]]]
@@ -109,7 +109,7 @@ def _write_csv(columns: Columns, attributes: Mapping[str, Any], path: Path) -> N
 def _with_unit(key: str) -> str:
     """Return the name of an attribute with the unit of its value, if it has one."""
     quantity = QUANTITIES.get(re.sub("^(right|left)_", "", key))
-    return key if quantity is None or quantity.unit == "1" else f"{key} [{quantity.unit}]"
+    return key if quantity is None else key + in_brackets(quantity.unit)
 
 
 def _write_parquet(columns: Columns, attributes: Mapping[str, Any], path: Path) -> None:

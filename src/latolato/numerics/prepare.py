@@ -26,7 +26,7 @@ from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, stretch
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE, ContactLaw, meeting
 from latolato.physics.drives.stretch import fastest_frequency, largest_acceleration
-from latolato.physics.pair import joint_coupling
+from latolato.physics.pair import joint_coupling, runs_through
 from latolato.physics.pendulum import System
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
@@ -218,7 +218,7 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
 
 @formula
 def _is_apart(case: Any, state: Any) -> bool:
-    """Return whether balls, of which one at least begins on a slack string, do not overlap."""
+    """Return whether no ball overlaps the other one or its taut string, where a string is slack."""
     d0, d1 = case.balls[0].length, case.balls[1].length
     if state.is_slack[0] != 0:
         d0 = case.initial_distance[0]
@@ -228,7 +228,11 @@ def _is_apart(case: Any, state: Any) -> bool:
     if case.angles == 1:
         return bool(0.0 <= angle <= math.pi and d0 * sine(angle) >= r0 * (1.0 - ON_WALL))
     gap = angle - state.angle[1]
-    half = sine(0.5 * gap)
+    along, beside, half = cosine(gap), sine(gap), sine(0.5 * gap)
+    if state.is_slack[0] == 0 and runs_through(d0, d1 * along, d1 * beside, r1):
+        return False
+    if state.is_slack[1] == 0 and runs_through(d1, d0 * along, d0 * beside, r0):
+        return False
     apart = math.sqrt((d0 - d1) ** 2 + 4.0 * d0 * d1 * half * half)
     return bool(0.0 <= gap <= math.tau and apart >= (r0 + r1) * (1.0 - ON_WALL))
 

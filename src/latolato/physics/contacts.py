@@ -119,14 +119,16 @@ def check_radius(radius: float, length: float) -> None:
 
 # What can be wrong with two balls.
 FINE, NEVER_MEET, TOO_LARGE, LEFT_ROD_HITS, RIGHT_ROD_HITS = range(5)
+# Lengths that differ by the sum of the radii but for rounding; a share of their sum.
+_ROUNDING = 1e-15
 
 
 @formula
 def _is_hit(length: float, radius: float, other_length: float, separation: float) -> bool:
-    """Return whether the other ball's rod hits this ball before the balls meet.
+    """Return whether the other ball's rod or string hits this ball before the balls meet.
 
-    A line from the pivot touches the ball at ``sqrt(l^2 - r^2)``; a shorter rod ends before it, in
-    its own ball, which touches first.
+    A line from the pivot touches the ball at ``sqrt(l^2 - r^2)``; a shorter rod or string ends
+    before it, in its own ball, which touches first.
     """
     tangent = math.sqrt((length - radius) * (length + radius))
     # Equal balls have a half width of separation/2: only truly unequal ones can be hit.
@@ -135,12 +137,12 @@ def _is_hit(length: float, radius: float, other_length: float, separation: float
 
 @formula
 def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, int]:
-    """Return the angle between rods whose balls touch at the bottom [rad], and what is wrong.
+    """Return the angle between balls that touch at the bottom [rad], and what is wrong.
 
     Arguments are the lengths and radii of the right and the left ball. See `contact_separation`.
     """
     reach = r1 + r2
-    if abs(l1 - l2) >= reach and not (reach == 0.0 and l1 == l2):
+    if l1 != l2 and reach - abs(l1 - l2) <= _ROUNDING * (l1 + l2):
         return 0.0, NEVER_MEET
     sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
     if not sine < 1.0:
@@ -152,7 +154,7 @@ def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, int]:
 
 
 def contact_separation(right: Any, left: Any) -> float:
-    """Return the angle between the rods when the balls touch at the bottom [rad].
+    """Return the angle between the balls, on rods or taut strings, at bottom contact [rad].
 
     ``Theta = arccos[(l1^2 + l2^2 - (r1 + r2)^2) / (2 l1 l2)]``, evaluated as
     ``2 asin(sqrt(((r1 + r2)^2 - (l1 - l2)^2) / (4 l1 l2)))`` to keep all digits.
@@ -160,8 +162,8 @@ def contact_separation(right: Any, left: Any) -> float:
     Raises
     ------
     InputError
-        If the balls can never meet, or a rod would hit the other ball first: a rod at least
-        ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
+        If the balls can never meet, or a rod or string would hit the other ball first: one at
+        least ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
     """
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
     separation, problem = meeting(l1, l2, r1, r2)
@@ -184,7 +186,7 @@ def contact_separation(right: Any, left: Any) -> float:
             one, hit = hit, one
         half_width = math.asin(ball.radius / ball.length)
         raise InputError(
-            f"the {one} rod would hit the {hit} ball before the balls meet: "
+            f"the {one} rod or string would hit the {hit} ball before the balls meet: "
             f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
             f"separation {separation:g} rad; make the other ball larger"
         )

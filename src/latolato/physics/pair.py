@@ -1,4 +1,7 @@
-"""Two balls in lasting contact: they swing as one rigid body until the contact force would pull."""
+"""Two balls in lasting contact: they swing as one rigid body until the contact force would pull.
+
+On strings a ball may also meet the string of the other one.
+"""
 
 from __future__ import annotations
 
@@ -49,6 +52,15 @@ def radial_push(torque: float, length: float, other_length: float, separation: f
     l1, l2 = length, other_length
     slant = (l1 - l2) / math.sin(separation) if l1 != l2 else 0.0
     return torque * (slant + l2 * math.tan(0.5 * separation)) / (l1 * l2)
+
+
+@formula
+def runs_through(length: float, along: float, beside: float, radius: float) -> bool:
+    """Return whether a taut string of this length [m] runs through a ball.
+
+    The ball's centre, seen from the pivot, lies so far `along` the string and `beside` it [m].
+    """
+    return 0.0 < along < length and abs(beside) < radius
 
 
 @formula

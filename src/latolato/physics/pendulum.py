@@ -1,8 +1,11 @@
 """The systems: one pendulum, its linearisation, the mirror-symmetric pair and two free balls.
 
-Every ball obeys (Paper eq10, with the drags of `latolato.physics.damping`)
+Every ball on a rod or a taut string obeys (Paper eq10, with the drags of
+`latolato.physics.damping`)
 
-    angle'' = -(gravity + pivot_acceleration(t)) / length * sin(angle) - drag(angle').
+    angle'' = -(gravity + pivot_acceleration(t)) / length * sin(angle) - drag(angle')
+
+above a pivot that moves up and down. On a slack string it falls (`latolato.numerics.engine.fall`).
 """
 
 from __future__ import annotations
@@ -109,7 +112,7 @@ SLOPES: dict[Any, Any] = {restoring_sine: slope_sine, restoring_linear: slope_li
 @named
 @dataclass(frozen=True, kw_only=True)
 class Ball:
-    """One ball on its rod: ``Ball(length=, mass=, damping=, radius=)``."""
+    """One ball on its rod or string: ``Ball(length=, mass=, damping=, radius=)``."""
 
     length: float = quantity_field("length", POSITIVE, suggested=(0.05, 2.0))
     mass: float = quantity_field("mass", POSITIVE, suggested=(0.01, 2.0))
@@ -256,8 +259,8 @@ class LatoLato(OneBall):
 class BallPair(System):
     """Two balls on one pivot, each with its own angle, that collide (Paper eq11 in full).
 
-    ``right`` and ``left`` may differ in everything; energies are per ball, works and losses are
-    sums over both.
+    ``right`` and ``left`` may differ in everything, but both hang on rods or both on strings.
+    Energies are per ball, works and losses are sums over both.
     """
 
     angles: ClassVar[int] = 2
@@ -286,7 +289,10 @@ class BallPair(System):
 
     @property
     def contact_separation(self) -> float:
-        """Angle between the rods at bottom contact [rad]; top contact is at 2 pi minus it."""
+        """Angle between the balls, on rods or taut strings, at bottom contact [rad].
+
+        Top contact is at 2 pi minus it.
+        """
         return contacts.contact_separation(self.right, self.left)
 
 

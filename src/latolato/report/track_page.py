@@ -18,10 +18,12 @@ from latolato.core.versions import version_of
 from latolato.experiment.overlay import Artist, encoded, picture_of
 from latolato.experiment.quality import (
     circle_distances,
+    clock_text,
     flag_shares,
     pivot_harmonic,
     pivot_heights,
     typical_sigma,
+    unseen_pivot,
 )
 from latolato.experiment.track_table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 MARKS = {
     "collision": (GREEN, "^"),
     "occluded": (ORANGE, "s"),
+    "manual": (GREEN, "o"),
     "predicted": (RED, "D"),
     "lost": (INK, "x"),
 }
@@ -44,13 +47,14 @@ MEANINGS = {
     "ok": "measured, apart from the other ball",
     "collision": "measured while the balls touch",
     "occluded": "measured, partly hidden",
+    "manual": "set by hand",
     "predicted": "not seen: carried on by the equation of motion for a moment",
     "lost": "not seen, and no number given",
 }
 GEOMETRIES = {
-    "metric": "scale by the length, angles about the moving pivot",
-    "angles": "no length was given: angles are known, positions in pixels only",
-    "unknown": "no pivot in the picture: positions of the ball in pixels, no angles",
+    "metric": "positions in metres, angles about the moving pivot",
+    "angles": "no scale was given: angles are known, positions in pixels only",
+    "unknown": "no pivot is known: positions of the ball in pixels, no angles",
 }
 # Frames shown as thumbnails, and their half width in radii of the ball.
 _WORST, _AROUND = 8, 4.0
@@ -300,9 +304,12 @@ def _numbers(table: xr.Dataset) -> str:
         rate = f"{frequency:.6g} rad/s ({frequency / math.tau:.5g} Hz)"
         rows.append(("pivot", f"{size} at {rate}, one harmonic over the whole clip"))
     elif attrs["geometry"] != "unknown":
-        rows.append(("pivot", "rests"))
+        rows.append(("pivot", unseen_pivot(attrs) or "rests"))
+    source = attrs.get("scale_source", "length")
+    length = "declared" if source == "length" else f"by the scale of the {source}"
     texts = {
-        "length": ("length, declared", 1e3, "mm"),
+        "length": (f"length, {length}", 1e3, "mm"),
+        "length_sigma": ("its standard deviation", 1e3, "mm"),
         "metres_per_pixel": ("scale", 1e3, "mm a pixel"),
         "radius": ("radius, declared", 1e3, "mm"),
         "measured_radius": ("radius, measured by that scale", 1e3, "mm"),
@@ -320,6 +327,8 @@ def _numbers(table: xr.Dataset) -> str:
             attrs["gravity_source"], f"from the {attrs['gravity_source']}"
         )
         rows.append(("gravity, from straight down", f"{tilt:z.2f} degrees, {source}"))
+    if clock := clock_text(attrs):
+        rows.append(("slow motion", clock))
     if attrs.get("proposed"):
         rows.append(("pivot and balls", "found in the video; nobody pointed at them"))
     body = "".join(
@@ -387,8 +396,10 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {number}")
-        text = escape(f"frame {number}, {artist.times[number]:.3f} s: {reason}")
+        image = _image(
+            encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {artist.numbers[number]}"
+        )
+        text = escape(f"frame {artist.numbers[number]}, {artist.times[number]:.3f} s: {reason}")
         cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
     return "".join(cells) or "<p>None.</p>"
 
@@ -401,7 +412,7 @@ def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray
     places = centres[np.isfinite(centres).all(axis=1)]
     height, width = picture.shape[:2]
     centre = places[-1] if len(places) else np.array([width / 2.0, height / 2.0])
-    half = int(max(_AROUND * artist.radius, 24.0))
+    half = int(max(_AROUND * max(artist.radii), 24.0))
     u, v = np.rint(centre).astype(int)
     padded = np.pad(picture, ((half, half), (half, half), (0, 0)), mode="edge")
     u, v = int(np.clip(u, 0, width - 1)), int(np.clip(v, 0, height - 1))

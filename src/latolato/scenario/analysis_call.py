@@ -9,6 +9,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
+from latolato.core.quantities import QUANTITIES, in_brackets
 from latolato.scenario.analysis_options import read_value
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ class AnalysisCall:
                 return value_of(scenario.system, drive, option.name)
             except InputError:
                 pass
-        unit = "" if option.unit == "1" or option.unit_of else f" [{option.unit}]"
+        unit = "" if option.unit_of else in_brackets(option.unit)
         example = ' "0 : 1 : 11"' if option.several else ""
         raise InputError(
             f"{self.name} needs {{parameter}}{unit}: give {option.flag}{example}",
@@ -122,7 +123,6 @@ class AnalysisCall:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
         if not option.unit_of:
             return option.unit
-        from latolato.core.quantities import QUANTITIES
         from latolato.physics.drives import Harmonic
         from latolato.sweeps.axes import parameters_of
 

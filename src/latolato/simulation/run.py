@@ -287,6 +287,12 @@ def _closed(
         halvings += 1
 
 
+def _share_of(time: Any, trajectory: Trajectory) -> Any:
+    """Return a share of the time [1]; a run that failed, or stopped where it began, has none."""
+    known = not trajectory.failed and trajectory.reached > 0.0
+    return time / trajectory.reached if known else np.full_like(time, math.nan)
+
+
 def _slackness(system: System, trajectory: Trajectory) -> dict[str, Any]:
     """Return when each ball's string first goes slack [s], in which share of the time [1] it is.
 
@@ -294,7 +300,7 @@ def _slackness(system: System, trajectory: Trajectory) -> dict[str, Any]:
     """
     state = trajectory.state
     known = math.nan if trajectory.failed else 1.0
-    first, share = known * state.slack_start, known * state.slack_time / trajectory.reached
+    first, share = known * state.slack_start, _share_of(state.slack_time, trajectory)
     if system.angles == 1:
         first, share = float(first[0]), float(share[0])
     impulse = known * float(state.string_impulse)
@@ -306,7 +312,7 @@ def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
     # What a failed run adds up last is no compression.
     known = math.nan if trajectory.failed else 1.0
     first = known * trajectory.state.compression_start
-    share = known * trajectory.state.compression_time / trajectory.reached
+    share = _share_of(trajectory.state.compression_time, trajectory)
     if system.angles == 1:
         first, share = float(first[0]), float(share[0])
     return {"compression_time": first, "compression_fraction": share}

@@ -16,6 +16,7 @@ from latolato.numerics.prepare import ON_WALL
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
+from latolato.physics.pair import runs_through
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 DEFAULT_REST_SPEED = 1e-7  # rad/s
@@ -199,7 +200,9 @@ def checked_distances(system: System, value: Any) -> tuple[float, ...]:
 def check_apart(system: System, angles: Sequence[float], distances: Sequence[float]) -> None:
     """Raise InputError if two balls overlap that are this far from the pivot, or have swapped.
 
-    The left ball of a `LatoLato` is the right one's mirror image.
+    The left ball of a `LatoLato` is the right one's mirror image. A taut string must not run
+    through the other ball, which ends a run as well. How a slack string hangs is not described,
+    so it may lie anywhere.
     """
     mirrored = system.angles == 1
     gap = 2.0 * angles[0] if mirrored else angles[0] - angles[1]
@@ -219,9 +222,17 @@ def check_apart(system: System, angles: Sequence[float], distances: Sequence[flo
             f"the balls overlap at this {{parameter}}: their centres must be at least {reach:.9g} "
             f"m apart, but are {apart:.9g} m apart",
             parameter="initial_distance",
-            value=distances[0] if mirrored else tuple(distances),
             way_out="give other distances or angles",
         )
+    for one, other in () if mirrored else ((0, 1), (1, 0)):
+        length, ball = system.balls[one].length, system.balls[other]
+        along, beside = distances[other] * math.cos(gap), distances[other] * math.sin(gap)
+        if distances[one] == length and runs_through(length, along, beside, ball.radius):
+            raise InputError(
+                "at this {parameter} the taut string of one ball runs through the other ball",
+                parameter="initial_distance",
+                way_out="give other distances or angles",
+            )
 
 
 def checked_start(

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { ClipClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
+import { clockText } from "../../../src/latolato/app/static/js/experiment/setup.js";
 import { Track } from "../../../src/latolato/app/static/js/experiment/track.js";
 import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
 
@@ -59,4 +60,12 @@ test("the clock asks for the middle of a frame and tells the one on show", () =>
   video.seeking = false;
   video.dispatchEvent(new Event("seeked"));
   assert.ok(video.currentTime > 0.1 && video.currentTime < 0.3);
+});
+
+test("what a file says of slow motion is told, and nothing of one at life's pace", () => {
+  const clock = { capture_rate: 240, shown_rate: 30.00003, slow_motion: 8, is_sure: true };
+  assert.match(clockText(clock), /240 frames a second filmed, 30 shown.* divided by 8/);
+  assert.match(clockText({ ...clock, is_sure: false }), /if this is slow motion, give the factor 8/);
+  assert.equal(clockText({ ...clock, slow_motion: 1 }), "");
+  assert.equal(clockText(undefined), "");
 });

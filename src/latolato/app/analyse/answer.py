@@ -13,6 +13,7 @@ from latolato.app.analyse.forms import label_of
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.timings import keep_timing
 from latolato.core.errors import InputError
+from latolato.core.quantities import in_brackets
 from latolato.figures.analyses.question import question_of
 
 if TYPE_CHECKING:
@@ -174,5 +175,4 @@ def to_csv(dataset: xr.Dataset) -> str:
 
 def _headed(dataset: xr.Dataset, name: str) -> str:
     """Return the head of a column, with its unit."""
-    unit = str(dataset[name].attrs.get("units", "1"))
-    return name if unit in ("", "1") else f"{name} [{unit}]"
+    return name + in_brackets(str(dataset[name].attrs.get("units", "1")))

@@ -48,13 +48,15 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 
     A copy that browsers play, with the same frames at the same times, is written beside it.
     """
-    video = open_video(job["path"], limits=Limits(**job["limits"]))
+    # The copy plays as the file does.
+    video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(f"{job['name']} has {len(times)} frames, a motion needs {_FEWEST} or more")
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,
+        "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
         task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,

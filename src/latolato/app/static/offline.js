@@ -5,11 +5,15 @@ importScripts("files.js");
 
 const { version, paths } = self.SITE;
 const NAME = `latolato ${version}`;
+// Of the compiled code a browser needs the variant that it runs, which its page names.
+const variant = new URL(self.location.href).searchParams.get("variant") ?? "";
+const variantOf = (path) => /^kernels\/\w+(.*)\.wasm$/.exec(path)?.[1];
+const needed = paths.filter((path) => [undefined, variant].includes(variantOf(path)));
 
 self.addEventListener("install", (event) => event.waitUntil((async () => {
   const cache = await caches.open(NAME);
   // Past the browser's own cache, which may have files of an earlier version.
-  await cache.addAll(["./", ...paths].map((path) => new Request(path, { cache: "reload" })));
+  await cache.addAll(["./", ...needed].map((path) => new Request(path, { cache: "reload" })));
   await self.skipWaiting();
 })()));
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from latolato.experiment.calibration.circle import Circle
 from latolato.experiment.calibration.deviations import SYSTEMATIC, honest_deviations, scatter_of
 from latolato.experiment.calibration.gravity import (
     STROKE,
@@ -19,7 +20,7 @@ from latolato.experiment.calibration.gravity import (
     angle_offset_sigma,
     find_gravity,
 )
-from latolato.experiment.calibration.hinge import Hinge, find_hinge
+from latolato.experiment.calibration.hinge import Hinge, find_hinge, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.tracking.positions import Positions
 
@@ -58,9 +59,21 @@ class Calibration:
     angle_offset_sigma: float
     warnings: list[str] = field(default_factory=list)
 
+    @property
+    def arm(self) -> tuple[float, float]:
+        """Distance from hinge to ball and its standard deviation [pixels]."""
+        hinge = self.hinge
+        if hinge.is_seen:
+            return hinge.arm, _along(self.gravity, hinge)
+        return hinge.arm, hinge.arm * hinge.scale_sigma
+
 
 def calibrate(
-    seen: Positions, size: tuple[int, int], rotation: int, optics: Optics | None = None
+    seen: Positions,
+    size: tuple[int, int],
+    rotation: int,
+    optics: Optics | None = None,
+    circle: Circle | None = None,
 ) -> Calibration:
     """Return angles about the hinge from positions in the image.
 
@@ -74,9 +87,14 @@ def calibrate(
         Clockwise turn between sensor and display [degrees].
     optics : Optics
         What is declared of the camera.
+    circle : Circle
+        Where a pivot is that the picture does not show.
     """
     optics = optics or Optics()
-    pivots = _on_rail(undistorted(seen.pivots, size, optics))
+    if circle is None:
+        pivots = _on_rail(undistorted(seen.pivots, size, optics))
+    else:
+        pivots = np.repeat(circle.centre[None], len(seen.times), axis=0)
     centres = undistorted(seen.centres, size, optics)
     balls = centres.shape[1]
     if optics.row_time:
@@ -97,8 +115,13 @@ def calibrate(
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
     reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
-    noise = float(np.nanmin([scatter_of(seen.times, reach[:, b]) for b in range(balls)] + [1e3]))
-    hinge = find_hinge(away[use], seen.angles[use], noise)
+    scatters = [scatter_of(seen.times, reach[:, b]) for b in range(balls)]
+    # Where no scatter is known, all that is off the circle may be the circle's fault.
+    noise = min((one for one in scatters if math.isfinite(one)), default=0.0)
+    if circle is None:
+        hinge = find_hinge(away[use], seen.angles[use], noise)
+    else:
+        hinge = _unseen_hinge(circle, range_of(seen.angles[use]))
     offset, warnings = hinge.offset, hinge.warnings
     raw = np.arctan2(away[..., 0] - offset[0], away[..., 1] - offset[1])
     angles = seen.angles + np.remainder(raw - seen.angles + math.pi, 2.0 * math.pi) - math.pi
@@ -108,11 +131,14 @@ def calibrate(
                 :, 0
             ]
     off = np.hypot(away[..., 0] - offset[0], away[..., 1] - offset[1]) - hinge.arm
-    sigmas = honest_deviations(
-        seen.times, angles, seen.sigmas, off, seen.spreads, is_clean, hinge.arm
-    )
+    sigmas = seen.sigmas
+    if circle is not None:  # they were followed about a place that was known less well
+        before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
+        sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
+    honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
-    if not (optics.lens_k1 or optics.lens_k2):
+    if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
         wrong = lens_errors(centres, about, use, raw, size, noise)
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
@@ -157,18 +183,35 @@ def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndar
     return np.asarray(pivots - bend * exposure**2 / 24.0)
 
 
+def _unseen_hinge(circle: Circle, arc: float) -> Hinge:
+    """Return the hinge at the centre of a circle, of which an arc [rad] was seen."""
+    place = circle.covariance[:2, :2]
+    return Hinge(
+        np.zeros(2), np.sqrt(np.diag(place)), circle.arm, arc, circle.residual, circle.warnings,
+        source="declared" if circle.is_declared else "arc", scale_sigma=circle.scale_sigma,
+        aside=math.sqrt(float(np.linalg.eigvalsh(place)[0])),
+    )  # fmt: skip
+
+
 def _shared_error(angles: np.ndarray, down: Gravity, shared: float, hinge: Hinge) -> np.ndarray:
     """Return the standard deviations of what angles have in common with each other [rad].
 
-    A hinge that lies higher or lower makes all angles smaller or larger. Where gravity's direction
-    is unknown, angles are those from straight down in the picture, and so are deviations.
+    A hinge that lies higher or lower makes all angles smaller or larger; by how much they are so
+    about a pivot that is not seen is stated once for all. Where gravity's direction is unknown,
+    angles are those from straight down in the picture, and so are deviations.
     """
     if down.source == "image":
         level = Gravity(down.direction, down.source, 0.0)
         shared = angle_offset_sigma(level, hinge)
+    if not hinge.is_seen:
+        return np.full_like(angles, shared)
+    return np.hypot(shared, np.sin(angles - down.direction) * _along(down, hinge) / hinge.arm)
+
+
+def _along(down: Gravity, hinge: Hinge) -> float:
+    """Return the standard deviation of the hinge's place along gravity [pixels]."""
     turn = down.direction
-    along = math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
-    return np.hypot(shared, np.sin(angles - turn) * along / hinge.arm)
+    return math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
 
 
 def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:

@@ -83,7 +83,9 @@ def angle_offset_sigma(down: Gravity, hinge: Hinge) -> float:
     """
     if down.source == "rest position":
         return math.hypot(down.sigma, 0.5 * UNROUND / hinge.arm)
-    if hinge.arc >= WIDE_ARC:
+    if not hinge.is_seen:
+        beside = hinge.aside
+    elif hinge.arc >= WIDE_ARC and math.isfinite(hinge.residual):
         beside = 0.5 * hinge.residual
     elif hinge.arc >= NARROW_ARC:
         beside = 1.0 / math.hypot(1.0 / CLICK, hinge.arc / (2.0 * math.sqrt(2.0) * UNROUND))

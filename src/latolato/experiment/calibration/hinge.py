@@ -40,6 +40,12 @@ class Hinge:
         Root mean square distance from the circle [pixels].
     warnings : list of str
         What the user should know.
+    source : str
+        ``"picture"``, or where the picture does not show the pivot ``"declared"`` or ``"arc"``.
+    scale_sigma : float
+        Relative standard deviation of all angles, and of the scale, about a pivot that is not seen.
+    aside : float
+        Standard deviation of the place of such a pivot across the middle of the arc [pixels].
     """
 
     offset: np.ndarray
@@ -48,6 +54,14 @@ class Hinge:
     arc: float
     residual: float
     warnings: list[str] = field(default_factory=list)
+    source: str = "picture"
+    scale_sigma: float = 0.0
+    aside: float = 0.0
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether the picture shows the pivot."""
+        return self.source == "picture"
 
 
 def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
@@ -59,8 +73,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
 
     distance = np.hypot(away[:, 0], away[:, 1])
     arm = float(np.median(distance)) if len(distance) else math.nan
-    turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
-    arc = float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
+    arc = range_of(angles)
     none, clicked = np.zeros(2), np.full(2, math.hypot(CLICK, _SHARED))
     if len(away) < 20:
         return Hinge(none, clicked, arm, arc, math.nan)
@@ -96,6 +109,12 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     count = max(min(len(design), arc * fitted_arm / _BLOCK), 1.0)
     sigma = np.sqrt(_SHARED**2 + (uneven**2 + noise**2 / count) * spread)
     return Hinge(offset, sigma, fitted_arm, arc, residual)
+
+
+def range_of(angles: np.ndarray) -> float:
+    """Return the range of angles without the outermost [rad]."""
+    turned = np.mod(angles + math.pi, 2.0 * math.pi) - math.pi
+    return float(np.ptp(np.quantile(turned, [0.005, 0.995]))) if len(turned) else 0.0
 
 
 def _across(

@@ -22,7 +22,7 @@ from latolato.experiment.comparison.uncertainties import (
 )
 from latolato.experiment.fits.least_squares import Data, Solution, lmfit_module, solve
 from latolato.experiment.fits.pivots import pivot_for
-from latolato.experiment.fits.samples import angles_of, noise_of
+from latolato.experiment.fits.samples import angles_of, noise_of, of_own_pivot
 from latolato.experiment.fits.windows import WindowedModel
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot
@@ -100,6 +100,7 @@ def compare_motion(
     lmfit_module()
     checked_table(table)
     checked_system(system)
+    table, ball = of_own_pivot(table, system, ball)
     widths = checked_sigmas(system, sigmas)
     count = checked_count("draws", draws)
     data = angles_of(table, system, ball, start, end)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.experiment.track_table import balls_of
+from latolato.experiment.track_table import balls_of, has_own_pivots
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Apparatus:
             "damping": _DAMPING if self.damping is None else self.damping,
             "gravity": self.gravity,
         }
-        if balls_of(table) == 1:
+        if balls_of(table) == 1 or has_own_pivots(table):
             return Pendulum(**common)
         radius = self.radius or table.attrs.get("measured_radius") or _SMALL * self.length
         restitution = _RESTITUTION if self.restitution is None else self.restitution

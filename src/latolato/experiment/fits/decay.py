@@ -36,7 +36,7 @@ from latolato.experiment.fits.samples import (
 )
 from latolato.experiment.fits.sight import ABOVE, ASIDE, Sight, sight_guesses
 from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
-from latolato.experiment.track_table import checked_table
+from latolato.experiment.track_table import checked_table, has_own_pivots, table_of_ball
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import GRAVITY, Pendulum
 
@@ -160,6 +160,9 @@ def fit_decay(
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     declared = length_of(table, length)
+    number = ball
+    if has_own_pivots(table):
+        table, ball = table_of_ball(table, ball), 1
     data = samples_of(table, ball, start=start, end=end)
     piece = table.isel(frame=within(table["time"].values, start, end))
     if declared is not None:  # before a driven swing is taken for one that somebody holds
@@ -191,8 +194,8 @@ def fit_decay(
     estimates = {name: each for part in parts for name, each in part.estimates.items()}
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
-        "start": begin, "end": float(data.times[-1]), "ball": ball, "mass": mass, "radius": radius,
-        "declared_length": declared, "gravity": gravity, "method": method,
+        "start": begin, "end": float(data.times[-1]), "ball": number, "mass": mass,
+        "radius": radius, "declared_length": declared, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
     for part in parts:

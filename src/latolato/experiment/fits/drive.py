@@ -142,9 +142,7 @@ def fit_drive(
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
     elif drift:
         words.append("It is steady.")
-    words.append(
-        "The uncertainty of the amplitude leaves out that of the scale, which all heights share."
-    )
+    words.append(f"The uncertainty of the amplitude leaves out that of {_scale_words(table)}.")
     curves = {
         "time": ("sample", data.times),
         "pivot_height": ("sample", data.values),
@@ -223,6 +221,13 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     ones = np.ones(count)
     data = Data(time[chosen], height[chosen], ones, np.zeros(count, dtype=np.int64))
     return data, zeros
+
+
+def _scale_words(table: xr.Dataset) -> str:
+    """Return the scale and how uncertain it is, if that is known, in words."""
+    sigma = float(table.attrs.get("metres_per_pixel_sigma", 0.0))
+    share = 100.0 * sigma / float(table.attrs.get("metres_per_pixel", 1.0))
+    return f"the scale{f' ({share:.1g} %)' if share else ''}, which all heights share"
 
 
 def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError:

@@ -23,7 +23,7 @@ from latolato.experiment.fits.least_squares import (
 from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
-from latolato.experiment.fits.samples import angles_of, is_mirrored
+from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
@@ -115,6 +115,7 @@ def fit_model(
     lmfit_module()
     checked_table(table)
     checked_system(system)
+    table, ball = of_own_pivot(table, system, ball)
     if window is not None:
         window = checked_number("window", window, POSITIVE, "s")
     data = angles_of(table, system, ball, start, end)

@@ -28,7 +28,7 @@ from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
-from latolato.experiment.track_table import balls_of, checked_table
+from latolato.experiment.track_table import balls_of, checked_table, has_own_pivots
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import GRAVITY
 
@@ -102,7 +102,8 @@ def fit_restitution(
     counted as unseen. The pooled deviation grows with the scatter of the impacts, so that it holds
     if e varies; the verdict mentions a dependence on speed.
     """
-    checked_table(table)
+    if has_own_pivots(checked_table(table)):
+        raise InputError("the balls hang from pivots of their own: their impacts are not fitted")
     length = length_of(table, length)
     if length is None:
         raise InputError(

@@ -12,7 +12,13 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats
-from latolato.experiment.track_table import balls_of, checked_table
+from latolato.experiment.track_table import (
+    CLEAN,
+    balls_of,
+    checked_table,
+    has_own_pivots,
+    table_of_ball,
+)
 from latolato.physics.pendulum import LatoLato, System
 
 if TYPE_CHECKING:
@@ -25,7 +31,7 @@ _STILL = 0.004
 def samples_of(
     table: xr.Dataset, ball: int, *, start: float | None = None, end: float | None = None
 ) -> Data:
-    """Return the samples of a ball's angle that are flagged ok, between `start` and `end` [s].
+    """Return the samples of a ball's angle flagged ok or manual, between `start` and `end` [s].
 
     Raises
     ------
@@ -37,11 +43,35 @@ def samples_of(
         raise InputError(f"must be {known} in this table", parameter="ball", value=ball)
     checked_table(table, f"angle_{ball}")
     time, angle = table["time"].values, table[f"angle_{ball}"].values
-    good = np.isfinite(angle) & (table[f"flag_{ball}"].values == "ok") & within(time, start, end)
+    is_clean = np.isin(table[f"flag_{ball}"].values.astype(str), CLEAN)
+    good = np.isfinite(angle) & is_clean & within(time, start, end)
     if good.sum() < 8:
         raise InputError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]
     return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
+
+
+def of_own_pivot(
+    table: xr.Dataset, system: System, ball: int | None
+) -> tuple[xr.Dataset, int | None]:
+    """Return the table and the ball that a system of one pivot is about.
+
+    Of two balls that have pivots of their own, that is the table of one of them.
+
+    Raises
+    ------
+    InputError
+        For a system of two balls on one pivot if the balls of the table have pivots of their own.
+    """
+    if not has_own_pivots(checked_table(table)):
+        return table, ball
+    if system.angles == 2 or isinstance(system, LatoLato):
+        raise InputError(
+            f"the balls of a {type(system).__name__} hang from one pivot, those of this table from "
+            "pivots of their own",
+            way_out="use a Pendulum for each ball",
+        )
+    return table_of_ball(table, ball or 1), 1
 
 
 def angles_of(

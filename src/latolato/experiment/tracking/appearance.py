@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Colours(NamedTuple):
     def of(cls, video: Video) -> Colours:
         """Return the conversion that a video's tags ask for."""
         mix = kernels.colour_coefficients(video.matrix, video.is_full_range)
-        return cls(kernels.linear_light(), mix)
+        return cls(kernels.linear_light(video.tone), mix)
 
     def window(
         self,
@@ -56,6 +56,34 @@ class Colours(NamedTuple):
         at = int(corner[0]), int(corner[1])
         kernels.window(planes, at, stride, (self.table, self.mix), whiten, is_sparse, out)
         return out
+
+
+class Look(Protocol):
+    """What a ball looks like, and how it is fitted to frames: see `Appearance`."""
+
+    radius: float
+    radius_sigma: float
+    exposure: float
+    is_spinning: bool
+
+    @property
+    def body(self) -> np.ndarray | None:
+        """What a ball covers that is no disc: see `latolato.experiment.tracking.template`."""
+
+    def fit(
+        self,
+        planes: tuple[np.ndarray, ...],
+        paths: list[np.ndarray],
+        pivot: np.ndarray,
+        rounds: int = 6,
+        tolerant: int = 1,
+    ) -> BallFit:
+        """Move balls from where they are expected: see `fit_balls`."""
+
+    def gains(
+        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+    ) -> np.ndarray:
+        """Return how much better a ball at each angle fits than the background: 1 at most."""
 
 
 @dataclass
@@ -80,6 +108,8 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    body : None
+        A ball is a disc.
     whiten, white_paint, white_behind : numpy.ndarray
         The matrix that makes residuals white, and colours times it.
     """
@@ -95,6 +125,7 @@ class Appearance:
     exposure: float = 0.0
     radius_sigma: float = 0.0
     is_spinning: bool = False
+    body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
     white_behind: np.ndarray = field(init=False)
@@ -107,6 +138,23 @@ class Appearance:
         self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
         self.white_paint = np.asarray(self.paint @ self.whiten.T)
         self.white_behind = np.asarray(self.behind @ self.whiten.T)
+
+    def fit(
+        self,
+        planes: tuple[np.ndarray, ...],
+        paths: list[np.ndarray],
+        pivot: np.ndarray,
+        rounds: int = 6,
+        tolerant: int = 1,
+    ) -> BallFit:
+        """Move balls from where they are expected: see `fit_balls`."""
+        return fit_balls(self, planes, paths, pivot, rounds, tolerant)
+
+    def gains(
+        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+    ) -> np.ndarray:
+        """Return how much better a ball at each angle fits: see `gains_at`."""
+        return gains_at(self, planes, pivot, arm, angles)
 
     def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """Return by how much the paint is turned at centres (sample, 2) [rad]."""
@@ -237,7 +285,7 @@ def samples_for(length: float) -> int:
 
 
 def best_angles(
-    look: Appearance, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
+    look: Look, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return where on the circle balls are most likely, and how much they explain there.
 
@@ -246,7 +294,7 @@ def best_angles(
     """
     count = int(2.0 * math.pi * arm / look.radius * _FINENESS)
     angles = np.arange(count) * (2.0 * math.pi / count) - math.pi
-    gain = gains_at(look, planes, pivot, arm, angles)
+    gain = look.gains(planes, pivot, arm, angles)
     if balls == 1:
         best = int(np.argmax(gain))
         return angles[[best]], gain[[best]]
@@ -267,12 +315,22 @@ def gains_at(
     arm: float,
     angles: np.ndarray,
 ) -> np.ndarray:
-    """Return how much better a ball at each angle explains a frame than the background does."""
+    """Return how much better a ball at each angle explains a frame than the background does.
+
+    It is 0 out of the picture, where most of the circle about a far pivot lies.
+    """
     stride = int(min(max(look.radius / 7.0, 2.0), 6.0))
     centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm)
+    end = look.corner + look.behind.shape[1::-1]
+    shown = np.all((centres > look.corner - look.radius) & (centres < end + look.radius), axis=1)
+    gain = np.zeros(len(angles))
+    if not shown.any():
+        return gain
+    centres = centres[shown]
     low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
     size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
     shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
     patch = look.patch(planes, low, shape, stride)
     turns = look.turns(centres, pivot)
-    return kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)
+    gain[shown] = kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)
+    return gain

@@ -46,19 +46,36 @@ class Disc:
 
 
 class Backdrop:
-    """What does not move, at half the resolution: colour is stored no finer."""
+    """What does not move, at half the resolution: colour is stored no finer.
 
-    def __init__(self, frames: list[Frame]) -> None:
-        luma, blue, red = median_planes(frames)
+    Parameters
+    ----------
+    frames : list of Frame
+        The sample.
+    bounds : tuple of numpy.ndarray, shape (2,)
+        First column and row that are looked at, and the first ones beyond [pixels].
+    """
+
+    def __init__(self, frames: list[Frame], bounds: tuple[np.ndarray, np.ndarray]) -> None:
+        self.side = min(frames[0].blue.shape)
+        self.low, self.high = bounds[0] // 2, (bounds[1] + 1) // 2
+        luma, blue, red = median_planes([self._part(frame) for frame in frames])
         cv2 = import_cv2()
         self.shape = blue.shape
         self.mean = np.dstack([_halved(cv2, luma, blue.shape), blue, red])
         spread = [np.abs(self._picture(f) - self.mean) for f in frames[:: max(1, len(frames) // 9)]]
         self.noise = 1.4826 * float(np.median(np.median(spread, axis=0)[..., 0])) + 0.3
 
+    def _part(self, frame: Frame) -> Frame:
+        """Return the part of a frame that is looked at."""
+        (left, top), (right, bottom) = self.low, self.high
+        luma = frame.luma[2 * top : 2 * bottom, 2 * left : 2 * right]
+        blue, red = (plane[top:bottom, left:right] for plane in frame[3:])
+        return Frame(frame.number, frame.time, luma, blue, red)
+
     def _picture(self, frame: Frame) -> np.ndarray:
         """Return a frame at half the resolution, slightly blurred, shape (row, column, 3)."""
-        cv2 = import_cv2()
+        cv2, frame = import_cv2(), self._part(frame)
         luma = _halved(cv2, frame.luma, self.shape)
         picture = np.dstack([luma, frame.blue, frame.red]).astype(np.float32)
         blurred: np.ndarray = cv2.GaussianBlur(picture, (0, 0), 0.8)
@@ -78,15 +95,15 @@ class Backdrop:
         mask = (apart > max(_LEAST, _CLEAR * self.noise)).astype(np.uint8)
         mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _round(cv2, 1))
         count, labels, stats, _ = cv2.connectedComponentsWithStats(mask)
-        side = min(self.shape)
+        side = self.side
         discs: list[Disc] = []
         for i in range(1, count):
             x, y, width, height, area = (int(n) for n in stats[i])
             if area < 3.0 * (_SMALLEST * side) ** 2:
                 continue
-            part = slice(y, y + height), slice(x, x + width)
+            part, corner = np.s_[y : y + height, x : x + width], self.low + np.array([x, y])
             own = labels[part] == i
-            discs += self._split(cv2, own, apart[part], change[part], np.array([x, y]))
+            discs += self._split(cv2, own, apart[part], change[part], corner)
         discs = [disc for disc in discs if _SMALLEST * side < disc.radius / 2.0 < _LARGEST * side]
         return sorted(discs, key=lambda disc: -disc.contrast * disc.radius)
 

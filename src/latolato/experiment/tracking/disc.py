@@ -18,13 +18,14 @@ def disc_at(
     radius: float,
     pivot: np.ndarray,
     is_known: bool,
-) -> tuple[np.ndarray, float]:
-    """Return centre and radius of the disc near a click: where the colour steps most outwards.
+) -> tuple[np.ndarray, float, float]:
+    """Return centre and radius of the disc near a click, and how much the colour steps there.
 
-    Daugman, IEEE Trans. Pattern Anal. Mach. Intell. 15 (1993) 1148: the mean difference across a
-    circle, here as the mean over directions of a difference that is bounded, so that rods, shadows
-    and another ball do not decide. The difference has one sign all around, unless a ball of two
-    colours is lighter than the wall on one side and darker on the other.
+    It is the one across which colours step most. Daugman, IEEE Trans. Pattern Anal. Mach. Intell.
+    15 (1993) 1148: the mean difference across a circle, here as the mean over directions of a
+    difference that is bounded, so that rods, shadows and another ball do not decide. The difference
+    has one sign all around, unless a ball of two colours is lighter than the wall on one side and
+    darker on the other.
     """
     reach = int(3.2 * radius) + 8
     corner = np.rint(click).astype(int) - reach
@@ -44,7 +45,7 @@ def disc_at(
         if best is None or score > _TWO_COLOURED * best[0]:
             best = (score, centre + corner, size)
     assert best is not None
-    return best[1], best[2]
+    return best[1], best[2], best[0]
 
 
 def _refined(

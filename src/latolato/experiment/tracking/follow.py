@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.experiment.calibration.hinge import CLICK
 from latolato.experiment.tracking.appearance import (
     arc,
     best_angles,
-    fit_balls,
-    gains_at,
     samples_for,
 )
 from latolato.experiment.tracking.learn import ImageModel
@@ -20,20 +19,25 @@ from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.predict import Prediction, Predictor
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
+from latolato.physics.pendulum import restoring_sine
 
-# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole.
-_MEASURED, _WHOLE = 0.4, 0.82
+# Places set by hand [pixels], by frame and ball from 0 on.
+Corrections = Mapping[int, Mapping[int, np.ndarray]]
+# Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole; and
+# the share of them that may look more like the wall: a long smear is nearly transparent.
+_MEASURED, _WHOLE, _WALL = 0.4, 0.82, 0.5
 # The same for a ball whose pattern turns through the light, or that no one template describes
 # because it looks otherwise from frame to frame: less than this share typically looks like it.
 _WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
 # A ball that moved by this many standard deviations more than was expected, long after a contact
 # [s], and of which less than this share is seen, is drawn aside by what hides it.
 _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
-# Time after which a ball that was not seen is lost [s].
-_PATIENCE = 0.3
+# Time after which a ball that was not seen is lost [s]; errors of what is expected from which it is
+# lost at once, and from which whole turns are not told [rad].
+_PATIENCE, _VAGUE, _TURNS = 0.3, 0.5, 1.0
 # Least gain at which a ball that was lost is believed to be found.
 _BELIEVED = 0.3
-# Error of the pivot's smear that is worth a second look [pixels].
+# Error of a smear that is worth a second look [pixels].
 _SMEAR = 1.0
 # By how much the exposure may be longer than was learned, as a share of the interval.
 _UNSURE_EXPOSURE = 0.04
@@ -41,6 +45,8 @@ _UNSURE_EXPOSURE = 0.04
 _BEFORE = 0.25
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
+# Error of a place within a smear, as a share of the error of the smear's length.
+_IN_SMEAR = 0.3
 # How far from the circle a centre may lie, as a share of the ball's radius.
 _OFF_CIRCLE = 0.4
 
@@ -51,6 +57,7 @@ def follow(
     scene: ImageModel,
     stiffness: float,
     progress: Callable[[float], None] | None = None,
+    corrections: Corrections | None = None,
 ) -> Positions:
     """Return where pivot and balls are in every frame.
 
@@ -59,11 +66,17 @@ def follow(
     video, sample, scene : Video, Sample, ImageModel
         The clip, its first reading and what was learned of it.
     stiffness : float
-        Gravity over length [1/s^2], 0 if unknown.
+        Gravity over length [1/s^2], 0 if unknown: it is then taken from the sample.
+    progress : callable, optional
+        Called with the fraction done.
+    corrections : mapping, optional
+        Places of balls that are set by hand, by frame and ball from 0 on.
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
-    follower = _Follower(scene, sample.interval, stiffness)
+    out.body = scene.look.body
+    follower = _Follower(scene, sample.interval, stiffness, sample.click)
+    follower.corrections = corrections or {}
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
@@ -78,24 +91,37 @@ def follow(
 
 @dataclass
 class _Measured:
-    """What fits to a frame give of each ball: angle and deviation [rad], centre, part explained."""
+    """What fits to a frame give of each ball.
+
+    Angle and deviation [rad], centre, and the parts that look like a ball and more like the wall.
+    """
 
     angles: np.ndarray
     sigmas: np.ndarray
     centres: np.ndarray
     explained: np.ndarray
+    hidden: np.ndarray
 
 
 class _Follower:
     """State carried from frame to frame."""
 
-    def __init__(self, scene: ImageModel, interval: float, stiffness: float) -> None:
-        self.scene, self.interval = scene, interval
+    def __init__(self, scene: ImageModel, interval: float, stiffness: float, click: int) -> None:
+        self.scene, self.interval, self.click = scene, interval, click
         gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if scene.balls == 2 else 0.0
-        self.predictor = Predictor(stiffness, gap)
+        self.predictor = Predictor(stiffness or scene.stiffness, gap, is_known=stiffness > 0.0)
         self.pivots: list[tuple[float, np.ndarray]] = []
         self.unseen = np.zeros(scene.balls)
+        # When and at which angles balls were measured last, without a frame between.
+        self.last = [[(-math.inf, float(angle))] for angle in scene.starts]
+        # The pivot's acceleration over the arm [1/s^2].
+        self.lift = 0.0
         self.is_begun = False
+        # Places set by hand, and those of the frame at work.
+        self.corrections: Corrections = {}
+        self.fixed: Mapping[int, np.ndarray] = {}
+        # Balls that were found in the last frame, with a velocity that is not known.
+        self.is_found = np.zeros(scene.balls, bool)
         self.pivot_cost = 0.0
         self.last_contact = -math.inf
         # Standard deviations of the last distances from the pivot [pixels].
@@ -163,25 +189,55 @@ class _Follower:
         scene, predictor = self.scene, self.predictor
         pivot = scene.pivot.place(self.pivots[-1][1])
         if not self.is_begun:
-            sigma = 0.5 * scene.look.radius / scene.arm
-            predictor.start(frame.time, scene.starts, scene.speeds / self.interval, sigma)
-            self.is_begun = True
+            self._begin(frame)
         exposure = scene.look.exposure * self.interval
         speed = float(np.max(np.abs(predictor.velocities), initial=0.0))
         count = samples_for(speed * exposure * scene.arm)
         instants = frame.time + exposure * ((np.arange(count) + 0.5) / count - 0.5)
         places, lift = self._pivot_motion(instants)
+        self.lift = lift / scene.arm
         until = frame.time + self.near
-        expected = predictor.predict(frame.time, instants, lift / scene.arm, until)
+        expected = predictor.predict(frame.time, instants, self.lift, until)
+        if self.is_found.any():
+            self._retry(frame, pivot, expected, self.is_found)
+            self.is_found[:] = False
+        if frame.number == self.click:
+            self._return_to(dict(enumerate(scene.starts)), expected)
+        self.fixed = self.corrections.get(frame.number, {})
+        self._return_to({b: math.atan2(*(at - pivot)) for b, at in self.fixed.items()}, expected)
         if np.any(self.unseen > _PATIENCE):
-            self._search(frame, pivot, expected)
+            search = self._search if scene.balls == 1 else self._search_both
+            search(frame, pivot, expected)
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
             seen = self._measure(frame, pivot, places, expected, tolerant=2)
             bad = self._is_bad(pivot, seen, expected)
+        if scene.balls == 1 and bad[0] and self._search(frame, pivot, expected):
+            seen = self._measure(frame, pivot, places, expected, tolerant=2)
+            bad = self._is_bad(pivot, seen, expected)
+        if self._bent(seen, expected, instants - frame.time, exposure) and not bad.any():
+            seen = self._measure(frame, pivot, places, expected, tolerant=0)
+            bad = self._is_bad(pivot, seen, expected)
         predictor.accept(frame.time, expected)
         return self._verdict(frame, pivot, seen, bad, expected)
+
+    def _begin(self, frame: Frame) -> None:
+        """Expect balls where they were clicked, or look for them if that was in another frame."""
+        scene = self.scene
+        sigma = 0.5 * scene.look.radius / scene.arm
+        self.predictor.start(frame.time, scene.starts, scene.speeds / self.interval, sigma)
+        self.unseen[:] = 0.0 if frame.number == self.click else math.inf
+        self.is_begun = True
+
+    def _return_to(self, angles: Mapping[int, float], expected: Prediction) -> None:
+        """Expect balls at known angles, with unknown velocity if they were not expected there."""
+        for b, angle in angles.items():
+            away = math.remainder(angle - expected.angles[b], 2.0 * math.pi)
+            spread = 3.0 * math.sqrt(expected.covariance[b, 0, 0])
+            if abs(away) > max(spread, self.scene.look.radius / self.scene.arm):
+                self._restart(expected, b, float(expected.angles[b] + away))
+                self.unseen[b] = 0.0
 
     def _measure(
         self,
@@ -199,11 +255,10 @@ class _Follower:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
-        out = _Measured(np.empty(balls), np.empty(balls), np.empty((balls, 2)), np.empty(balls))
+        angles, sigmas, explained, hidden = np.empty((4, balls))
+        out = _Measured(angles, sigmas, np.empty((balls, 2)), explained, hidden)
         for group in groups:
-            fit = fit_balls(
-                scene.look, frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
-            )
+            fit = scene.look.fit(frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant)
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
                 middle = pivot + scene.arm * np.array(
@@ -219,7 +274,14 @@ class _Follower:
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
                 out.sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
                 self.spreads[b] = math.sqrt(outwards @ own @ outwards + _FLOOR**2)
-                out.centres[b], out.explained[b] = centre, fit.explained[k]
+                out.centres[b] = centre
+                out.explained[b], out.hidden[b] = fit.explained[k], fit.hidden[k]
+        for b, place in self.fixed.items():
+            angle = math.atan2(*(place - pivot))
+            turn = math.remainder(angle - expected.guess[b], 2.0 * math.pi)
+            out.angles[b], out.centres[b] = expected.guess[b] + turn, place
+            out.sigmas[b], self.spreads[b] = CLICK / scene.arm, CLICK
+            out.explained[b], out.hidden[b] = scene.explained, 0.0
         return out
 
     def _is_bad(self, pivot: np.ndarray, seen: _Measured, expected: Prediction) -> np.ndarray:
@@ -230,6 +292,7 @@ class _Follower:
         jump = np.abs(seen.angles - expected.angles)
         bad: np.ndarray = (
             (seen.explained < _MEASURED * scene.explained)
+            | (seen.hidden > _WALL)
             | (off > _OFF_CIRCLE * scene.look.radius)
             | (jump > 6.0 * spread + 0.5 * scene.look.radius / scene.arm)
         )
@@ -238,6 +301,7 @@ class _Follower:
             slack = 0.3 * self.predictor.gap
             if not self.predictor.gap - slack < between < 2 * math.pi - self.predictor.gap + slack:
                 bad[:] = True
+        bad[list(self.fixed)] = False
         return bad
 
     def _retry(
@@ -256,11 +320,25 @@ class _Follower:
                 trials = trials[self._allowed(trials, int(b), expected)]
             if not len(trials):
                 continue
-            gain = gains_at(scene.look, frame[2:], pivot, scene.arm, trials)
+            gain = scene.look.gains(frame[2:], pivot, scene.arm, trials)
             best = int(np.argmax(gain))
             if gain[best] > _BELIEVED:
                 expected.path[:, b] += trials[best] - expected.guess[b]
                 expected.guess[b] = trials[best]
+                moved = True
+        return moved
+
+    def _bent(
+        self, seen: _Measured, expected: Prediction, instants: np.ndarray, exposure: float
+    ) -> bool:
+        """Expect the smears that what was measured says; return whether they are far different."""
+        moved = False
+        for b, covariance in enumerate(expected.covariance):
+            gain = covariance[1, 0] / (covariance[0, 0] + seen.sigmas[b] ** 2)
+            faster = gain * (seen.angles[b] - expected.angles[b])
+            if abs(faster) * exposure * self.scene.arm > _SMEAR:
+                expected.path[:, b] += seen.angles[b] - expected.guess[b] + faster * instants
+                expected.guess[b] = seen.angles[b]
                 moved = True
         return moved
 
@@ -271,15 +349,27 @@ class _Follower:
         allowed: np.ndarray = (between > gap) & (between < 2.0 * math.pi - gap)
         return allowed
 
-    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
+    def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> bool:
+        """Expect the only ball where it is likeliest on the whole circle, if it is there."""
+        scene = self.scene
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, 1)
+        if gain[0] <= _BELIEVED:
+            return False
+        time, last = self.last[0][-1]
+        passed, size = frame.time - time, scene.look.radius / scene.arm
+        angle = expected.angles[0] + math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
+        self._restart(expected, 0, angle)
+        if passed <= _PATIENCE:
+            force = max(self.predictor.stiffness, self.predictor.noise)
+            expected.velocities[0] = (angle - last) / passed
+            expected.covariance[0] = size**2 * np.outer([1.0, 1.0 / passed], [1.0, 1.0 / passed])
+            expected.covariance[0, 1, 1] += (0.5 * force * passed) ** 2
+        return True
+
+    def _search_both(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
         """Look for balls that were lost on the whole circle."""
         scene = self.scene
         angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls)
-        if scene.balls == 1:
-            if gain[0] > _BELIEVED:
-                near = math.remainder(angles[0] - expected.angles[0], 2.0 * math.pi)
-                self._restart(expected, 0, expected.angles[0] + near)
-            return
         if gain.min() < _BELIEVED:
             return
         lost = self.unseen > _PATIENCE
@@ -298,6 +388,7 @@ class _Follower:
 
     def _restart(self, expected: Prediction, ball: int, angle: float) -> None:
         """Expect a ball somewhere else, with unknown velocity."""
+        self.is_found[ball] = True
         expected.path[:, ball] += angle - expected.angles[ball]
         expected.angles[ball] = expected.guess[ball] = angle
         expected.velocities[ball] = 0.0
@@ -305,6 +396,16 @@ class _Follower:
         expected.covariance[ball] = np.diag(
             [(self.scene.look.radius / self.scene.arm) ** 2, speed**2]
         )
+
+    def _learn_from(self, ball: int, time: float, angle: float) -> None:
+        """Keep what was measured, and learn from three neighbouring angles without a contact."""
+        is_next = self.unseen[ball] == 0.0 and time - self.last_contact > _CALM
+        self.last[ball] = [*(self.last[ball][-2:] if is_next else []), (time, angle)]
+        if len(self.last[ball]) == 3 and math.isfinite(self.last[ball][0][0]):
+            (t0, a0), (t1, a1), (t2, a2) = self.last[ball]
+            acceleration = 2.0 * ((a2 - a1) / (t2 - t1) - (a1 - a0) / (t1 - t0)) / (t2 - t0)
+            # What the pivot's acceleration does is known.
+            self.predictor.learn(a1, acceleration + self.lift * restoring_sine(a1))
 
     def _verdict(
         self,
@@ -323,6 +424,7 @@ class _Follower:
         is_contact = any(-early <= t - frame.time <= self.near for t in expected.contact_times)
         for b, explained in enumerate(seen.explained):
             if not bad[b]:
+                self._learn_from(b, frame.time, float(angles[b]))
                 self.unseen[b] = 0.0
                 centres[b] = seen.centres[b]
                 off = abs(float(angles[b] - expected.angles[b]))
@@ -337,20 +439,29 @@ class _Follower:
                 if is_drawn:  # what hides a part of it has drawn it aside
                     sigmas[b] = max(float(sigmas[b]), off)
                 predictor.correct(b, float(angles[b]), float(sigmas[b]))
+                # Where in its smear a ball is depends on how long that is.
+                unsure = math.sqrt(predictor.covariance[b, 1, 1]) * scene.look.exposure
+                sigmas[b] = math.hypot(sigmas[b], _IN_SMEAR * unsure * self.interval)
                 whole = _WHOLE_TURNING if is_varied else _WHOLE
-                if is_drawn or explained < whole * scene.explained:
+                if b in self.fixed:
+                    flags[b] = "manual"
+                elif is_drawn or explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"
                 continue
             self.unseen[b] += self.interval
-            if self.unseen[b] <= _PATIENCE:
+            spread = math.sqrt(expected.covariance[b, 0, 0])
+            if self.unseen[b] <= _PATIENCE and spread < _VAGUE:
                 flags[b] = "predicted"
-                angles[b] = expected.angles[b]
-                sigmas[b] = math.sqrt(expected.covariance[b, 0, 0])
+                angles[b], sigmas[b] = expected.angles[b], spread
                 centres[b] = pivot + scene.arm * np.array(
                     [math.sin(angles[b]), math.cos(angles[b])]
                 )
             else:
                 angles[b] = sigmas[b] = np.nan
+            if spread > _TURNS and balls == 1:
+                # How often it goes round nothing tells: it is believed not to.
+                predictor.angles[b] = 2.0 * math.pi * round(self.last[b][-1][1] / (2.0 * math.pi))
+                predictor.velocities[b] = 0.0
         return centres, angles, sigmas, flags

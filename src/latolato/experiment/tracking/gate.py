@@ -17,8 +17,8 @@ from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
 _RADIUS_RATIO = 1.5
-# How far outside the ball a click may lie [pixels].
-_BESIDE = 3.0
+# How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
+_BESIDE, _SOON = 3.0, 3
 # Extent of a ball's path below which the ball rests [pixels].
 _RESTING = 2.0
 # Widths to which pictures are reduced to measure the camera's motion, and what changes far from
@@ -52,8 +52,11 @@ _WHOLE, _ELSEWHERE = 0.9, 0.3
 # Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
 # part of something larger, and how many neighbours have a say in whether a stretch is believed.
 _PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
-# Fewest pixels that tell.
-_FEWEST = 4
+# Fewest pixels that tell, and the least share of the frames in which a ball was measured that must.
+_FEWEST, _TELLING = 4, 0.25
+# By how much a disc may be too small or too large for the pixels under it to be its own: as a share
+# of its radius, and where discs nearly cover each other, in pixels.
+_UNSURE_EDGE, _EDGE = 0.15, 1.0
 
 
 @dataclass(frozen=True)
@@ -93,12 +96,12 @@ def examine(
     track : Positions
         What was followed in all frames.
     clicks : sequence of numpy.ndarray, shape (2,)
-        Where the balls are in the first frame according to the user [pixels].
+        Where the balls are in the clicked frame according to the user [pixels].
     expected_radius : float, optional
-        Radius of a ball according to the user, by the length's scale [pixels].
+        Radius of a ball according to the user, by the scale [pixels].
     """
     checks: tuple[Callable[[], Finding | None], ...] = (
-        lambda: clicked_ball(track, clicks),
+        lambda: clicked_ball(track, clicks, sample.click),
         lambda: declared_radius(track, expected_radius),
         lambda: moving_ball(track),
         lambda: resting_camera(sample, track),
@@ -114,21 +117,36 @@ def examine(
     return findings
 
 
-def clicked_ball(track: Positions, clicks: Sequence[np.ndarray]) -> Finding | None:
-    """Check that the balls of the first frame are where they were clicked.
+def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0) -> Finding | None:
+    """Check that the balls are where they were clicked, in the frame of a number.
 
-    It can miss a ball that was not measured in the first frame.
+    A ball that was not measured then must be a few frames later or before, as far away as it may
+    have moved. It can miss a frame before start or after end.
     """
-    for ball, place in enumerate(track.centres[0]):
-        if not track.is_measured[0, ball]:
+    if not 0 <= number < len(track.times):
+        return None
+    for ball in range(track.centres.shape[1]):
+        seen = np.flatnonzero(track.is_measured[:, ball])
+        if not len(seen):
             continue
-        away = min(float(np.hypot(*(place - click))) for click in clicks)
-        if away > track.radius + _BESIDE:
+        near = int(seen[np.argmin(np.abs(seen - number))])
+        late, place = abs(near - number), track.centres[near, ball]
+        if late > _SOON:
             return Finding(
-                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) in the first "
-                f"frame with a radius of {track.radius:.0f} pixels, {away:.0f} pixels from where "
-                "it was pointed at",
-                "point at the middle of the ball in the first frame",
+                "the ball was not seen where it was pointed at: the nearest frame that shows it is "
+                f"{late} frames away",
+                "point at the middle of the ball",
+            )
+        steps = np.hypot(*np.diff(track.centres[:, ball], axis=0).T)
+        reach = track.radius + _BESIDE
+        if late and np.isfinite(steps).any():
+            reach += late * float(np.nanquantile(steps, 0.98))
+        away = min(float(np.hypot(*(place - click))) for click in clicks)
+        if away > reach:
+            return Finding(
+                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
+                f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was pointed at",
+                "point at the middle of the ball",
             )
     return None
 
@@ -145,7 +163,7 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
         return None
     return Finding(
         f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
-        f"{expected:.1f} pixels by the length's scale",
+        f"{expected:.1f} pixels by the scale",
         "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
         "without a radius it is measured",
     )
@@ -215,7 +233,7 @@ def camera_motion(sample: Sample, track: Positions) -> tuple[float, np.ndarray, 
     first = _reduced(cv2, frames[0])
     scale = frames[0].luma.shape[1] / first.shape[1]
     hidden = [
-        (place / scale, 1.5 * track.radius / scale + 3.0)
+        (place / scale, 1.5 * track.reach / scale + 3.0)
         for place in track.centres[0]
         if np.isfinite(place).all()
     ]
@@ -302,8 +320,16 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     is_part = False
     for ball in range(track.centres.shape[1]):
         known = np.isfinite(shares[:, ball, 0])
-        if not known.any():
+        seen = track.is_measured[numbers, ball]
+        if seen.sum() < _FEWEST:
             continue
+        if known.sum() < max(_FEWEST, _TELLING * seen.sum()):
+            extent = _extent(track.centres[numbers[seen], ball])
+            return Finding(
+                f"what was followed moves by {extent:.1f} pixels, too little for a disc of "
+                f"{track.radius:.0f} pixels radius to be told from the wall",
+                "point at the middle of the ball that swings, or give its radius and length",
+            )
         under, beside, elsewhere, plain = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
         moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
@@ -312,9 +338,9 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         is_alone = is_ball.mean() >= _PASSING
         if not is_alone and passes.mean() < _ALWAYS:
             return Finding(
-                f"what was followed is no ball that moves: of the pixels under its disc of "
-                f"{track.radius:.0f} pixels radius {_percent(under)} change when it comes, of "
-                f"those around the disc {_percent(beside)}, elsewhere {_percent(elsewhere)}",
+                f"what was followed is no ball that moves: of the pixels under it (radius "
+                f"{track.radius:.0f} pixels) {_percent(under)} change when it comes, of "
+                f"those around it {_percent(beside)}, elsewhere {_percent(elsewhere)}",
                 "point at the middle of the ball that swings, or give its radius and length",
             )
         is_part |= not is_alone
@@ -323,7 +349,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     if doubtful.any():
         return Finding(
             f"{_percent(doubtful[track.is_measured], np.mean)} of the measured samples are given "
-            "up as lost: there the pixels under the disc do not change as those under a ball",
+            "up as lost: there the pixels under it do not change as those under a ball",
             "look at these frames in the overlay",
             False,
             doubtful,
@@ -356,31 +382,32 @@ def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndar
     centres, is_measured = track.centres[numbers], track.is_measured[numbers]
     limit = max(_LEAST, _CLEAR * _typical_difference(frames))
     shares = np.full((*centres.shape[:2], 4), np.nan)
-    coarse = _Coarse(frames, centres, track.radius, limit)
+    coarse = _Coarse(frames, centres, track.reach, limit)
     for k, ball in np.argwhere(is_measured):
         away = np.hypot(*(centres[:, ball] - centres[k, ball]).T)
         away[~is_measured[:, ball]] = np.nan
         farthest = float(np.nanmax(away))
-        enough = min(max(_APART * track.radius, _HALFWAY * farthest), farthest)
+        enough = min(max(_APART * track.reach, _HALFWAY * farthest), farthest)
         if enough < _RESTING:
             continue
         partners = np.flatnonzero(away >= 0.98 * enough)
         partners = partners[np.argsort(np.abs(partners - k), kind="stable")][:_PARTNERS]
-        window = _Window.about(frames[k], centres[k, ball], track.radius)
+        window = _Window.about(frames[k], centres[k, ball], track.reach)
         if window is None:
             continue
         here = window.picture(frames[k])
         changes = []
         for j in partners:
-            under, beside = _regions(window, track, numbers, int(k), int(j), int(ball))
+            at = int(k), int(j), int(ball)
+            under, beside = _regions(window, track, numbers, *at, _UNSURE_EDGE * track.radius)
+            if under.sum() < _FEWEST:
+                under, _ = _regions(window, track, numbers, *at, _EDGE)
             if under.sum() < _FEWEST or beside.sum() < _FEWEST:
                 continue
             change = here - window.picture(frames[j])
             # The light may change for all.
             local = np.median(change[beside], axis=0)
-            changed, plainly = (
-                np.abs(change - light).max(axis=-1) > limit for light in (local, 0.0)
-            )
+            changed, plainly = (_largest(change - light) > limit for light in (local, 0.0))
             elsewhere = coarse.changed(int(k), int(j))
             changes.append(
                 (changed[under].mean(), changed[beside].mean(), elsewhere, plainly[under].mean())
@@ -404,11 +431,11 @@ class _Coarse:
     def changed(self, k: int, j: int) -> float:
         """Return which share of the picture away from the balls differs in two frames."""
         change = self.pictures[k].astype(np.float32) - self.pictures[j]
-        v, u = np.indices(change.shape)
+        v, u = np.ogrid[: change.shape[0], : change.shape[1]]
         free = np.ones(change.shape, bool)
         for place in self.centres[[k, j]].reshape(-1, 2):
             if np.isfinite(place).all():
-                free &= np.hypot(u - place[0], v - place[1]) > self.reach
+                free &= _squared_distance(u, v, place) > self.reach**2
         if not free.any():
             return 1.0
         return float(np.mean(np.abs(change[free] - np.median(change[free])) > self.limit))
@@ -418,7 +445,19 @@ def _typical_difference(frames: list[Frame]) -> float:
     """Return the median difference of a pixel between frames of the sample [steps of 255]."""
     window = _Window.whole(frames[0])
     pictures = [window.picture(frame)[::2, ::2] for frame in frames[:: max(1, len(frames) // 6)]]
-    return float(np.median([np.abs(b - a).max(axis=-1) for a, b in pairwise(pictures)]))
+    return float(np.median([_largest(b - a) for a, b in pairwise(pictures)]))
+
+
+def _largest(change: np.ndarray) -> np.ndarray:
+    """Return the largest size of a pixel's changes, shape (row, column)."""
+    # Plane by plane: numpy is slow along an axis of three.
+    luma, blue, red = np.abs(np.moveaxis(change, -1, 0))
+    return np.asarray(np.maximum(np.maximum(luma, blue), red))
+
+
+def _squared_distance(u: np.ndarray, v: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return the squared distance of columns (1, column) and rows (row, 1) from a place."""
+    return np.asarray((u - place[0]) ** 2 + (v - place[1]) ** 2)
 
 
 @dataclass(frozen=True)
@@ -451,44 +490,56 @@ class _Window:
         """Return luma and weighted chroma, slightly blurred, shape (row, column, 3)."""
         part = slice(self.top, self.bottom), slice(self.left, self.right)
         fine = frame.luma[2 * self.top : 2 * self.bottom, 2 * self.left : 2 * self.right]
-        luma = fine.reshape(fine.shape[0] // 2, 2, fine.shape[1] // 2, 2).mean(axis=(1, 3))
+        quarters = (fine[row::2, column::2] for row in (0, 1) for column in (0, 1))
+        luma = 0.25 * np.add.reduce([*quarters], dtype=np.float32)
         chroma = [_CHROMA * plane[part] for plane in (frame.blue, frame.red)]
         planes = np.dstack([luma, *chroma]).astype(np.float32)
         blurred: np.ndarray = import_cv2().GaussianBlur(planes, (0, 0), 0.8)
         return blurred
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return columns and rows of the window's pixels in the full picture."""
-        rows, columns = np.mgrid[self.top : self.bottom, self.left : self.right]
+        """Return columns (1, column) and rows (row, 1) of its pixels in the full picture."""
+        rows, columns = np.ogrid[self.top : self.bottom, self.left : self.right]
         return 2.0 * columns + 0.5, 2.0 * rows + 0.5
 
 
 def _regions(
-    window: _Window, track: Positions, numbers: np.ndarray, k: int, j: int, ball: int
+    window: _Window,
+    track: Positions,
+    numbers: np.ndarray,
+    k: int,
+    j: int,
+    ball: int,
+    unsure: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return which pixels are under a ball of frame `k`, and which beside it.
 
     Both are free of other balls and of the balls of frame `j`, and what is beside is free of rods.
+    The disc's edge is where it is said to be give or take `unsure` [pixels].
     """
     u, v = window.places()
-    radius = track.radius
+    radius = track.reach
     own = track.centres[numbers[k], ball]
-    distance = np.hypot(u - own[0], v - own[1])
-    is_free, is_clear = np.ones(u.shape, bool), np.ones(u.shape, bool)
+    distance = np.sqrt(_squared_distance(u, v, own))
+    is_free, is_clear = np.ones(distance.shape, bool), np.ones(distance.shape, bool)
     for q in (k, j):
         for other in range(track.centres.shape[1]):
             place = track.centres[numbers[q], other]
             if not np.isfinite(place).all():
                 continue
             if (q, other) != (k, ball):
-                is_free &= np.hypot(u - place[0], v - place[1]) > 1.15 * radius + 1.0
+                is_free &= _squared_distance(u, v, place) > (radius + unsure + 1.0) ** 2
             # Without a pivot in the picture no rod is left out.
             rod = track.pivots[numbers[q]] - place
             x, y = rod / max(float(np.hypot(*rod)), 1e-9)
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    under = is_free & (distance < max(0.85 * radius, 1.5))
+    away, angle = (
+        np.stack(np.broadcast_arrays(u, v), axis=-1) - own,
+        float(track.angles[numbers[k], ball]),
+    )
+    under = is_free & track.covers(away, angle, unsure)
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside
 

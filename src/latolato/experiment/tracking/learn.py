@@ -12,10 +12,11 @@ from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
+    Look,
     arc,
     best_angles,
-    fit_balls,
 )
+from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
@@ -39,6 +40,15 @@ _ROUNDS = 3
 _TURNS = 1.05
 # Gain at which a place on the circle is taken for a ball.
 _LIKELY = 0.2
+# How far about a click something that moves is looked for, as a share of the arm, and by which
+# factor radii of the same disc may differ.
+_ABOUT, _SIZE = 0.4, 1.5
+# How clear a disc about a click must be, as a share of the clearest one.
+_CLEAR = 0.85
+# How often a disc is looked for again that lies this share of its radius aside.
+_AGAIN, _ASIDE = 3, 0.15
+# Fewest turns between two frames that tell how fast balls are.
+_FEWEST_TURNS = 4
 
 
 @dataclass
@@ -49,26 +59,29 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Appearance
-        Layers of the image.
+    look : Look
+        Layers of the image, or a template of bobs that are no discs.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
         How many balls are followed.
     starts, speeds : numpy.ndarray, shape (ball,)
-        Angles in the first frame from straight down in the image [rad], right ball first, and how
-        much they grow per frame interval; NaN if the second frame does not tell.
+        Angles in the clicked frame from straight down in the image [rad], right ball first, and
+        how much they grow per frame interval; NaN if the next frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
+    stiffness : float
+        What the swing seen says of gravity over length [1/s^2]; 0 if it is unknown.
     """
 
     pivot: PivotTracker
-    look: Appearance
+    look: Look
     arm: float
     balls: int
     starts: np.ndarray
     speeds: np.ndarray
     explained: float = 1.0
+    stiffness: float = 0.0
 
 
 def learn_image_model(
@@ -78,6 +91,8 @@ def learn_image_model(
     balls: list[np.ndarray],
     radius: float | None,
     progress: Callable[[float], None] | None = None,
+    *,
+    unseen_radius: float | None = None,
 ) -> ImageModel:
     """Return what a clip looks like.
 
@@ -86,33 +101,56 @@ def learn_image_model(
     video, sample : Video, Sample
         The clip and the frames to learn from.
     pivot : numpy.ndarray, shape (2,)
-        Pivot in the first frame (column, row) [pixels].
+        Pivot in the clicked frame (column, row) [pixels], in the picture or out of it.
     balls : list of numpy.ndarray, shape (2,)
-        Centre of each ball in the first frame [pixels].
+        Centre of each ball in the clicked frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
+    unseen_radius : float, optional
+        Of balls about a pivot that the picture does not show, which is taken to rest: their rough
+        radius [pixels].
 
     Raises
     ------
     InputError
         If no ball is found in most of the sample.
     """
-    frames = sample.frames
+    frames = sample.from_click
     colours = Colours.of(video)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    guess = radius or 0.08 * arm
-    centres[0], size = disc_at(frames[0], colours, centres[0], guess, pivot, radius is not None)
-    for k in range(1, len(centres)):
-        centres[k], _ = disc_at(frames[0], colours, centres[k], size, pivot, True)
+    # The disc about each click: of the size that is declared or guessed, or of what moves there.
+    size = radius or unseen_radius or 0.08 * arm
+    for k, click in enumerate(centres):
+        trials = [(click, size, k > 0 or radius is not None)]
+        trials += [
+            (d.centre, d.radius, True) for d in _moving_about(video, frames, click, arm, radius)
+        ]
+        found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
+        # The rim of what moves is known: another circle nearby is that of a pattern.
+        found[1:] = [
+            one
+            for one, trial in zip(found[1:], trials[1:], strict=True)
+            if _is_alike(one[1], trial[1])
+        ]
+        # Across a highlight colours step as across the ball: the largest of the clear ones.
+        clear = _CLEAR * max(step for _, _, step in found)
+        centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
+        size = each if k == 0 else size
     arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
-    tracker, shifts = learn_pivot(frames, medians[0], np.asarray(pivot, float), arm)
+    pivot = np.asarray(pivot, float)
+    if unseen_radius is None:
+        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
+    else:
+        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
-    low, high = np.maximum(low, 0), np.minimum(high, [video.width, video.height])
+    # No ball is found where the background is unknown.
+    first, beyond = video.bounds
+    low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
     for centre in centres:
@@ -132,9 +170,14 @@ def learn_image_model(
             raise InputError(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
                 "frames",
-                way_out="point at the ball's centre in the first frame",
+                way_out="point at the middle of the ball",
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
+        if not look.scale > 0.0:
+            raise InputError(
+                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like what is around it",
+                way_out="point at the middle of the ball",
+            )
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in sightings]
             learn_background(look, frames, covered)
@@ -149,12 +192,65 @@ def learn_image_model(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / _ROUNDS)
+    learn_swing(scene, sightings, sample.interval)
+    return scene
+
+
+def learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
+    """Learn how much of balls is explained, how fast they are, and what that says of their fall.
+
+    As if they fell freely: from rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
+    """
     scene.explained = float(np.median([one.explained for one in sightings]))
-    for b, start in enumerate(starts):
-        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < size / arm]
+    near = scene.look.radius / scene.arm
+    for b, start in enumerate(scene.starts):
+        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < near]
         if own:
             scene.speeds[b] = own[0].speed
-    return scene
+    turns = np.array([abs(one.speed) for one in sightings])
+    if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
+        return
+    fastest = float(np.nanquantile(turns, 0.95)) / interval
+    widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
+    scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
+
+
+def _moving_about(
+    video: Video, frames: list[Frame], click: np.ndarray, arm: float, radius: float | None
+) -> list[Disc]:
+    """Return the discs that move about a click in the first frame, of about a declared radius."""
+    first, beyond = video.bounds
+    low = np.maximum(np.floor(click - _ABOUT * arm).astype(int), first)
+    high = np.minimum(np.ceil(click + _ABOUT * arm).astype(int) + 1, beyond)
+    discs = Backdrop(frames[::3], (low, high)).discs(frames[0])
+    return [
+        disc
+        for disc in discs
+        if np.hypot(*(disc.centre - click)) < disc.radius
+        and (radius is None or _is_alike(disc.radius, radius))
+    ]
+
+
+def _is_alike(one: float, other: float) -> bool:
+    """Return whether two radii may be the same."""
+    return 1.0 / _SIZE < one / other < _SIZE
+
+
+def _settled(
+    frame: Frame, colours: Colours, trial: tuple[np.ndarray, float, bool], pivot: np.ndarray
+) -> tuple[np.ndarray, float, float]:
+    """Return the disc near a place: near what was found again as long as that lies far aside."""
+    near, size, is_known = trial
+    disc = disc_at(frame, colours, near, size, pivot, is_known)
+    for _ in range(_AGAIN):
+        if np.hypot(*(disc[0] - near)) < _ASIDE * disc[1]:
+            break
+        near = disc[0]
+        again = disc_at(frame, colours, near, disc[1], pivot, is_known)
+        if again[2] < disc[2] or not _is_alike(again[1], disc[1]):
+            break
+        disc = again
+    return disc
 
 
 def _first_noise(
@@ -179,8 +275,9 @@ def find_balls(
     scene: ImageModel, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
 ) -> list[Sighting]:
     """Find the balls in the sample with colours that stay or that turn: as explains more."""
-    look, paint = scene.look, scene.look.paint
-    some = range(0, len(frames), 2)
+    look = scene.look
+    assert isinstance(look, Appearance)
+    paint, some = look.paint, range(0, len(frames), 2)
 
     def explained() -> float:
         gains = [
@@ -196,10 +293,10 @@ def find_balls(
     if explained() < _TURNS * staying:
         look.is_spinning, look.paint = False, paint
         look.whitened()
-    return _find(scene, frames, pivots)
+    return find_all(scene, frames, pivots)
 
 
-def _find(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
+def find_all(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
     """Find the balls in every frame of the sample, on the whole circle."""
     look, sightings = scene.look, []
     for k, frame in enumerate(frames):
@@ -255,7 +352,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            fit = look.fit(frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot

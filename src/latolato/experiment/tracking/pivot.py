@@ -26,6 +26,9 @@ _GROWN = 0.15
 _SHOWS, _SHOWS_SHARE = 4.0, 0.3
 # How much of the wall around the pivot belongs to its edge [pixels].
 _EDGE = 2
+# Shares of the frames, the slowest first, that a template is learned from, and how far the pivot
+# moves between them for the wall to be told from it [pixels].
+_SLOWEST, _SPREAD = (0.4, 0.6, 0.8), 4.0
 # Frames in which templates of several sizes are compared.
 _JUDGES = 8
 # Rows by which a template moves that does not rest, and the share of the clearness of one that
@@ -47,6 +50,9 @@ _FARTHEST, _NEXT, _LEAST_NEXT = 0.8, 0.25, 37.0
 _SIDEWAYS, _TILT = 3.0, 0.15
 # How far from where it is expected a pivot is looked for, sideways and up or down [pixels].
 _ASIDE, _ROOM = 2.0, 3.0
+# Steps of a wide search, the share of its places about which all are looked at, and how many these
+# are at least.
+_COARSE, _LIKELY, _FEWEST_LIKELY = 4, 0.03, 30
 # How far beyond the shifts of the sample the pivot may move: pixels, and share of their range.
 _SLACK, _SLACK_SHARE = 4.0, 0.3
 
@@ -81,6 +87,12 @@ class PivotTracker:
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(2))
     is_still: bool = False
     enlarged: float = 1.0
+
+    @classmethod
+    def unseen(cls, place: np.ndarray) -> PivotTracker:
+        """Return one that follows nothing: of a pivot at rest that the picture does not show."""
+        nothing = np.zeros((1, 1))
+        return cls(place, nothing, nothing, np.zeros((2, 2)), is_still=True)
 
     @property
     def half(self) -> int:
@@ -136,7 +148,10 @@ class PivotTracker:
     def _costs(
         self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return corners by whole pixels and how badly the template fits there."""
+        """Return corners by whole pixels and how badly the template fits there.
+
+        A wide search looks at all places where a coarse one fits best.
+        """
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
@@ -144,18 +159,27 @@ class PivotTracker:
                 self.enlarged * np.array([_ASIDE, _ROOM]) + np.array([_TILT, 1.0]) * room
             )
             low, high = near - around, near + around
+        is_wide = guess is None or room >= _LEAST_NEXT
         # In an enlarged picture the template's details are too; the rest is refined below.
-        step = 1 if guess is not None else round(self.enlarged)
-        columns = np.arange(low[0], high[0] + step, step)
-        rows = np.arange(low[1], high[1] + step, step)
-        shifts = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+        fine = round(self.enlarged) if is_wide else 1
+        shifts = _grid(low, high, _COARSE * fine if is_wide else fine)
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
         fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
         shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
-        corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
-        cost = np.empty(len(corners))
-        stride = _stride(self.weight > 0.0, guess is not None, _APART * self.enlarged)
-        kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
+        stride = _stride(self.weight > 0.0, not is_wide, _APART * self.enlarged)
+
+        def compared(shifts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
+            cost = np.empty(len(corners))
+            kernels.search_shift(luma, model, self.weight, corners, _LIMIT, stride, cost)
+            return corners, cost
+
+        corners, cost = compared(shifts)
+        if is_wide:
+            likely = shifts[np.argsort(cost)[: max(_FEWEST_LIKELY, int(_LIKELY * len(cost)))]]
+            around = fine * _grid(np.full(2, -_COARSE // 2), np.full(2, _COARSE // 2), 1)
+            more = compared((likely[:, None] + around).reshape(-1, 2))
+            corners, cost = np.concatenate([corners, more[0]]), np.concatenate([cost, more[1]])
         return corners, cost
 
 
@@ -214,6 +238,12 @@ def _trim(tracker: PivotTracker) -> None:
     tracker.weight = tracker.weight[inner, inner].copy()
 
 
+def _grid(low: np.ndarray, high: np.ndarray, step: int) -> np.ndarray:
+    """Return shifts (shift, 2) between two, the least included, by a step [pixels]."""
+    axes = (np.arange(first, last + step, step) for first, last in zip(low, high, strict=True))
+    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+
+
 def _stride(used: np.ndarray, near: bool, apart: float) -> int:
     """Return of how many pixels along a line one is looked at: of small objects all."""
     enough = _LOOKED_AT * (4.0 if near else 1.0)
@@ -265,12 +295,13 @@ def learn_template(
 ) -> None:
     """Make template and weight again from the slower frames, moved onto each other."""
     speed = np.hypot(*velocities(frames, shifts).T)
-    slow = (
-        speed <= max(1.0, float(np.nanquantile(speed, 0.4)))
-        if np.isfinite(speed).any()
-        else speed == speed
-    )
-    slow = slow if slow.sum() >= 6 else np.ones(len(frames), bool)
+    slow = np.ones(len(frames), bool)
+    for share in _SLOWEST if np.isfinite(speed).any() else ():
+        slowest = speed <= max(1.0, float(np.nanquantile(speed, share)))
+        # If all of them are at one turning point, the wall there seems to move with the pivot.
+        if slowest.sum() >= 6 and _is_moving(shifts[slowest]) == _is_moving(shifts):
+            slow = slowest
+            break
     frames = [frame for frame, is_slow in zip(frames, slow, strict=True) if is_slow]
     shifts = shifts[slow]
     half = tracker.half
@@ -284,7 +315,7 @@ def learn_template(
     wall = np.stack([_patch(behind, tracker.origin + shift, half) for shift in shifts])
     template = np.median(stack, axis=0)
     as_wall = np.median((stack - wall) ** 2, axis=0)
-    moves = float(np.ptp(np.quantile(shifts, [0.1, 0.9], axis=0), axis=0).sum()) > 4.0
+    moves = _is_moving(shifts)
     rest = stack - template
     if moves:
         rest = _unmoved(rest, template, inside, as_wall)
@@ -299,6 +330,11 @@ def learn_template(
     is_object &= own < 20.0 * (np.median(own[inside]) + 4.0)
     tracker.weight = np.where(inside & is_object, 1.0 / (own + 4.0), 0.0)
     tracker.template = template
+
+
+def _is_moving(shifts: np.ndarray) -> bool:
+    """Return whether shifts (frame, 2) show more than one place of the pivot."""
+    return float(np.ptp(np.quantile(shifts, [0.1, 0.9], axis=0), axis=0).sum()) > _SPREAD
 
 
 def _unmoved(

@@ -6,8 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import binary_erosion
 
 from latolato.experiment.track_table import MEASURED
+
+# Time between frames in which balls that come to touch have met, as a share.
+_NEAR = 0.25
 
 
 @dataclass
@@ -29,9 +33,11 @@ class Positions:
     spreads : numpy.ndarray, shape (frame, ball)
         Standard deviations of the distances from the pivot [pixels].
     flags : numpy.ndarray of str, shape (frame, ball)
-        ok, collision, occluded, predicted or lost.
+        ok, collision, occluded, manual, predicted or lost.
     radius : float
         Radius of a ball [pixels].
+    body : numpy.ndarray of bool, shape (row, column), or None
+        What a bob covers that is no disc, about its centre as it hangs straight down.
     """
 
     times: np.ndarray
@@ -42,6 +48,7 @@ class Positions:
     spreads: np.ndarray
     flags: np.ndarray
     radius: float
+    body: np.ndarray | None = None
 
     @classmethod
     def unknown(cls, times: np.ndarray, balls: int, radius: float = math.nan) -> Positions:
@@ -64,8 +71,45 @@ class Positions:
         """Whether the picture shows a ball, as far as the tracker knows, shape (frame, ball)."""
         return np.isin(self.flags, MEASURED)
 
+    @property
+    def reach(self) -> float:
+        """How far from its centre a ball reaches [pixels]."""
+        if self.body is None:
+            return self.radius
+        middle = (np.array(self.body.shape) - 1) / 2
+        return float(np.linalg.norm(np.argwhere(self.body) - middle, axis=1).max())
+
+    def covers(self, away: np.ndarray, angle: float, unsure: float) -> np.ndarray:
+        """Return whether places (..., 2) from a ball's centre are under it.
+
+        A disc's edge is where it is said to be give or take `unsure` [pixels], that of a body to
+        a pixel.
+        """
+        if self.body is None:
+            disc: np.ndarray = np.hypot(away[..., 0], away[..., 1]) < max(self.radius - unsure, 1.5)
+            return disc
+        cosine, sine = math.cos(angle), math.sin(angle)
+        rows = away[..., 0] * sine + away[..., 1] * cosine
+        columns = away[..., 0] * cosine - away[..., 1] * sine
+        inner = np.pad(binary_erosion(self.body), 1)
+        at = np.stack([rows, columns], axis=-1) + (np.array(inner.shape) - 1) / 2
+        row, column = np.clip(np.rint(at).astype(int), 0, np.array(inner.shape) - 1).T
+        return np.asarray(inner[row.T, column.T])
+
     def give_up(self, doubtful: np.ndarray) -> None:
-        """Mark samples, shape (frame, ball), as lost."""
+        """Mark samples, shape (frame, ball), as lost, but for those that were set by hand."""
+        doubtful = doubtful & (self.flags != "manual")
         self.flags[doubtful] = "lost"
         for numbers in (self.centres, self.angles, self.sigmas, self.spreads):
             numbers[doubtful] = np.nan
+
+
+def meetings(one: Positions, other: Positions) -> np.ndarray:
+    """Return in which frames the balls of two tracks met, shape (frame,).
+
+    They touch, or would within a quarter of the time between frames.
+    """
+    away = np.linalg.norm(one.centres[:, 0] - other.centres[:, 0], axis=-1)
+    steps = np.abs(np.diff(away))
+    fastest = np.fmax(np.append(steps, 0.0), np.append(0.0, steps))
+    return np.asarray(away <= one.radius + other.radius + _NEAR * fastest)

@@ -13,8 +13,11 @@ from latolato.physics.pendulum import restoring_sine
 _STEP = 2.5e-3
 # Restitution that is assumed, and its uncertainty as a share of the speed of approach.
 _RESTITUTION, _UNSURE = 0.85, 0.15
-# Uncertainty of the angular acceleration, as a share of gravity over length, and at least [1/s^2].
-_UNSURE_FORCE, _LEAST_FORCE = 0.08, 1.0
+# Uncertainty of the angular acceleration, as a share of gravity over length, and at least [1/s^2]:
+# where these are known, and where the swing tells them.
+_UNSURE_FORCE, _LEAST_FORCE = {True: 0.08, False: 0.3}, {True: 1.0, False: 60.0}
+# Fewest accelerations that say how uncertain they are, and how much more they are believed to be.
+_FEWEST, _ROUGH = 12, 2.0
 
 
 @dataclass
@@ -52,10 +55,16 @@ class Predictor:
         Gravity over length [1/s^2]; 0 if unknown, and the motion is taken as uniform.
     gap : float
         Smallest angle between two balls [rad]; 0 for one ball.
+    is_known : bool
+        Whether the stiffness is declared, not estimated: then `learn` corrects it.
     """
 
-    def __init__(self, stiffness: float, gap: float) -> None:
+    def __init__(self, stiffness: float, gap: float, is_known: bool = True) -> None:
         self.stiffness = stiffness
+        self.is_known = is_known
+        self.noise = max(_UNSURE_FORCE[is_known] * stiffness, _LEAST_FORCE[is_known])
+        # Sums of what accelerations say of the stiffness, which begin with what is believed.
+        self.sums = np.array([1.0, stiffness, stiffness**2, 0.0])
         self.gap = gap
         self.angles = np.zeros(0)
         self.velocities = np.zeros(0)
@@ -126,18 +135,27 @@ class Predictor:
 
     def _spread(self, interval: float, force: float, contacts: list[float]) -> np.ndarray:
         """Return the covariance after an interval."""
-        noise = max(_UNSURE_FORCE * abs(self.stiffness), _LEAST_FORCE)
-        if self.stiffness == 0.0:
-            noise = 60.0
         grown = np.empty_like(self.covariance)
         for b, before in enumerate(self.covariance):
             move = np.array([[1.0, interval], [-force * math.cos(self.angles[b]) * interval, 1.0]])
-            push = np.array([0.5 * interval**2, interval]) * noise
+            push = np.array([0.5 * interval**2, interval]) * self.noise
             grown[b] = move @ before @ move.T + np.outer(push, push) + np.diag([0.0, 1e-6])
             if contacts:
                 error = _UNSURE * 2.0 * abs(self.velocities[b]) + 0.1
                 grown[b] += np.diag([(0.5 * error * interval) ** 2, error**2])
         return grown
+
+    def learn(self, angle: float, acceleration: float) -> None:
+        """Correct an estimated stiffness by an acceleration [rad/s^2] that gravity alone made."""
+        if self.is_known:
+            return
+        sine = -restoring_sine(angle)
+        self.sums += [sine**2, sine * acceleration, acceleration**2, 1.0]
+        squares, products, total, count = self.sums
+        self.stiffness = max(float(products / squares), 0.0)
+        if count >= _FEWEST:
+            left = max(float(total - products**2 / squares), 0.0)
+            self.noise = max(_ROUGH * math.sqrt(left / count), _LEAST_FORCE[True])
 
     def accept(self, time: float, expected: Prediction) -> None:
         """Take a prediction as the state."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
-from latolato.experiment.sidecar import Place, Setup
+from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.appearance import Colours
 from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
@@ -44,23 +44,32 @@ _EDGES = 9
 
 def proposal_text(setup: Setup) -> str:
     """Return a proposal in words, with the options that say the same."""
-    clicks = " ".join(f"--ball {u:g},{v:g}" for u, v in setup.balls)
-    if setup.pivot is None:
-        return f"found in the video: {clicks}; no pivot was found in the picture"
-    u, v = setup.pivot
-    return f"found in the video: --pivot {u:g},{v:g} {clicks}"
+    options = options_of(setup)
+    if setup.pivot is None and not setup.has_own_pivots:
+        return f"found in the video: {options}; no pivot was found in the picture"
+    return f"found in the video: {options}"
+
+
+def options_of(setup: Setup) -> str:
+    """Return the options of `latolato track` that point at pivots and balls."""
+    pivots = [setup.pivot, setup.pivot_2] if setup.has_own_pivots else [setup.pivot]
+    named = [("pivot", place) for place in pivots] + [("ball", place) for place in setup.balls]
+    return " ".join(
+        f"--{name} {OUTSIDE if place is None else f'{place[0]:g},{place[1]:g}'}"
+        for name, place in named
+    )
 
 
 def propose(
     video: Video,
     sample: Sample,
     *,
-    pivot: Sequence[float] | None = None,
+    pivot: Sequence[float] | str | None = None,
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
     optics: Optics | None = None,
 ) -> tuple[Setup, float]:
-    """Return where pivot and balls are in the first frame, and a ball's radius [pixels].
+    """Return where pivot and balls are in the clicked frame, and a ball's radius [pixels].
 
     The right-hand ball comes first; no pivot is in the picture if none is found.
 
@@ -69,7 +78,7 @@ def propose(
     video, sample : Video, Sample
         The clip and its first reading.
     pivot, balls : sequence, optional
-        What is known already [pixels].
+        What is known already [pixels]; a pivot ``"outside"`` is not looked for.
     count : int, optional
         How many balls swing; None finds out.
     optics : Optics, optional
@@ -87,33 +96,33 @@ def propose(
     where the circle's centre is, and both are repeated until they agree. It can miss: balls that
     rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
     """
-    frames = sample.frames
-    backdrop = Backdrop(frames)
+    frames = sample.from_click
+    backdrop = Backdrop(frames, video.bounds)
     seen = [backdrop.discs(frame) for frame in frames]
     members = _one_class(seen, None if balls is None else np.array(balls, float))
     if members is None:
-        raise InputError(
-            "no moving ball was found", way_out="point at pivot and ball in the first frame"
-        )
+        raise InputError("no moving ball was found", way_out="point at pivot and ball")
     if count is None:
         counts = [len(group) for group in members if group]
         count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
     members = [group[:count] for group in members]
-    known = np.array(pivot, float) if pivot is not None else None
+    known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     colours = Colours.of(video)
     radius = float(np.median([disc.radius for group in members for disc in group]))
     shift, radius = _by_edge(frames, colours, members, radius, known)
     places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
     lens, size = optics or Optics(), (video.width, video.height)
     places = [undistorted(group, size, lens) for group in places]
-    orbit = None if known is not None else _pivot(video, frames, places)
+    orbit = _pivot(video, frames, places) if pivot is None else None
     hinge = known if known is not None else orbit.centre if orbit else None
     if orbit is not None:
         hinge = distorted(orbit.centre, size, lens)
     if balls is not None:
         starts = [np.array(ball, float) for ball in balls]
     else:
-        starts = [distorted(ball, size, lens) for ball in _starts(places, orbit, count, radius)]
+        number = video.first_frame + sample.click
+        found = _starts(places, orbit, count, radius, number)
+        starts = [distorted(ball, size, lens) for ball in found]
     starts.sort(key=lambda ball: -float(ball[0]))
     setup = Setup(
         pivot=None if hinge is None else _rounded(hinge),
@@ -203,8 +212,8 @@ def _by_edge(
     shifts = []
     for k, disc in sharp:
         towards = disc.centre - [0.0, 10.0 * radius] if pivot is None else pivot
-        centre, size = disc_at(frames[k], colours, disc.centre, radius, towards, False)
-        centre, size = disc_at(frames[k], colours, centre, size, towards, True)
+        centre, size, _ = disc_at(frames[k], colours, disc.centre, radius, towards, False)
+        centre, size, _ = disc_at(frames[k], colours, centre, size, towards, True)
         shifts.append((*(centre - disc.centre), size))
     *shift, size = np.median(np.array(shifts), axis=0)
     # A disc's own centre is finer than its edge's, unless the wall hides a part of the ball.
@@ -273,9 +282,9 @@ def _coarse(frame: Frame, fold: int) -> Frame:
 
 
 def _starts(
-    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float
+    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float, number: int
 ) -> list[np.ndarray]:
-    """Return the balls in the first frame, from there or from where they are a frame later."""
+    """Return the balls in the clicked frame, from there or from where they are a frame later."""
     for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
         group = places[k]
         shift = orbit.shifts[min(k, len(orbit.shifts) - 1)] if orbit else np.zeros(2)
@@ -289,7 +298,7 @@ def _starts(
         if len(on_circle) >= count:
             return list(on_circle[:count])
     raise InputError(
-        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in its "
-        "first frame",
-        way_out="point at pivot and ball there",
+        f"{count} {'balls were' if count == 2 else 'ball was'} found in the clip, but not in frame "
+        f"{number}",
+        way_out="point at pivot and ball, or look in another frame (--click-frame)",
     )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.experiment.video import Frame, Video
 
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
@@ -26,10 +28,25 @@ class Sample:
         Time stamps of all frames [s].
     frames : list of Frame
         Copies of the first frame and of pairs of consecutive frames.
+    clicked : list of Frame
+        Copies of the frame in which pivot and balls are pointed at and of the next one, which need
+        not lie between start and end; empty for the first frame.
     """
 
     times: np.ndarray
     frames: list[Frame]
+    clicked: list[Frame] = field(default_factory=list)
+
+    @property
+    def click(self) -> int:
+        """Number of the frame in which pivot and balls are pointed at."""
+        return self.clicked[0].number if self.clicked else 0
+
+    @property
+    def from_click(self) -> list[Frame]:
+        """The frames with that one and its successor first."""
+        own = {frame.number for frame in self.clicked}
+        return [*self.clicked, *(frame for frame in self.frames if frame.number not in own)]
 
     @property
     def interval(self) -> float:
@@ -37,22 +54,55 @@ class Sample:
         return float(np.median(np.diff(self.times))) if self.times.size > 1 else 0.0
 
 
-def read_sample(video: Video, progress: Callable[[float], None] | None = None) -> Sample:
-    """Decode a whole video once; keep its time stamps and a sample of its frames."""
-    expected = video.frame_count or 1
+def read_sample(
+    video: Video, progress: Callable[[float], None] | None = None, click: int = 0
+) -> Sample:
+    """Decode a video once; keep its time stamps and a sample of its frames.
+
+    Parameters
+    ----------
+    video : Video
+        The clip.
+    progress : callable, optional
+        Called with the fraction done.
+    click : int
+        Number of the frame in which pivot and balls are pointed at.
+
+    Raises
+    ------
+    InputError
+        If the file has no such frame.
+    """
+    expected = video.expected_count or 1
     step = max(1, expected // _PAIRS)
     times: list[float] = []
     kept: list[Frame] = []
+    clicked: list[Frame] = []
     for frame in video.frames():
         times.append(frame.time)
+        if 0 < click <= frame.number <= click + 1:
+            clicked.append(_copied(frame))
         if _is_wanted(frame.number, step):
-            kept.append(Frame(frame.number, frame.time, *(plane.copy() for plane in frame[2:])))
+            kept.append(_copied(frame))
         if len(kept) > 4 * _PAIRS + 1:
             step *= 2
             kept = [one for one in kept if _is_wanted(one.number, step)]
         if progress and frame.number % 64 == 0:
             progress(min(1.0, frame.number / expected))
-    return Sample(np.array(times), kept)
+    if click != 0 and not clicked:
+        for frame in replace(video, start=-math.inf, end=math.inf).frames():
+            if click <= frame.number <= click + 1:
+                clicked.append(_copied(frame))
+            elif frame.number > click:
+                break
+    if click != 0 and not clicked:
+        raise InputError(f"the video has no frame {click + video.first_frame}")
+    return Sample(np.array(times), kept, clicked)
+
+
+def _copied(frame: Frame) -> Frame:
+    """Return a frame that does not hold on to the decoder's memory."""
+    return Frame(frame.number, frame.time, *(plane.copy() for plane in frame[2:]))
 
 
 def _is_wanted(number: int, step: int) -> bool:

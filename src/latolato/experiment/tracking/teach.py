@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
@@ -193,7 +194,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
             inner.append(image[core] - look.paint[q, p])
-    rest = np.concatenate(outer)
+    rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
         return
@@ -212,6 +213,10 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
     j, i = np.indices(look.paint.shape[:2]) - m
     gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
     contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
+    if contrast == 0.0:
+        raise InputError(
+            "what was pointed at looks like the wall", way_out="point at the middle of the ball"
+        )
     # What the colours of the ball themselves leave open is no sign of something else.
     look.scale = max(min(own_scale, 2.0 * _OUTLYING * contrast**0.5), _OUTLYING * contrast**0.5)
 

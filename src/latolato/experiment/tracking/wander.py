@@ -9,14 +9,16 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.tracking.blobs import Backdrop, Disc
+from latolato.experiment.tracking.follow import Corrections
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video
 
 # How far from where it is expected a ball may be, in radii, and by how much its radius may differ.
 _NEAR, _SIZE = 2.5, 1.8
-# Fewest passages through the middle that make a period.
-_FEWEST = 4
+# Fewest passages through the middle that make a period, the longest one in frames, and the least
+# share of known places.
+_FEWEST, _PAUSE, _KNOWN = 4, 2.5, 0.5
 
 
 def follow_path(
@@ -24,15 +26,20 @@ def follow_path(
     sample: Sample,
     starts: list[np.ndarray],
     progress: Callable[[float], None] | None = None,
+    corrections: Corrections | None = None,
 ) -> Positions:
-    """Return where balls are in every frame, from their places in the first, without angles.
+    """Return where balls are in every frame, from their places in one of them, without angles.
 
     Parameters
     ----------
     video, sample : Video, Sample
         The clip and its first reading.
     starts : list of numpy.ndarray, shape (2,)
-        Centres in the first frame, the right-hand ball first [pixels].
+        Centres in the clicked frame, the right-hand ball first [pixels].
+    progress : callable, optional
+        Called with the fraction done.
+    corrections : mapping, optional
+        Places of balls that are set by hand, by frame and ball from 0 on.
 
     Raises
     ------
@@ -43,29 +50,36 @@ def follow_path(
     -----
     A ball is the disc that differs from the background nearest to where the last two frames lead.
     """
-    backdrop = Backdrop(sample.frames)
+    backdrop = Backdrop(sample.frames, video.bounds)
     count, balls = len(sample.times), len(starts)
     out = Positions.unknown(sample.times, balls)
     radii: list[float] = []
-    tracks = [_Track(start) for start in starts]
+    seen: list[list[Disc]] = []
     for frame in video.frames():
-        if frame.number >= count:
-            break
-        discs = backdrop.discs(frame)
-        for b, track in enumerate(tracks):
-            disc = track.next(discs)
-            if disc is not None:
-                out.centres[frame.number, b] = disc.centre
-                out.flags[frame.number, b] = "ok"
-                radii.append(disc.radius)
-                discs = [one for one in discs if one is not disc]
+        seen.append(backdrop.discs(frame))
         if progress and frame.number % 16 == 0:
             progress(frame.number / count)
+    click = min(max(sample.click, 0), count)
+    for numbers in (range(click, count), range(click - 1, -1, -1)):
+        tracks = [_Track(start) for start in starts]
+        for number in numbers:
+            discs, fixed = seen[number], (corrections or {}).get(number, {})
+            for b, track in enumerate(tracks):
+                if b in fixed:
+                    track.places, track.missed = [fixed[b]], 0
+                    out.centres[number, b], out.flags[number, b] = fixed[b], "manual"
+                    continue
+                disc = track.next(discs)
+                if disc is not None:
+                    out.centres[number, b] = disc.centre
+                    out.flags[number, b] = "ok"
+                    radii.append(disc.radius)
+                    discs = [one for one in discs if one is not disc]
     share = float(out.is_measured.mean(axis=0).min())
     if share < 0.1:
         raise InputError(
             f"the ball was found in {100 * share:.0f} % of the frames",
-            way_out="point at its centre in the first frame",
+            way_out="point at its centre",
         )
     out.radius = float(np.median(radii))
     return out
@@ -124,17 +138,20 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     Notes
     -----
     The slope of a straight line through the instants at which the ball passes the middle of its
-    path in one direction, along the path's longest extent.
+    path in one direction, along the path's longest extent. None where fewer than half of the places
+    are known: whole swings may be missing.
     """
     ok = np.isfinite(places).all(axis=1)
-    if ok.sum() < 8:
+    if ok.sum() < max(8, _KNOWN * len(ok)):
         return math.nan, math.nan
     centred = places[ok] - np.median(places[ok], axis=0)
     axis = np.linalg.svd(centred, full_matrices=False)[2][0]
     swing, instants = centred @ axis, times[ok]
     low, high = np.quantile(swing, [0.02, 0.98])
     swing = swing - 0.5 * (low + high)
-    periods = [_slope(_passages(instants, sign * swing, 0.15 * (high - low))) for sign in (1, -1)]
+    pause = _PAUSE * float(np.median(np.diff(times)))
+    slack = 0.15 * (high - low)
+    periods = [_slope(_passages(instants, sign * swing, slack, pause)) for sign in (1, -1)]
     known = [pair for pair in periods if math.isfinite(pair[0])]
     if not known:
         return math.nan, math.nan
@@ -142,27 +159,27 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     return period, float(max(pair[1] for pair in known))
 
 
-def _passages(times: np.ndarray, swing: np.ndarray, slack: float) -> np.ndarray:
-    """Return when a swing passes zero upwards, having been well below before."""
+def _passages(times: np.ndarray, swing: np.ndarray, slack: float, pause: float) -> np.ndarray:
+    """Return when a swing passes zero upwards, having been well below; NaN amid a pause."""
     passages, is_armed = [], False
-    longest = 2.5 * float(np.median(np.diff(times)))
     for k in range(1, len(swing)):
         is_armed = is_armed or swing[k - 1] < -slack
         if is_armed and swing[k - 1] <= 0.0 < swing[k]:
             is_armed = False
-            if times[k] - times[k - 1] > longest:  # a gap does not tell when
-                continue
             share = -swing[k - 1] / (swing[k] - swing[k - 1])
-            passages.append(times[k - 1] + share * (times[k] - times[k - 1]))
+            passed = times[k] - times[k - 1]
+            passages.append(times[k - 1] + share * passed if passed <= pause else math.nan)
     return np.array(passages)
 
 
 def _slope(passages: np.ndarray) -> tuple[float, float]:
     """Return the period of passages, some of which may be missing, and its error."""
-    if len(passages) < _FEWEST:
+    counted = np.flatnonzero(np.isfinite(passages))
+    if len(counted) < _FEWEST:
         return math.nan, math.nan
-    typical = float(np.median(np.diff(passages)))
-    steps = np.maximum(np.rint(np.diff(passages) / typical), 1.0)
+    passages, apart = passages[counted], np.diff(counted)
+    typical = float(np.median(np.diff(passages) / apart))
+    steps = np.maximum(np.rint(np.diff(passages) / typical), apart)
     number = np.concatenate([[0.0], np.cumsum(steps)])
     fit, covariance = np.polyfit(number, passages, 1, cov="unscaled")
     rest = passages - np.polyval(fit, number)

@@ -119,15 +119,23 @@ def make_slack(
         balls.fly_by(run, run.length, run.end)
 
     @part
+    def pulls(run: Any, i: int, point: Any) -> bool:
+        """Return whether a string would pull here, by more than it does by rounding."""
+        least = _PULLS * tension.margin(run, i) / run.settings.sag
+        result: bool = swing.tension(run, i, point) > least
+        return result
+
+    @part
     def bounce_time(run: Any, i: int) -> float:
         """Return how long a bounce off a string lasts that is too small to be seen, or 0."""
         state, point, length = run.state, run.now[i], 1.0 / run.bodies[i].coupling
         if state.is_slack[i] == 0 or state.leaves[i] == 0:
             return 0.0
         inward, pull = -radial_rate(point), length * swing.tension(run, i, point)
-        # A string that just went slack pulls by roundings, and its ball moves inwards by some.
-        least = _PULLS * length * tension.margin(run, i) / run.settings.sag
-        if inward <= 0.0 or pull <= least or inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
+        # The ball of a string that just went slack moves inwards by some roundings.
+        if inward <= 0.0 or not pulls(run, i, point):
+            return 0.0
+        if inward * inward >= 2.0 * pull * SMALLEST_HOP * length:
             return 0.0
         return 2.0 * inward / pull
 
@@ -142,7 +150,7 @@ def make_slack(
         begin, begin_rate = spare_of(run, i, run.now[i])
         end, end_rate = spare_of(run, i, run.end[i])
         reach = (abs(begin_rate) + abs(end_rate)) * run.length
-        turns = swing.tension(run, i, run.now[i]) * swing.tension(run, i, run.end[i]) < 0.0
+        turns = pulls(run, i, run.now[i]) != pulls(run, i, run.end[i])
         return turns and min(begin, end) < reach
 
     @part

@@ -6,6 +6,7 @@ string, or holds it; one that is taut when a ball is hit allows no motion outwar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -30,6 +31,7 @@ from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
+from latolato.physics.pair import runs_through
 
 # A tension this small is at the brink; then the motion a little later decides. Shares of the
 # largest tension, and of the step.
@@ -128,13 +130,15 @@ def make_strings(
     @part
     def note_tangle(run: Any) -> None:
         """Note where a taut string runs into the other ball, which is not described."""
+        if run.settings.high == math.inf:  # all passes through all
+            return
         for i in range(2):
             one, other = run.end[i], run.end[1 - i]
             if run.state.is_slack[i] == 0:
                 length = 1.0 / run.bodies[i].coupling
                 along = (one.x * other.x + one.y * other.y) / length
-                beside = abs(one.x * other.y - one.y * other.x) / length
-                if 0.0 < along < length and beside < run.settings.radius[1 - i]:
+                beside = (one.x * other.y - one.y * other.x) / length
+                if runs_through(length, along, beside, run.settings.radius[1 - i]):
                     run.state.is_tangled = 1
 
     @part

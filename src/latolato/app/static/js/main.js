@@ -161,10 +161,11 @@ function startStories(page) {
 }
 
 /** Keep the site in the browser, so that it opens without a network. */
-function keepOffline() {
+async function keepOffline() {
   // A site that is embedded leaves that to the page around it; pages of the program change with it.
   if (window.top !== window || !("serviceWorker" in navigator)) return;
-  void navigator.serviceWorker.register("offline.js").catch(() => {});
+  const { variant } = await import("./kernels/load.js");
+  await navigator.serviceWorker.register(`offline.js?variant=${variant()}`);
 }
 
 document.documentElement.dataset.theme = recall(THEME) ?? "auto";
@@ -188,4 +189,4 @@ if (isReadable(location.search, registry.format)) {
 startTheme();
 startViews(page);
 startStories(page);
-if (!registry.server) keepOffline();
+if (!registry.server) keepOffline().catch(() => {});

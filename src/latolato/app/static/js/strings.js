@@ -540,6 +540,10 @@ export const STRINGS = {
     + "(Shift: 10 pixels, Ctrl: a tenth). The circle is as large as length and radius say: it "
     + "should be the ball’s edge.",
   setupFound: "Found automatically: is it right?",
+  slowMotionDeclared: "Slow motion: {filmed} frames a second filmed, {shown} shown. Times are "
+    + "divided by {factor}, as the file says, unless you give another factor.",
+  slowMotionPossible: "The file says that {filmed} frames a second were filmed and {shown} are "
+    + "shown: if this is slow motion, give the factor {factor}.",
   setupNotFound: "Nothing was found automatically. Put the handles on pivot and ball.",
   setupNoPivot: "The pivot was not found. Put its handle there, or say that it is outside of the "
     + "picture:",

@@ -15,6 +15,15 @@ from latolato.experiment.tracking.kernels.jit import jit
 
 # Steps of the table that turns a coded value between 0 and 255 into linear light.
 _FINENESS = 4
+# ITU-R BT.2100-2, tables 4 and 5.
+_HLG_A = 0.17883277
+_HLG_C = 0.5 - _HLG_A * math.log(4.0 * _HLG_A)
+_PQ_M1, _PQ_M2 = 2610.0 / 16384.0, 2523.0 / 32.0
+_PQ_C1, _PQ_C2, _PQ_C3 = 3424.0 / 4096.0, 2413.0 / 128.0, 2392.0 / 128.0
+# The brightest light of PQ [1000 cd/m^2], which is where HLG ends.
+_PQ_PEAK = 10.0
+# Shares of red and blue in luma: ITU-R BT.601, BT.709 and BT.2020.
+_RED_AND_BLUE = {"bt601": (0.299, 0.114), "bt709": (0.2126, 0.0722), "bt2020": (0.2627, 0.0593)}
 # Part of a ball's largest share from which a pixel is the ball's.
 _CORE = 0.7
 # Part of the ball's radius beyond which, towards the pivot, the rod is left out, and half-width.
@@ -42,16 +51,28 @@ class Patch(NamedTuple):
     is_sparse: bool
 
 
-def linear_light() -> np.ndarray:
-    """Return linear light for coded values 0 to 255 in quarter steps (IEC 61966-2-1, sRGB)."""
+def linear_light(tone: str) -> np.ndarray:
+    """Return linear light for coded values 0 to 255 in quarter steps.
+
+    The tone curves are those of IEC 61966-2-1 (``"srgb"``) and ITU-R BT.2100-2 (``"hlg"``, light of
+    the scene, and ``"pq"``, light of the display [1000 cd/m^2]).
+    """
     coded = np.arange(255 * _FINENESS + 2) / (255.0 * _FINENESS)
-    curve = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+    if tone == "hlg":
+        above = np.exp((coded - _HLG_C) / _HLG_A) + 1.0 - 4.0 * _HLG_A
+        curve = np.where(coded <= 0.5, 4.0 * coded**2, above) / 12.0
+    elif tone == "pq":
+        root = coded ** (1.0 / _PQ_M2)
+        share = np.maximum(root - _PQ_C1, 0.0) / (_PQ_C2 - _PQ_C3 * root)
+        curve = share ** (1.0 / _PQ_M1) * _PQ_PEAK
+    else:
+        curve = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
     return curve.astype(np.float32)
 
 
 def colour_coefficients(matrix: str, is_full_range: bool) -> np.ndarray:
     """Return (luma gain, luma offset, red, green of blue, green of red, blue) for 8-bit planes."""
-    kr, kb = (0.2126, 0.0722) if matrix == "bt709" else (0.299, 0.114)
+    kr, kb = _RED_AND_BLUE[matrix]
     kg = 1.0 - kr - kb
     gain, offset, chroma = (1.0, 0.0, 1.0) if is_full_range else (255 / 219, 16.0, 255 / 224)
     red, blue = 2.0 * (1.0 - kr) * chroma, 2.0 * (1.0 - kb) * chroma

@@ -10,7 +10,9 @@ import { Track } from "./track.js";
 /** @typedef {import("./handles.js").Place} Place */
 /**
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
- *   about: {width: number, height: number, frames: number, duration: number} | null,
+ *   about: {width: number, height: number, frames: number, duration: number,
+ *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean}}
+ *     | null,
  *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
  *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null, finding: string,

@@ -86,11 +86,13 @@ export class Setup {
     this.cancel = button("cancel", on.cancel);
     this.hint = el("p", { class: "hint" }, t("setupHint"));
     this.notice = el("p", { class: "notice" });
+    this.clock = el("p", { class: "notice" });
     this.bar = el("progress", { max: 1, "aria-label": t("track") });
     this.stage = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
     this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
-    this.body = el("div", { class: "fields" }, this.notice, this.unseen, this.hint, quantities,
+    this.body = el("div", { class: "fields" }, this.notice, this.unseen, this.clock, this.hint,
+      quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
       this.busy, this.failed, this.body);
@@ -119,6 +121,8 @@ export class Setup {
     this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside;
     this.unseen.hidden = !isSetup;
     this.outside.checked = clip.isPivotOutside;
+    this.clock.textContent = clockText(clip.about?.clock);
+    this.clock.hidden = !this.clock.textContent;
     const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
@@ -167,6 +171,17 @@ export class Setup {
     this.form.general.hidden = !own;
     this.form.general.textContent = own ? text : "";
   }
+}
+
+/**
+ * Return what a file says of slow motion, nothing for one that plays as it was filmed.
+ * @param {NonNullable<import("./session.js").Clip["about"]>["clock"] | undefined} clock
+ */
+export function clockText(clock) {
+  if (!clock || clock.slow_motion === 1) return "";
+  return t(clock.is_sure ? "slowMotionDeclared" : "slowMotionPossible", {
+    filmed: short(clock.capture_rate, 4), shown: short(clock.shown_rate, 4),
+    factor: short(clock.slow_motion, 3) });
 }
 
 /**

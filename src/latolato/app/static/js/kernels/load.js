@@ -53,12 +53,17 @@ export function moduleFor(angles, inPlane) {
   return `${inPlane ? "plane_" : ""}${angles === 2 ? "two" : "one"}`;
 }
 
+/** Return how the names of modules end that this browser runs: those without SIMD if it lacks it. */
+export function variant() {
+  return WebAssembly.validate(SIMD) ? "" : "-scalar";
+}
+
 /**
- * Return the compiled code of a module, without SIMD for browsers that lack it.
+ * Return the compiled code of a module.
  * @param {string} name one of the layout's modules
  */
 export function loadModule(name) {
-  const path = `kernels/${name}${WebAssembly.validate(SIMD) ? "" : "-scalar"}.wasm`;
+  const path = `kernels/${name}${variant()}.wasm`;
   return once(path, async () => WebAssembly.compile(await (await contentOf(path)).arrayBuffer()));
 }
 

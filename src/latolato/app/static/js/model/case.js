@@ -304,7 +304,8 @@ function distancesOf(registry, { suspension, angles, balls }, given) {
 }
 
 /**
- * Throw if two balls overlap that are this far from the pivot, or have swapped.
+ * Throw if two balls overlap that are this far from the pivot or have swapped, or if a taut string runs
+ * through the other ball.
  * @param {System} system
  * @param {number[]} angles
  * @param {number[]} distances
@@ -320,6 +321,14 @@ function checkApart({ balls }, angles, distances) {
   const reach = balls[0].radius + balls[balls.length - 1].radius;
   if (apart < reach * (1 - ON_WALL))
     throw new InputError("the balls overlap at this {parameter}: their centres must be at least "
-      + `${general(reach, 9)} m apart, but are ${general(apart, 9)} m apart`, { parameter: "initial_distance",
-      value: mirrored ? distances[0] : distances, wayOut: "give other distances or angles" });
+      + `${general(reach, 9)} m apart, but are ${general(apart, 9)} m apart`,
+    { parameter: "initial_distance", wayOut: "give other distances or angles" });
+  for (const [one, other] of mirrored ? [] : [[0, 1], [1, 0]]) {
+    const { length } = balls[one];
+    const along = distances[other] * Math.cos(gap);
+    if (distances[one] === length && along > 0 && along < length
+      && Math.abs(distances[other] * Math.sin(gap)) < balls[other].radius)
+      throw new InputError("at this {parameter} the taut string of one ball runs through the other ball",
+        { parameter: "initial_distance", wayOut: "give other distances or angles" });
+  }
 }

@@ -212,7 +212,7 @@ function wallsOf(kernels, system) {
 }
 
 /**
- * Return the error of a ball that the other one's rod would hit.
+ * Return the error of a ball that the other one's rod or string would hit.
  * @param {Ball} ball
  * @param {Ball} other
  */
@@ -225,8 +225,8 @@ function hitBy(ball, other) {
   const separation = 2 * Math.asin(Math.sqrt(
     (reach * reach - (ball.length - other.length) ** 2) / (4 * ball.length * other.length)));
   return new InputError(
-    `the ${one} rod would hit the ${hit} ball before the balls meet: asin(radius/length) = `
-    + `${general(half)} rad of the ${hit} one exceeds the contact separation ${general(separation)} `
+    `the ${one} rod or string would hit the ${hit} ball before the balls meet: `
+    + `asin(radius/length) = ${general(half)} rad of the ${hit} one exceeds the contact separation ${general(separation)} `
     + "rad; make the other ball larger");
 }
 

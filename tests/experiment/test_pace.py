@@ -1,0 +1,102 @@
+"""The pace of a clip from its swing: whole clips, changes, and what must not be taken for one."""
+
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.calibration.pace import Motion, pace_warnings, parts_of
+
+LENGTH = 0.363
+STIFFNESS = 9.8 / LENGTH
+BALL = ll.Pendulum(length=LENGTH, mass=0.1, damping=0.003, gravity=9.8)
+DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=10.0)
+# Runs: drive, angle and speed of the start.
+RUNS = {
+    "small": (None, 0.2, 0.0),
+    "free": (None, 0.9, 0.0),
+    "wide": (None, 2.6, 0.0),
+    "driven": (DRIVE, 0.6, 0.0),
+    "turning": (ll.Harmonic(drive_amplitude=0.05, drive_frequency=10.4), 1.0, 11.0),
+}
+
+
+def filmed(run, changes, rate=30.0, seconds=8.0):
+    """Return what a camera sees that plays `factor` times slower from each instant on."""
+    from scipy.interpolate import CubicSpline
+
+    instants, times, now, shown = [], [], 0.0, 0.0
+    while now < seconds:
+        factor = [factor for since, factor in changes if now >= since][-1]
+        instants.append(now)
+        times.append(shown)
+        now, shown = now + 1.0 / (rate * factor), shown + 1.0 / rate
+    noise = np.random.default_rng(3).standard_normal((3, len(instants)))
+    known = run["time"].values
+    angle = CubicSpline(known, run["angle"].values)(instants) + 2e-3 * noise[0]
+    height = CubicSpline(known, run["pivot_height"].values)(instants) / LENGTH + 3e-4 * noise[1]
+    pivots = np.column_stack([3e-4 * noise[2], height])
+    return Motion(np.array(times), angle[:, None], pivots, np.ones((len(times), 1), bool))
+
+
+@pytest.fixture(scope="module", params=RUNS)
+def run(request):
+    drive, angle, speed = RUNS[request.param]
+    return ll.simulate(
+        BALL, drive, initial_angle=angle, initial_angular_velocity=speed, duration=8.1
+    )
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 4.0, 8.0])
+def test_a_swing_tells_the_pace_of_a_whole_clip(run, factor):
+    (part,) = parts_of(filmed(run, [(0.0, factor)], 30.0 if factor >= 1.0 else 60.0))
+    found = math.sqrt(STIFFNESS / part.stiffness)
+    assert found == pytest.approx(factor, rel=0.01)
+
+
+@pytest.mark.parametrize("rate", [30.0, 60.0])
+def test_a_slow_part_is_found_with_its_ends(run, rate):
+    motion = filmed(run, [(0.0, 1.0), (3.0, 8.0), (4.5, 1.0)], rate)
+    first, slow, last = parts_of(motion)
+    paces = [math.sqrt(STIFFNESS / part.stiffness) for part in (first, slow, last)]
+    assert paces == pytest.approx([1.0, 8.0, 1.0], rel=0.02)
+    # It is played from 3 to 15 s.
+    assert 2.5 < first.end <= slow.begin < 3.8
+    assert 14.0 < slow.end <= last.begin < 15.6
+    (text,) = pace_warnings(motion, STIFFNESS, 1.0)
+    assert "the clip changes its pace (slow motion 1 from 0.00 to " in text
+    (text,) = pace_warnings(motion, None, 1.0)
+    assert "8 from" in text
+    assert "if its fastest part is not slow" in text
+
+
+def test_a_clip_at_lifes_pace_gives_no_warning(run):
+    motion = filmed(run, [(0.0, 1.0)])
+    assert pace_warnings(motion, STIFFNESS, 1.0) == []
+    assert pace_warnings(motion, None, 1.0) == []
+
+
+def test_a_length_that_is_somewhat_wrong_gives_no_warning(run):
+    assert pace_warnings(filmed(run, [(0.0, 1.0)]), 1.5 * STIFFNESS, 1.0) == []
+
+
+def test_a_hand_that_holds_or_lifts_the_ball_changes_no_pace():
+    free = filmed(ll.simulate(BALL, initial_angle=0.8, duration=8.1), [(0.0, 1.0)])
+    noise = 2e-3 * np.random.default_rng(4).standard_normal(90)
+    share = np.clip(np.arange(90) / 60.0, 0.0, 1.0)
+    for before in (np.full(90, 0.8), 0.8 * share**2 * (3.0 - 2.0 * share)):
+        angles = np.concatenate([before + noise, free.angles[:, 0]])[:, None]
+        count = len(angles)
+        motion = Motion(np.arange(count) / 30.0, angles, np.zeros((count, 2)), angles == angles)
+        (part,) = parts_of(motion)
+        assert part.stiffness == pytest.approx(STIFFNESS, rel=0.01)
+        assert pace_warnings(motion, STIFFNESS, 1.0) == []
+
+
+def test_what_does_not_swing_tells_no_pace():
+    noise = np.random.default_rng(5).standard_normal((300, 1))
+    times, still, seen = np.arange(300) / 30.0, np.zeros((300, 2)), np.ones((300, 1), bool)
+    assert parts_of(Motion(times, 2e-3 * noise, still, seen)) == []
+    assert parts_of(Motion(times, 0.5 + 0.0 * noise, still, seen)) == []
+    assert parts_of(Motion(times, noise, still, ~seen)) == []
