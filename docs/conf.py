@@ -7,6 +7,7 @@ reference go to ``docs/_generated`` at every build, so they cannot drift from th
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import importlib
 import inspect
 import os
@@ -32,8 +33,15 @@ project_copyright = "2026, The latolato developers"
 release = installed_version("latolato")
 version = release
 
+
+def digest_of_package() -> str:
+    """Return a digest of all modules of the package."""
+    modules = sorted(Path(latolato.__path__[0]).rglob("*.py"))
+    return hashlib.sha256(b"".join(map(Path.read_bytes, modules))).hexdigest()[:16]
+
+
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
@@ -44,6 +52,13 @@ default_role = "literal"
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+
+# The tutorial and the gallery are run at build time; what ran stays until page or package is edited.
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(Path(__file__).parent / "_build" / "runs" / digest_of_package())
+nb_execution_in_temp = True
+nb_execution_timeout = 600
+nb_execution_raise_on_error = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # units and shapes stand in the docstrings
