@@ -82,6 +82,7 @@ nb_execution_cache_path = str(Path(__file__).parent / "_build" / "runs" / digest
 nb_execution_in_temp = True
 nb_execution_timeout = 600
 nb_execution_raise_on_error = True
+nb_execution_show_tb = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # units and shapes stand in the docstrings
@@ -233,6 +234,8 @@ def directive(owner: str, name: str, thing: Any) -> str:
     rows = parameters(thing) if is_law else []
     if rows:
         text += table(PARAMETER, rows) + "\n"
+    if inspect.isclass(thing):  # an example of a method is one
+        described += "".join(filter(None, map(inspect.getdoc, vars(thing).values())))
     if ">>>" not in described:
         if is_law and owner == "latolato":
             text += f"```python\n{example(thing)}\n```\n\n"
