@@ -161,7 +161,7 @@ def collision_times(
     Examples
     --------
     >>> collision_times(3, length=1.0, radius=0.1, initial_angle=0.5).round(3)
-    array([0.444, 1.332, 2.22 ])
+    array([0.445, 1.334, 2.223])
     """
     count = checked_count("count", count, NON_NEGATIVE)
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
@@ -197,9 +197,9 @@ def elastic_bounces(
 
     Examples
     --------
-    >>> angle, speed = elastic_bounces([0.0, 0.2], length=1.0, radius=0.1, initial_angle=0.5)
+    >>> angle, speed = elastic_bounces([0.1, 0.2], length=1.0, radius=0.1, initial_angle=0.5)
     >>> angle.round(3), speed.round(3)
-    (array([0.5  , 0.408]), array([ 0.   , -0.895]))
+    (array([0.477, 0.409]), array([-0.463, -0.886]))
     """
     instants = checked_times(times)
     bounce = _bounce(length, radius, initial_angle, gravity)

@@ -35,8 +35,8 @@ class MathieuParameters(NamedTuple):
 
     Examples
     --------
-    >>> print(f"{mathieu_parameters(drive_amplitude=0.05, drive_frequency=6.0).q:.2f}")
-    0.10
+    >>> mathieu_parameters(drive_amplitude=0.05, drive_frequency=6.0).mathieu_q
+    0.1
     """
 
     mathieu_a: float
