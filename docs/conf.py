@@ -246,7 +246,7 @@ def directive(owner: str, name: str, thing: Any) -> str:
             if any(re.search(rf"\b{name}\b", block) for block in PYTHON.findall(page))
         ]
         if users:
-            text += f"Examples: {', '.join(users)}.\n\n"
+            text += f"Examples: {', '.join(users[:3])}.\n\n"
         elif not is_law or owner != "latolato":
             NO_EXAMPLE.append(f"{owner}.{name}")
     return text
