@@ -79,12 +79,13 @@ coverage: $(STAMPS)/test kernels ## run the tests and report the lines not reach
 	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
 
 .PHONY: lint
-lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, types, layers
+lint: $(STAMPS)/dev $(STAMPS)/typescript ## style, format, words, types, layers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python .ci/javascript.py
+	$(BIN)/python .ci/words.py
 	$(BIN)/node $(VENV)/js/node_modules/typescript/bin/tsc -p tests/app/js
 
 .PHONY: format
@@ -105,6 +106,10 @@ docs: $(STAMPS)/docs kernels ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
+.PHONY: pictures
+pictures: $(STAMPS)/test $(STAMPS)/browsers kernels ## make the README's pictures again
+	$(BIN)/python .ci/pictures.py
+
 .PHONY: bench
 bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
 	@for script in benchmarks/*.py; do \
@@ -112,9 +117,12 @@ bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
 	done
 
 .PHONY: dist
-dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/
+dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/; licences of all packages into build/
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
+	@du -h dist/*
+	@mkdir -p build
+	@$(BIN)/pip-licenses --order=license --format=markdown --output-file=build/licences.md
 
 .PHONY: clean
 clean: ## remove what was built, keep .venv

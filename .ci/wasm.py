@@ -281,7 +281,7 @@ def _for_pages(name: str, returned: str, taken: Sequence[str]) -> Iterator[str]:
 
 
 def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
-    """Return what pages must know of the modules and of the memory that these work on.
+    """Return what pages must know about the modules and of the memory that these work on.
 
     Types are ``f8``, ``i8`` or the name of a record. Of lists the place of a name is its number.
     """
@@ -370,7 +370,7 @@ def _fields(value: Any, name: str = "") -> Iterator[dict[str, Any]]:
 
 
 def _observable(kind: Any) -> dict[str, Any]:
-    """Return what pages must know of an observable whose parameters are the usual ones."""
+    """Return what pages must know about an observable whose parameters are the usual ones."""
     usual = kind()
     return {
         "parameters": dict(zip([f.name for f in fields(kind)], usual.parameters, strict=True)),

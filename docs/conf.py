@@ -47,7 +47,7 @@ PYTHON = re.compile(r"```(?:python|{code-cell} ipython3)\n(.*?)```", re.DOTALL)
 # The sentences of a docstring that say what a number can miss.
 MISSES = re.compile(
     r"((?:What (?:it|this) can miss:|It can miss:?|Missed (?:is|are)) (?:.(?!\. [A-Z]))*.\."
-    r"|(?:^|(?<=\. ))[A-Z](?:.(?!\. [A-Z]))* (?:is missed|can be missed)(?:.(?!\. [A-Z]))*.\.)"
+    r"|(?:^|(?<=\. ))[A-Z](?:.(?!\. [A-Z]))* (?:is missed|can be missed)(?:[^.]|\.\S)*\.)"
 )
 
 project = "latolato"

@@ -1,4 +1,4 @@
-/** The examples of "In a page of your own": a player and a run with the values of two forms. */
+/** The examples of "Use it in your own page": a player and a run with the values of two forms. */
 
 const SITE = new URL("../../", import.meta.url);
 const ATTRIBUTES = {

@@ -96,7 +96,7 @@ def test_dead_ends_say_so():
     assert result.angle_after_push.values == pytest.approx([TOY.contact_angle_low] * 2)
     (axes,) = draw(result).axes
     assert axes.lines[0].get_ydata() == pytest.approx(np.rad2deg(result.angle_after_push))
-    with pytest.warns(RuntimeWarning, match="no protocol succeeds for 50% of the drive phases"):
+    with pytest.warns(RuntimeWarning, match="no protocol succeeds for 50 % of the drive phases"):
         result = found_for(first_frequency_ratio=[2.5, 2.7])
     assert result.status.item() == "not reached"
     assert result.success_share.max() == 0.0

@@ -552,7 +552,7 @@ TOPS = """places => places.map(place => {
 def test_the_answer_comes_first_then_its_picture_then_numbers(page, width):
     page.set_viewport_size({"width": width, "height": 844})
     page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
-    page.locator(".finding.waiting").filter(has_text="The answer will stand here").wait_for()
+    page.locator(".finding.waiting").filter(has_text="The answer will appear here").wait_for()
     places = [".asks", ".finding", ".picture", ".reading-of"]
     before = page.evaluate(TOPS, places)
     assert before == sorted(before)
@@ -573,14 +573,14 @@ def test_the_answer_comes_first_then_its_picture_then_numbers(page, width):
 def test_an_unknown_question_and_setting_of_the_address_are_told_and_left_out(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=nonsense&analyse.wrong=1")
     page.get_by_text("There is no question “nonsense”").wait_for()
-    page.get_by_text("“wrong” is no setting of this question").wait_for()
+    page.get_by_text("“wrong” is not a setting of this question").wait_for()
     page.get_by_role("heading", name="Can it stand on its head?").wait_for()
 
 
 def test_a_question_about_two_balls_offers_a_toy(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=self_start")
     page.get_by_text("It is about two balls that knock together").wait_for()
-    page.get_by_role("button", name="Ask it of a toy").click()
+    page.get_by_role("button", name="Ask about a toy").click()
     page.locator(".finding").filter(has_text="the balls part by themselves").wait_for(
         timeout=240_000
     )

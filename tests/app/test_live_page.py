@@ -21,7 +21,7 @@ def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
           toy.advance = () => { throw new WebAssembly.RuntimeError("unreachable"); };
         }"""
     )
-    page.get_by_text("The toy starts again: unreachable.").wait_for()
+    page.get_by_text("The toy restarts: unreachable.").wait_for()
     wait_for_toy(page, "toy.kernels !== window.failed.kernels && toy.time > 0.05")
     assert of_toy(page, "controls.drive_amplitude") == pytest.approx(before, rel=1e-7)
 
@@ -235,7 +235,7 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
     page.get_by_role("button", name="Record").click()
     wait_for_toy(page, "toy.recording?.duration > 0.1")
     page.get_by_role("button", name="Stop").click()
-    page.get_by_text("make the same motion again").wait_for()
+    page.get_by_text("reproduce the motion").wait_for()
     # Browsers ask for the icon again when the address changes.
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 

@@ -30,7 +30,7 @@ def end_of_play(page):
 def test_a_recording_opens_in_play_as_a_run(page, tmp_path):
     open_live(page)
     record(page, key="2")
-    page.get_by_text("make the same motion again").wait_for()
+    page.get_by_text("reproduce the motion").wait_for()
     for button, name in (("CSV", "live.csv"), ("CSV of contacts", "live.contacts.csv")):
         with page.expect_download() as caught:
             page.get_by_role("button", name=button, exact=True).click()
@@ -131,7 +131,7 @@ def test_a_file_of_a_recording_opens_as_it_was(page, tmp_path):
     page.get_by_role("button", name="Delete").click()
     page.get_by_text("Recordings in this browser: 0").wait_for()
     open_file(page, path)
-    page.get_by_text("“recording.json” is among the recordings now.").wait_for()
+    page.get_by_text("“recording.json” is now among the recordings.").wait_for()
     about, *arrays = json.loads(page.evaluate(block))
     assert arrays == before[1:]
     assert {**before[0], **about} == before[0]
@@ -146,7 +146,7 @@ def test_a_file_of_a_recording_that_is_a_run_opens_as_this_run(page, tmp_path):
     path = tmp_path / "recording.json"
     save(page, path)
     open_file(page, path)
-    page.get_by_text("is among the recordings now.").wait_for()
+    page.get_by_text("is now among the recordings.").wait_for()
     page.get_by_role("button", name="Open in Play").click()
     end_of_play(page)
     assert "drive=harmonic" in page.url
@@ -202,7 +202,7 @@ def test_the_oldest_recordings_make_room(page):
         }"""
     )
     record(page)
-    page.get_by_text("The oldest recordings made room").wait_for()
+    page.get_by_text("The oldest recordings were deleted").wait_for()
     page.get_by_text("Recordings in this browser: 20").wait_for()
     oldest = page.evaluate(
         """async () => {

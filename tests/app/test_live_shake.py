@@ -108,7 +108,7 @@ def test_a_new_toy_is_shaken_on(page):
 def test_a_device_without_a_sensor_offers_the_pivot(page):
     open_live(page)
     page.get_by_role("button", name="Shake it").click()
-    page.get_by_text("No motion sensor answers here.").wait_for()
+    page.get_by_text("No motion sensor responds here.").wait_for()
     assert page.get_by_role("button", name="Shake it").get_attribute("aria-pressed") == "false"
     assert serious_faults(page) == []
 
@@ -127,7 +127,7 @@ def test_a_device_without_a_sensor_offers_the_pivot(page):
             "is not allowed here",
         ),
         ("Object.defineProperty(window, 'isSecureContext', { value: false })", "secure pages only"),
-        ("delete window.DeviceMotionEvent", "No motion sensor answers here."),
+        ("delete window.DeviceMotionEvent", "No motion sensor responds here."),
     ],
 )
 def test_a_refused_sensor_is_explained(page, script, sentence):
@@ -192,7 +192,7 @@ def test_a_recording_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path)
     shake(page)
     wait_for_toy(page, "toy.recording?.duration > 3", timeout=30_000)
     page.get_by_role("button", name="Stop").click()
-    page.get_by_text("The pivot was shaken, so no parameters make it again").wait_for()
+    page.get_by_text("The pivot was shaken, so no parameters reproduce it").wait_for()
     for button, name in (("CSV", "live.csv"), ("CSV of contacts", "live.contacts.csv")):
         with page.expect_download() as caught:
             page.get_by_role("button", name=button, exact=True).click()

@@ -367,7 +367,7 @@ def test_a_new_question_pales_the_picture_and_its_curves_until_it_has_its_own(pa
     assert not after["isOld"]
     assert after["ys"] != before["ys"]
     page.get_by_role("button", name="Stop").click()
-    page.get_by_text("Stopped. What is computed stays.").wait_for()
+    page.get_by_text("Stopped. The computed points stay.").wait_for()
     workers = "() => window.latolato.views.map.pool.members.filter((m) => m.batch).length"
     assert page.evaluate(workers) == 0
 
@@ -492,7 +492,7 @@ def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):
     alert = page.get_by_role("alert")
     levels.fill("45,,90")
     levels.press("Enter")
-    alert.get_by_text("“45,,90” is no list of numbers").wait_for()
+    alert.get_by_text("“45,,90” is not a list of numbers").wait_for()
     # The test fails where the console tells of a refusal.
     levels.fill(",".join(map(str, range(10, 31))))
     levels.press("Enter")

@@ -259,7 +259,7 @@ def test_a_figure_that_waits_for_another_says_so_and_can_be_taken_out(page):
           for (const other of [...queue, making])
             if (other.entry.name !== "fig07") other.job.stop(); }"""
     )
-    plate.get_by_text("Waiting for other work to end …").wait_for()
+    plate.get_by_text("Waiting for other work to finish …").wait_for()
     assert plate.get_by_role("progressbar").is_visible()
     assert button.is_disabled()
     assert set(asked) >= {making, "fig07"}

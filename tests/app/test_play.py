@@ -446,7 +446,7 @@ def test_the_space_bar_is_left_to_those_that_need_it(page):
     assert loop.is_checked() != was
     page.get_by_role("button", name="Pin this run").focus()
     page.keyboard.press("Space")
-    page.get_by_role("button", name="Take the pin off").wait_for()
+    page.get_by_role("button", name="Unpin this run").wait_for()
     field = page.get_by_label("pivot to ball centre l", exact=True)
     field.focus()
     page.keyboard.press("End")
@@ -469,7 +469,7 @@ def test_a_pinned_run_stays_behind_the_next(page):
     page.get_by_text("right ball, pinned").wait_for()
     series = page.evaluate("() => window.latolato.views.play.player.curves.charts[0].plot.data")
     assert len(series) == 5  # time, two pinned angles, two angles
-    page.get_by_role("button", name="Take the pin off").click()
+    page.get_by_role("button", name="Unpin this run").click()
     page.get_by_text("right ball, pinned").wait_for(state="detached")
 
 

@@ -458,7 +458,7 @@ def test_what_makes_no_site_is_refused(tmp_path):
     run = partial(CliRunner().invoke, app)
     for arguments, words in (
         (["site", str(file), "--report", str(report)], "a site needs a folder"),
-        (["site", str(tmp_path / "out"), "--report", str(empty)], "holds no report"),
+        (["site", str(tmp_path / "out"), "--report", str(empty)], "contains no report"),
         (["site", str(file), "--report", str(report), "--docs", str(empty)], "no documentation"),
     ):
         answer = run(arguments)

@@ -691,7 +691,7 @@ def test_a_score_is_put_into_the_address_and_goes_with_its_parameters(page):
 
 def test_guesses_of_the_tongue_are_scored(page):
     page.goto("/?story.name=guess_tongue")
-    fields = page.get_by_role("spinbutton", name="shakes in one swing")
+    fields = page.get_by_role("spinbutton", name="shakes per swing")
     fields.first.wait_for()
     for i, guess in enumerate(SOLUTIONS["guess_tongue"]["guess"].split(",")):
         fields.nth(i).fill(guess.split()[0])

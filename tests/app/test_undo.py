@@ -45,7 +45,7 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     type_into(page, "coefficient of restitution", "0.8")
     page.get_by_role("link", name="Map").click()
     page.wait_for_selector("[data-done]", timeout=PATIENCE)
-    page.get_by_role("button", name="Enlarge about the cross").click()
+    page.get_by_role("button", name="Zoom in on the cross").click()
     wait_for_step(page, 4)
     page.get_by_role("link", name="Live").click()
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)

@@ -34,7 +34,7 @@ def test_every_view_has_the_same_tools_at_its_top_right(page):
         assert place.get_by_role("button", name="Undo").is_visible()
         assert place.get_by_role("button", name="Redo").is_visible()
         place.get_by_role("button", name="Share").click()
-        assert place.get_by_label("Link to what is on show").input_value() == page.url
+        assert place.get_by_label("Link to this view").input_value() == page.url
         # Only a stage and a map can be saved as a picture.
         has_picture = name in ("play", "map", "live")
         assert place.get_by_role("button", name="Save the picture").is_visible() is has_picture

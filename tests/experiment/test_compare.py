@@ -243,7 +243,7 @@ def test_the_command_compares_motions_maps_and_responses(table, grid, responses,
     assert (tmp_path / "picture.png").stat().st_size > 10_000
     result = ["--output", str(tmp_path / "c.nc"), "--draws", "3", "--sigma", "length = 0.5 mm"]
     assert main(["compare", "--trials", str(trials), "--map", str(chart), *result]) == 0
-    assert "100% of" in capsys.readouterr().out
+    assert "100 % of" in capsys.readouterr().out
     write_trials(responses[0], trials)
     pair = ["--system", "latolato", "--length", "0.245", "--mass", "0.10644", "--radius", "0.0196"]
     pair += ["--damping", "0.00506", "--restitution", "0.9", "--initial-offset", "0.15"]

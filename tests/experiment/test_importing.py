@@ -118,7 +118,7 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
         ("t,theta\n0,1\n1,2\n", None, "the unit of column 't' is missing"),
         ("t,theta\n0,1\n1,2\n", {"angle_1": "theta [rad]"}, "which column is the time"),
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle_1": "phi [rad]"}, "no column 'phi'; it"),
-        ("t,theta\n0,1\n1,2\n", {"time": "t [kg]"}, r"is in \[kg\], which is no unit of time"),
+        ("t,theta\n0,1\n1,2\n", {"time": "t [kg]"}, r"is in \[kg\], which is not a unit of time"),
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle": "theta [rad]"}, "no column 'angle'"),
         ("t [ms],theta\n0,1\n1,2\n", {"time": "t [s]"}, r"is in \[ms\] itself"),
         ("t,t\n0,1\n1,2\n", {"time": "t [s]"}, "2 columns 't'"),
@@ -142,7 +142,7 @@ def test_what_is_missing_is_named_in_one_line(tmp_path, text, columns, said):
 
 def test_files_that_are_no_text_or_not_there_are_refused(tmp_path):
     (tmp_path / "a.csv").write_bytes(bytes(range(256)) * 4)
-    with pytest.raises(ValueError, match=r"is no text file|no rows"):
+    with pytest.raises(ValueError, match=r"is not a text file|no rows"):
         import_table(tmp_path / "a.csv")
     with pytest.raises(FileNotFoundError, match="there is no file"):
         import_table(tmp_path / "b.csv")

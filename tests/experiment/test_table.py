@@ -85,7 +85,7 @@ def test_numbers_that_are_texts_are_refused():
     "change, said",
     [
         (lambda text: "", "is empty"),
-        (lambda text: "time,angle\n0,1\n", "is no track table"),
+        (lambda text: "time,angle\n0,1\n", "is not a track table"),
         (lambda text: text.replace("[rad]: angle of", "[deg]: angle of"), r"must be \[rad\]"),
         (lambda text: text.replace("# column time [s]: time\n", ""), r"'time' must be \[s\]"),
         (lambda text: text.replace("pivot_x,", "pivot,"), "pivot_x is missing"),

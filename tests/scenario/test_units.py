@@ -161,7 +161,7 @@ def test_a_column_in_the_unit_of_its_title_is_read_in_si_units(tmp_path):
         ("pivot.csv:heigth", "has no column 'heigth': did you mean 'height'?"),
         ("broken.csv:time", "cannot be read as numbers"),
         ("missing.csv", "got 'missing.csv'; there is no file of that name either"),
-        ("binary.nc", "binary.nc' is no text file"),
+        ("binary.nc", "binary.nc' is not a text file"),
         ("empty.txt", "empty.txt' holds no numbers"),
     ],
 )

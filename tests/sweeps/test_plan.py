@@ -198,7 +198,7 @@ MISTAKES = {
     ),
     "zip under the name of a parameter": (
         {"axes": {"mass": {"length": [1.0], "radius": [0.1]}}},
-        "needs a name that is no parameter",
+        "needs a name that is not a parameter",
     ),
     "the same thing twice": (
         {"axes": {"drive_frequency": [1.0], "frequency_ratio": [1.0]}},

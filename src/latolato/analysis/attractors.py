@@ -228,7 +228,7 @@ def basins(
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
         warn(
-            f"{unsettled:.1%} of the starts lead to motion that has not settled after "
+            f"{100.0 * unsettled:.1f} % of the starts lead to motion that has not settled after "
             f"{transient_periods:g} drive periods: they belong to no attractor; raise "
             "transient_periods"
         )

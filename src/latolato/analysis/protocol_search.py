@@ -210,7 +210,9 @@ def shortest_protocol(
     if result["status"] in (NO_BRANCH, NOT_REACHED):
         reason = {
             NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
-            NOT_REACHED: f"no protocol succeeds for {required_share:.0%} of the drive phases",
+            NOT_REACHED: (
+                f"no protocol succeeds for {100.0 * required_share:.0f} % of the drive phases"
+            ),
         }
         warn(f"{reason[result['status']]}: nothing to recommend")
     enough = [

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 CAUTION = (
-    "One toy is no time crystal: period doubling of a single driven system is an ordinary "
+    "One toy is not a time crystal: period doubling of a single driven system is an ordinary "
     "subharmonic response. Rigidity (locking to half the drive against changes of every unit, kept "
     "by the coupling of many) and a lifetime that grows with the number of units are properties of "
     "a many-body phase, which no quantity here can show."

@@ -104,5 +104,5 @@ def unpack(block: bytes) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             result = np.frombuffer(block, f"<{entry['type']}", count, begin + entry["offset"])
             arrays[entry["name"]] = result.reshape(entry["shape"])
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"these {len(block)} bytes are no block of arrays: {error}") from None
+        raise ValueError(f"these {len(block)} bytes are not a block of arrays: {error}") from None
     return about, arrays

@@ -88,7 +88,8 @@ def serve(
             raise InputError("must be HOST or HOST:PORT", parameter="name", value=name)
     if report is not None and not (report / "index.html").is_file():
         raise InputError(
-            f"'{report}' holds no report", way_out=f"make one: latolato reproduce --output {report}"
+            f"'{report}' contains no report",
+            way_out=f"make one: latolato reproduce --output {report}",
         )
     maps: Mapping[str, Path] = {}
     if stored:

@@ -48,13 +48,14 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     """
     if report is not None and not (report / "index.html").is_file():
         raise InputError(
-            f"'{report}' holds no report", way_out=f"make one: latolato reproduce --output {report}"
+            f"'{report}' contains no report",
+            way_out=f"make one: latolato reproduce --output {report}",
         )
     if docs is not None and not (docs / "index.html").is_file():
-        raise InputError(f"'{docs}' holds no documentation", way_out="make it: make docs")
+        raise InputError(f"'{docs}' contains no documentation", way_out="make it: make docs")
     kernels_folder()
     if folder.is_file():
-        raise NotADirectoryError(ENOTDIR, "a site needs a folder, and this is a file", str(folder))
+        raise NotADirectoryError(ENOTDIR, "a site needs a folder, but this is a file", str(folder))
     # Types of vendored libraries are for those who check the sources.
     types = shutil.ignore_patterns("*.d.ts")
     shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)

@@ -15,26 +15,28 @@ def app(
     port: Annotated[
         int | None,
         typer.Option(
-            help="Port, 0 for any free one; by default 8765 if it is free.", min=0, max=65535
+            help="Port; 0 for any free one. Default: 8765, if it is free.", min=0, max=65535
         ),
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
     allow_others: Annotated[
         bool,
-        typer.Option("--allow-others", help="Let in other machines that know the access token."),
+        typer.Option("--allow-others", help="Let in other machines that have the access token."),
     ] = False,
     names: Annotated[
         list[str] | None,
         typer.Option(
             "--name",
             metavar="HOST",
-            help="Further name, or name:port, by which others call this server; may be given "
+            help="Another name, or name:port, of this server for others; may be given "
             "several times.",
         ),
     ] = None,
     report: Annotated[
         Path | None,
-        typer.Option(help="Folder of `latolato reproduce`: show its figures, not quick ones."),
+        typer.Option(
+            help="Folder of `latolato reproduce`: show its figures instead of quick ones."
+        ),
     ] = None,
     opened: Annotated[
         list[Path] | None,
@@ -45,10 +47,10 @@ def app(
         ),
     ] = None,
     video_megabytes: Annotated[
-        float | None, typer.Option(help="Largest video for Experiment; by default 500.")
+        float | None, typer.Option(help="Largest video for Experiment, in MB. Default: 500.")
     ] = None,
     video_minutes: Annotated[
-        float | None, typer.Option(help="Longest video for Experiment; by default 10.")
+        float | None, typer.Option(help="Longest video for Experiment, in minutes. Default: 10.")
     ] = None,
 ) -> None:
     """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""

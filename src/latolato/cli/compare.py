@@ -1,4 +1,4 @@
-"""`latolato compare`: measurement beside computation."""
+"""`latolato compare`: measurement against computation."""
 
 from __future__ import annotations
 
@@ -38,25 +38,27 @@ _UNFIT = {
 @with_law_options(without=_UNFIT)
 def compare(
     table: Annotated[
-        Path | None, typer.Argument(help="Track table, or trial table as --trials.")
+        Path | None, typer.Argument(help="Track table, or a trial table, as with --trials.")
     ] = None,
     scenario: Annotated[str | None, typer.Argument(help="Scenario that names the system.")] = None,
     trials: Annotated[Path | None, typer.Option(help="Trial table: .csv or .nc.")] = None,
     map_: Annotated[
-        Path | None, typer.Option("--map", help="Sweep that trials are laid over: .nc or .zarr.")
+        Path | None, typer.Option("--map", help="Sweep to compare trials with: .nc or .zarr.")
     ] = None,
-    fit: Annotated[Path | None, typer.Option(help="Fit of a model or a decay: .nc.")] = None,
+    fit: Annotated[Path | None, typer.Option(help="Result of a model or decay fit: .nc.")] = None,
     sigma: Annotated[
         list[str] | None,
         typer.Option(
             help='Standard deviation of a parameter: "length = 0.5 mm". May be given several times.'
         ),
     ] = None,
-    draws: Annotated[int | None, typer.Option(help="Computations with other parameters.")] = None,
+    draws: Annotated[
+        int | None, typer.Option(help="Number of computations with varied parameters.")
+    ] = None,
     match: Annotated[
         str | None,
         typer.Option(
-            help="Time in which the computed motion is fitted to the measured one, in s; 4 "
+            help="Time over which the computed motion is fitted to the measured one, in s; 4 "
             "natural periods by default."
         ),
     ] = None,
@@ -71,7 +73,7 @@ def compare(
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:
-    """Lay measurement beside computation: a motion, trials over a map, or response curves.
+    """Compare measurement with computation: a motion, trials on a map, or response curves.
 
     A track table with a system, a scenario or a fit gives residuals and phase of the motion on the
     measured drive. Trials with --map give the agreement of their classes; with a system, a
@@ -161,7 +163,7 @@ def sigmas_of(texts: Sequence[str]) -> dict[str, float]:
     sigmas = {}
     for name, value in named_values("--sigma", texts, "NAME=VALUE, as in 'length = 1 mm'").items():
         if name not in QUANTITIES:
-            raise InputError(f"--sigma knows no '{name}': {suggest(name, list(QUANTITIES))}")
+            raise InputError(f"--sigma does not know '{name}': {suggest(name, list(QUANTITIES))}")
         sigmas[name] = float(to_si(name, value, QUANTITIES[name].unit))
     return sigmas
 

@@ -67,7 +67,7 @@ class FitGroup(RegistryGroup):
 
 
 def read(path: Path, columns: Mapping[str, str] | None) -> xr.Dataset:
-    """Return a track table, or with the names of its columns that of another program."""
+    """Return a track table, or convert another program's table if its columns are named."""
     from latolato.experiment.importing import import_table
     from latolato.experiment.track_table import read_table
 

@@ -1,4 +1,4 @@
-"""`latolato import`: a track table from that of another program."""
+"""`latolato import`: a track table from another program's table."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ def import_(
         str | None, typer.Option(help='Where the pivot is in the file: "x, y", in m.')
     ] = None,
     angle_from: Annotated[
-        str, typer.Option(help="Where angles count from: down, or right (the x axis).")
+        str, typer.Option(help="Direction of zero angle: down, or right (the x axis).")
     ] = "down",
-    y_axis: Annotated[str, typer.Option(help="Way in which y grows: up or down.")] = "up",
+    y_axis: Annotated[str, typer.Option(help="Direction of positive y: up or down.")] = "up",
     angle_sigma: Annotated[
         str | None, typer.Option(help="Uncertainty of the angles, in rad.")
     ] = None,
     output: Annotated[
-        Path | None, typer.Option(help="Track table; by default beside the file, as .track.csv.")
+        Path | None, typer.Option(help="Track table. Default: next to the file, as .track.csv.")
     ] = None,
 ) -> None:
-    """Make a track table of another program's table: Tracker's exports, phones' sensors."""
+    """Convert another program's table into a track table: Tracker exports, phone sensors."""
     from latolato.experiment.importing import import_table
     from latolato.experiment.track_table import write_table
     from latolato.scenario.units import to_si, to_si_list

@@ -43,7 +43,7 @@ scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or
 app.add_typer(scenarios_app, name="scenarios")
 analyse_app = typer.Typer(
     cls=AnalysisGroup,
-    help="Ask a system and its drive a question: periods, stability, thresholds, basins.",
+    help="Analyse a system and its drive: periods, stability, thresholds, basins.",
 )
 app.add_typer(analyse_app, name="analyse")
 app.add_typer(analyse_app, name="analyze", hidden=True)

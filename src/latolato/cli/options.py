@@ -39,8 +39,8 @@ ColumnOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
-StartOption = Annotated[str | None, typer.Option(help="First instant used, in s.")]
-EndOption = Annotated[str | None, typer.Option(help="Last instant used, in s.")]
+StartOption = Annotated[str | None, typer.Option(help="First instant to use, in s.")]
+EndOption = Annotated[str | None, typer.Option(help="Last instant to use, in s.")]
 Command = Callable[..., None]
 # Options that choose the samples of a single run.
 SAMPLE_OPTIONS = ("times", "samples", "frame")

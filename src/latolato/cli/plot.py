@@ -1,4 +1,4 @@
-"""`latolato plot`: pictures and animations of what is stored."""
+"""`latolato plot`: pictures and animations of stored results."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 def plot(
     file: Annotated[Path, typer.Argument(help="A result file or a sweep's store.")],
     output: Annotated[
-        Path | None, typer.Option(help="Picture; by default beside the file, as PNG.")
+        Path | None, typer.Option(help="Picture. Default: a PNG next to the file.")
     ] = None,
     animate: Annotated[Path | None, typer.Option(help="Animation of a run: .mp4 or .gif.")] = None,
-    speed: Annotated[float, typer.Option(help="How much faster it plays.")] = 1.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.")] = 30.0,
+    speed: Annotated[float, typer.Option(help="Playback speed; 1 is real time.")] = 1.0,
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 30.0,
     variable: Annotated[
-        str | None, typer.Option(help="What to draw of a map.", rich_help_panel="Maps")
+        str | None, typer.Option(help="Variable of a map to draw.", rich_help_panel="Maps")
     ] = None,
     log: Annotated[
         bool, typer.Option("--log", help="Logarithmic scale.", rich_help_panel="Maps")
@@ -33,18 +33,16 @@ def plot(
     curves: Annotated[
         bool,
         typer.Option(
-            "--curves", help="Curves, one for each of few values.", rich_help_panel="Maps"
+            "--curves", help="Draw curves, one for each of a few values.", rich_help_panel="Maps"
         ),
     ] = False,
     select: Annotated[
         list[str] | None,
-        typer.Option(
-            help='Value of a further dimension: "restitution=0.9".', rich_help_panel="Maps"
-        ),
+        typer.Option(help='Value of another dimension: "restitution=0.9".', rich_help_panel="Maps"),
     ] = None,
     overlay: Annotated[
         list[str] | None,
-        typer.Option(help="Curve over the map: tongue or lift_off.", rich_help_panel="Maps"),
+        typer.Option(help="Curve drawn over the map: tongue or lift_off.", rich_help_panel="Maps"),
     ] = None,
     points: Annotated[
         Path | None,
@@ -54,7 +52,7 @@ def plot(
         ),
     ] = None,
 ) -> None:
-    """Draw a run, a map or an analysis; animate a run if asked to."""
+    """Draw a run, a map or an analysis; --animate makes an animation of a run."""
     from latolato.io.files import load
 
     dataset = load(file)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def reproduce(
-    quick: Annotated[bool, typer.Option(help="Coarser, in about two minutes.")] = False,
+    quick: Annotated[bool, typer.Option(help="Coarser report in about two minutes.")] = False,
     full: Annotated[
         bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
     ] = False,

@@ -23,7 +23,8 @@ from latolato.scenario.scenario import Scenario, changed_tables, find
 def simulate(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
-        Path | None, typer.Option("--from", help="Run a result file again, at the same instants.")
+        Path | None,
+        typer.Option("--from", help="Repeat the run of a result file, at the same instants."),
     ] = None,
     output: Annotated[
         Path | None,
@@ -34,9 +35,9 @@ def simulate(
         Path | None, typer.Option(help="Animation: .mp4 or .gif.", rich_help_panel="Output")
     ] = None,
     speed: Annotated[
-        float, typer.Option(help="How much faster it plays.", rich_help_panel="Output")
+        float, typer.Option(help="Playback speed; 1 is real time.", rich_help_panel="Output")
     ] = 1.0,
-    fps: Annotated[float, typer.Option(help="Frames a second.", rich_help_panel="Output")] = 30.0,
+    fps: Annotated[float, typer.Option(help="Frames per second.", rich_help_panel="Output")] = 30.0,
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:

@@ -1,4 +1,4 @@
-"""`latolato site`: pages for any web space."""
+"""`latolato site`: a static site for any web space."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def site(
     folder: Annotated[Path, typer.Argument(help="Folder of the site.", metavar="FOLDER")],
     report: Annotated[
         Path | None,
-        typer.Option(help="Folder of `latolato reproduce`; by default a quick report is made."),
+        typer.Option(help="Folder of `latolato reproduce`. Default: make a quick report."),
     ] = None,
     docs: Annotated[Path | None, typer.Option(help="Folder of the built documentation.")] = None,
     as_json: JsonOption = False,

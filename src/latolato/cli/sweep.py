@@ -39,7 +39,8 @@ Changes = dict[str, dict[str, Any]]
 def sweep(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
-        Path | None, typer.Option("--from", help="Run the sweep of a store or of a .nc file again.")
+        Path | None,
+        typer.Option("--from", help="Repeat or resume the sweep of a store or a .nc file."),
     ] = None,
     status: Annotated[
         Path | None,
@@ -49,13 +50,13 @@ def sweep(
         Path | None,
         typer.Option(
             metavar="STORE",
-            help="Read everything in a store and list what is damaged; exit code 1 if anything is.",
+            help="Read a whole store and list damaged files; exit code 1 if there are any.",
         ),
     ] = None,
     axis: Annotated[
         list[str] | None,
         typer.Option(
-            help='What varies: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
+            help='Axis to vary: "drive_amplitude = 0 : 0.5 : 400 m", "frequency_ratio = 1.9, 2", '
             '"radius = 1 mm : 1 cm : 20 log", or several together: "case: length = 0.2 m, 0.3 m; '
             'radius = 2 cm, 3 cm". May be given several times.',
             rich_help_panel="Sweep",
@@ -64,7 +65,7 @@ def sweep(
     observable: Annotated[
         list[str] | None,
         typer.Option(
-            help='What is gathered: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
+            help='Result to compute: "mean_energy", "crossings(crossing_angle = 90 deg)". May be '
             "given several times.",
             rich_help_panel="Sweep",
         ),
@@ -91,7 +92,7 @@ def sweep(
     store: Annotated[
         Path | None,
         typer.Option(
-            help="Zarr store, written as points are done and resumed if it exists.",
+            help="Zarr store, written while the sweep runs and resumed if it exists.",
             rich_help_panel="Output",
         ),
     ] = None,
@@ -99,7 +100,7 @@ def sweep(
     variable: Annotated[
         str | None,
         typer.Option(
-            help="What the picture shows; by default the first observable.",
+            help="Variable to plot. Default: the first observable.",
             rich_help_panel="Output",
         ),
     ] = None,

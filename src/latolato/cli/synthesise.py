@@ -48,7 +48,7 @@ def synthesise(
     condition: Annotated[
         str,
         typer.Option(
-            help="How it is filmed: clean, texture, wood, variable, rotated, tilted, blur, "
+            help="Filming condition: clean, texture, wood, variable, rotated, tilted, blur, "
             "lowlight, compressed, steel, occluded, rolling or lens.",
             rich_help_panel="Filming",
         ),
@@ -69,12 +69,12 @@ def synthesise(
         ),
     ] = None,
     seed: Annotated[
-        int, typer.Option(help="Of texture, noise and time stamps.", rich_help_panel="Filming")
+        int, typer.Option(help="Seed of texture, noise and time stamps.", rich_help_panel="Filming")
     ] = 0,
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:
-    """Film a run with exactly known truth: a video to test tracking with, and its true table.
+    """Make a synthetic video of a run, to test tracking with, and its exact table.
 
     Options replace what the scenario says. Existing files are replaced.
     """

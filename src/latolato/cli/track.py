@@ -28,39 +28,38 @@ def track(
     pivot: Annotated[
         list[str] | None,
         typer.Option(
-            help="Column and row of the pivot in the clicked frame as displayed: 640,194. Out of "
-            "the picture it must rest; outside has it fitted to the ball's arc. Given twice for "
-            "two balls about pivots of their own.",
+            help="Column and row of the pivot in the clicked frame as displayed: 640,194. A pivot "
+            "out of the picture must rest; 'outside' fits it to the ball's arc. Give it twice for "
+            "two balls with separate pivots.",
             metavar="U,V",
         ),
     ] = None,
     ball: Annotated[
         list[str] | None,
         typer.Option(
-            help="The same of a ball's centre; given twice for two balls. What is not pointed at "
-            "is found in the video.",
+            help="The same for a ball's centre; give it twice for two balls. Without it, the video "
+            "is searched for balls.",
             metavar="U,V",
         ),
     ] = None,
     region: Annotated[
         str | None,
         typer.Option(
-            help="Left, top, right and bottom of the part of the picture in which balls are "
-            "looked for.",
+            help="Left, top, right and bottom of the part of the picture to search for balls.",
             metavar="U,V,U,V",
         ),
     ] = None,
     stick: Annotated[
         str | None,
         typer.Option(
-            help="Column and row of both ends of a stick of known length beside the swing.",
+            help="Column and row of both ends of a stick of known length next to the swing.",
             metavar="U,V,U,V",
         ),
     ] = None,
     correct: Annotated[
         list[str] | None,
         typer.Option(
-            help="Place of a ball in a frame, set by hand: frame, ball (1 or 2), column and row. "
+            help="Correct a ball in a frame by hand: frame, ball (1 or 2), column and row. "
             "May be given several times.",
             metavar="FRAME:BALL:U,V",
         ),
@@ -78,14 +77,12 @@ def track(
     limit: Annotated[
         list[str] | None,
         typer.Option(
-            help='What a video may need: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
+            help='Limit for videos: "duration = 2 h", "pixels = 2e7", "frames", "memory".'
         ),
     ] = None,
     workers: Annotated[
         int | None,
-        typer.Option(
-            "--workers", "--jobs", help="Videos tracked at once; by default one for each core."
-        ),
+        typer.Option("--workers", "--jobs", help="Videos tracked at once. Default: one per core."),
     ] = None,
     output: Annotated[
         Path | None,
@@ -97,11 +94,11 @@ def track(
     ] = None,
     overlay: Annotated[
         Path | None,
-        typer.Option(help="Video with what was found drawn on it: .mp4.", rich_help_panel="Output"),
+        typer.Option(help="Video with the result drawn on it: .mp4.", rich_help_panel="Output"),
     ] = None,
     report: Annotated[
         Path | None,
-        typer.Option(help="One page on how good the table is: .html.", rich_help_panel="Output"),
+        typer.Option(help="One page on the quality of the table: .html.", rich_help_panel="Output"),
     ] = None,
     as_json: JsonOption = False,
     **values: Any,

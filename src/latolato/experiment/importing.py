@@ -148,9 +148,9 @@ def _split(raw: bytes) -> _Text:
         except UnicodeDecodeError:
             continue
     else:
-        raise InputError("it is no text file; save it as UTF-8 text")
+        raise InputError("it is not a text file; save it as UTF-8 text")
     if "\0" in lines[0]:
-        raise InputError("it is no text file; save it as UTF-8 text")
+        raise InputError("it is not a text file; save it as UTF-8 text")
     for delimiter in ("\t", ";", ",", None):
         rows = _rows(lines, delimiter)
         body = next((i for i, row in enumerate(rows) if _is_numbers(row, delimiter)), None)
@@ -244,7 +244,7 @@ def _column(text: _Text, target: str, column: str) -> Floats:
         factor = to_si(target, f"1 {unit}", quantity.unit)
     except InputError:
         raise InputError(
-            f"column '{column}' is in [{unit}], which is no unit of {target} [{quantity.unit}]"
+            f"column '{column}' is in [{unit}], which is not a unit of {target} [{quantity.unit}]"
         ) from None
     numbers = []
     for row, cell in enumerate(text.columns[index]):

@@ -24,55 +24,55 @@ def _of_toy(name: str, description: str) -> Parameter:
 
 CLIP = (
     Parameter(
-        name="start", owner="clip", kind=float, description="first instant used",
-        quantity=Quantity("s", "", "first instant used"),
+        name="start", owner="clip", kind=float, description="first instant to use",
+        quantity=Quantity("s", "", "first instant to use"),
     ),
     Parameter(
-        name="end", owner="clip", kind=float, description="last instant used",
-        quantity=Quantity("s", "", "last instant used"),
+        name="end", owner="clip", kind=float, description="last instant to use",
+        quantity=Quantity("s", "", "last instant to use"),
     ),
     Parameter(
         name="click_frame", owner="clip", kind=int, allowed=NON_NEGATIVE,
-        description="number of the frame in which pivot and balls are pointed at; the first one "
+        description="number of the frame in which you point at pivot and balls; the first one "
         "of the file is 0; by default the first one used",
-        quantity=Quantity("", "", "frame in which pivot and balls are pointed at"),
+        quantity=Quantity("", "", "frame in which you point at pivot and balls"),
     ),
 )  # fmt: skip
 SHAPES = ("disc", "template")
 LOOK = (
     Parameter(
         name="shape", owner="look", kind=str, choices=SHAPES, default=SHAPES[0],
-        description="how balls are recognised: a disc, or a template of what was pointed at",
+        description="how balls are recognised: as a disc, or by a template of the clicked bob",
         quantity=Quantity("", "", "shape"),
     ),
     Parameter(
         name="patch", owner="look", kind=float, allowed=Range(8.0, 1000.0),
-        description="side of the square about the click that the template is made of, in pixels; "
+        description="side of the template, a square around the click, in pixels; "
         "by default from the radius, or 0.3 of the distance from pivot to click",
         quantity=Quantity("1", "", "side of the template"),
     ),
 )  # fmt: skip
 CAMERA = (
     _of_camera(
-        "slow_motion", "slow motion: how many times slower than life it plays",
-        "how many times slower than life it plays, by default as the file says", allowed=POSITIVE,
+        "slow_motion", "slow-motion factor",
+        "slow-motion factor; by default from the file", allowed=POSITIVE,
         default=None,
     ),
     _of_camera(
-        "row_time", "time from row to row of a rolling shutter",
+        "row_time", "time between rows of a rolling shutter",
         "time between rows of a rolling shutter", unit="s",
     ),
     _of_camera(
         "lens_k1", "radial lens coefficient k1",
         "radial distortion, in units of half the diagonal",
     ),
-    _of_camera("lens_k2", "radial lens coefficient k2", "its next order"),
+    _of_camera("lens_k2", "radial lens coefficient k2", "radial distortion of the next order"),
 )  # fmt: skip
 VIDEO_PARAMETERS = {
     parameter.name: parameter
     for parameter in (
-        _of_toy("length", "from pivot to ball centre: the scale"),
-        _of_toy("radius", "radius of a ball: checked against the scale, or the scale without any"),
+        _of_toy("length", "from pivot to ball centre; sets the scale"),
+        _of_toy("radius", "radius of a ball; checked against the scale, or sets it if alone"),
         Parameter(
             name="stick_length",
             kind=float,
@@ -80,7 +80,7 @@ VIDEO_PARAMETERS = {
             allowed=POSITIVE,
             quantity=Quantity("m", "", "length of the stick"),
         ),
-        _of_toy("gravity", "9.8 by default"),
+        _of_toy("gravity", "gravitational acceleration; 9.8 by default"),
         *CLIP,
         *LOOK,
         *CAMERA,

@@ -127,7 +127,7 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
     Raises
     ------
     InputError
-        If it is no track table, or a needed column is missing or empty.
+        If it is not a track table, or a needed column is missing or empty.
     """
     import xarray as xr
 
@@ -137,7 +137,7 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
         )
     if table.attrs.get("table") != _KIND or "frame" not in table.dims:
         raise InputError(
-            "the dataset is no track table", way_out="make one with track_table or read_table"
+            "the dataset is not a track table", way_out="make one with track_table or read_table"
         )
     for name in needed:
         if name not in table.variables:
@@ -202,7 +202,7 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        If it is no track table or the suffix is unknown.
+        If it is not a track table or the suffix is unknown.
         For Parquet without the extra `parquet`.
     OSError
         If the file cannot be written.
@@ -256,7 +256,7 @@ def read_table(path: str | Path) -> xr.Dataset:
         columns = {name: _known(name, values) for name, (values, _) in parts.items()}
         if attributes.pop("table", None) != _KIND:
             raise InputError(
-                "it is no track table: it does not say 'table: track'",
+                "it is not a track table: it does not say 'table: track'",
                 way_out="other tables are read with import_table (`latolato import`)",
             )
         balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1

@@ -30,7 +30,7 @@ TEXTS = {
     "source": "file that the trial is from",
     "class": "class of motion: none, weak (settled at 45 deg) or strong (90 deg at any time)",
     "set_by": "how the set was decided: folder, amplitude or given",
-    "note": "what to know of the trial",
+    "note": "remarks about the trial",
 }
 COUNTS = {
     "borderline": "1 where an angle is within 3 standard deviations of a limit of its class",
@@ -226,7 +226,7 @@ def checked_trials(trials: Any) -> xr.Dataset:
             way_out="read_trials",
         )
     if trials.attrs.get("table") != _KIND:
-        raise InputError("the dataset is no trial table; make one with collect_trials or read it")
+        raise InputError("the dataset is not a trial table: make one with collect_trials")
     return trials
 
 
@@ -283,7 +283,7 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
         try:
             text = path.read_text(encoding="utf-8-sig")
         except UnicodeDecodeError:
-            raise InputError("it is no text file; save the trials as UTF-8 CSV") from None
+            raise InputError("it is not a text file; save the trials as UTF-8 CSV") from None
         return parse_trials(text, gravity=gravity)
 
 

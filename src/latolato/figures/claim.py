@@ -186,13 +186,13 @@ class Statement:
             name=self.name,
             where=self.where,
             words=self.words,
-            finding=self.finding.format(**numbers),
+            finding=filled(self.finding, numbers),
             criteria=tuple((limit.report(numbers), limit.holds(numbers)) for limit in self.limits),
             assumption=self.assumption
             if verdict in (Verdict.ASSUMED, Verdict.METHOD_CHECK)
             else "",
             verdict=verdict,
-            why=self.why.format(**numbers),
+            why=filled(self.why, numbers),
             numbers=dict(numbers),
         )
 
@@ -278,6 +278,11 @@ def _checked(kind: type[_Made], place: str, entries: Mapping[str, Any]) -> _Made
         if field.default is MISSING and key not in values:
             raise ValueError(f"claim {place} lacks the key '{key}'")
     return kind(**values)
+
+
+def filled(template: str, numbers: Numbers) -> str:
+    """Return a template with its numbers; a percent sign follows a space."""
+    return re.sub(r"(?<=\d)%", " %", template.format(**numbers))
 
 
 def _text(value: float) -> str:

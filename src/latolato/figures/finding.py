@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from latolato.figures.claim import Numbers
+from latolato.figures.claim import Numbers, filled
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,4 +40,4 @@ class Finding:
     def words(self, dataset: xr.Dataset) -> tuple[str, str]:
         """Return finding and check with the numbers of a dataset."""
         numbers = self.numbers(dataset)
-        return self.finding.format(**numbers), self.check.format(**numbers)
+        return filled(self.finding, numbers), filled(self.check, numbers)

@@ -282,7 +282,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(
-            f"'{path}' is no text file", way_out="save the trials as UTF-8 CSV"
+            f"'{path}' is not a text file", way_out="save the trials as UTF-8 CSV"
         ) from None
     table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
     columns = [name.strip() for name in table.fieldnames or ()]

@@ -45,14 +45,14 @@ FINDING = (
     "{rest3_inelastic:.3f} l with e_s = 0. Rods are pushed for some of the time at "
     "{pushed_push:.0%} of the points of this map with a push and at {pushed_rest:.0%} from rest. "
     "These shares depend on the range: up to A0 = {small:g} l they are {small_push:.0%} and "
-    "{small_rest:.0%}. A MATLAB toolkit, whose runs end at 90°, gives up to 51% for this toy over "
+    "{small_rest:.0%}. A MATLAB toolkit, whose runs end at 90°, gives up to 51 % for this toy over "
     "a range that we do not know; of our points that stay below 90°, rods are pushed at "
     "{quiet_push:.0%} and {quiet_rest:.0%}."
 )
 CHECK = (
     "At all {unpushed:.0f} points where no rod is pushed, both kinds of strings reach the same "
     "largest angle as rods, to {same:.0e} rad. Below the onset no toy reaches the top from rest "
-    "({early:.0f} points do). Rods are pushed for more than 1% of the time at {long_push:.0%} of "
+    "({early:.0f} points do). Rods are pushed for more than 1 % of the time at {long_push:.0%} of "
     "the points with a push and at {long_rest:.0%} from rest."
 )
 SMALL = 0.2  # A0/l, up to which shares of pushed rods are given too

@@ -48,7 +48,7 @@ def read_columns(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
     try:
         return parse_columns(path.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError:
-        raise InputError(f"'{path}' is no text file", way_out="save it as UTF-8 text") from None
+        raise InputError(f"'{path}' is not a text file", way_out="save it as UTF-8 text") from None
     except InputError as error:
         raise InputError(f"'{path}': {error}") from None
 
@@ -136,7 +136,7 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     try:
         table = pyarrow.parquet.read_table(path)
     except pyarrow.ArrowInvalid as error:
-        raise InputError(f"'{path}' is no Parquet file: {error}") from None
+        raise InputError(f"'{path}'is not a Parquet file: {error}") from None
     attributes = {
         key.decode(): _value(value.decode())
         for key, value in (table.schema.metadata or {}).items()

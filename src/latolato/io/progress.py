@@ -111,14 +111,14 @@ def compiling(begins: Callable[[], None], ends: Callable[[], None]) -> Iterator[
             """Counts kernels within kernels: the outermost begins and ends."""
 
             def on_start(self, event: Any) -> None:
-                """Tell of the outermost only."""
+                """Report the outermost only."""
                 nonlocal depth
                 depth += 1
                 if depth == 1:
                     begins()
 
             def on_end(self, event: Any) -> None:
-                """Tell of the outermost only."""
+                """Report the outermost only."""
                 nonlocal depth
                 depth -= 1
                 if depth == 0:

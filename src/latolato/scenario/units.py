@@ -232,7 +232,7 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
             first = next((line for line in lines if line.strip() and line.lstrip()[0] != "#"), "")
     except UnicodeDecodeError:
         raise InputError(
-            f"{{parameter}}: '{path}' is no text file",
+            f"{{parameter}}: '{path}' is not a text file",
             parameter=name,
             way_out="save it as UTF-8 text",
         ) from None

@@ -34,12 +34,12 @@ def _of(owner: str, name: str, description: str, **more: Any) -> Parameter:
 
 _PARAMETERS = (
     _of(
-        "run", "initial_angle", "angle at the start; of a ballpair right, left",
+        "run", "initial_angle", "initial angle; for a ballpair: right, left",
         allowed=ANY, for_each_ball=True, suggested=(-math.pi, math.pi),
     ),
     _of(
         "run", "initial_angular_velocity",
-        "angular velocity at the start; of a ballpair right, left",
+        "initial angular velocity; for a ballpair: right, left",
         allowed=ANY, for_each_ball=True, suggested=(-20.0, 20.0),
     ),
     _of(
@@ -48,20 +48,20 @@ _PARAMETERS = (
     ),
     _of(
         "run", "initial_distance",
-        "distance from the pivot at the start, less than the length of a slack string; of a "
-        "ballpair right, left",
+        "initial distance from the pivot, less than the length if the string is slack; for a "
+        "ballpair: right, left",
         allowed=POSITIVE, for_each_ball=True, suggested=(0.05, 2.0),
     ),
     _of("run", "duration", "end of the run", allowed=POSITIVE, suggested=(1.0, 300.0)),
     _of(
-        "run", "times", "instants of the samples, or a file that holds them",
+        "run", "times", "sample times, or a file that contains them",
         allowed=NON_NEGATIVE, several=True,
     ),
     _of(
         "run", "samples", "number of evenly spaced samples instead of times",
         kind=int, allowed=Range(2, MOST_SAMPLES),
     ),
-    _of("run", "tolerance", "aimed-at error of the angle", allowed=Range(*TOLERANCES)),
+    _of("run", "tolerance", "target error of the angle", allowed=Range(*TOLERANCES)),
     _of("run", "contact", "contact law", kind=str),
     _of("run", "rest_speed", "impacts up to this speed begin rest", allowed=NON_NEGATIVE),
     _of(
@@ -69,7 +69,7 @@ _PARAMETERS = (
         kind=str, choices=("pivot", "both"),
     ),
     _of(
-        "run", "contact_limit", "contacts after which the run stops",
+        "run", "contact_limit", "number of contacts after which the run stops",
         kind=int, allowed=COUNT,
     ),
     _of(
@@ -77,7 +77,7 @@ _PARAMETERS = (
         unit="s", allowed=NON_NEGATIVE,
     ),
     _of(
-        "sweep", "transient_periods", "the same in drive periods; both add up",
+        "sweep", "transient_periods", "the same in drive periods; the two are added",
         unit="1", allowed=NON_NEGATIVE,
     ),
     _of(

@@ -138,7 +138,7 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
             raise InputError(f"axis {name} must name at least one parameter to vary")
         if isinstance(values, Mapping) and name in known and name not in together:
             raise InputError(
-                f"axis {name} sets several parameters, so it needs a name that is no parameter"
+                f"axis {name} sets several parameters, so it needs a name that is not a parameter"
             )
         columns = {p: _checked_values(p, v, known) for p, v in together.items()}
         lengths = {p: len(v) for p, v in columns.items()}

@@ -98,7 +98,7 @@ test("words hold a time only where one was measured", () => {
   time = 60;
   assert.match(words(unknown, 0.1), /longer than measured/);
   assert.equal(statusText({ state: "waiting", elapsed: 0 }, unknown),
-    "Waiting for other work to end …");
+    "Waiting for other work to finish …");
 });
 
 test("times are rounded to what is known of them", () => {

@@ -108,7 +108,7 @@ def label_of(name: str) -> str:
     Examples
     --------
     >>> label_of("transient_periods"), label_of("damping"), label_of("inverted")
-    ('Shakes that are left out at the beginning', 'Linear damping coefficient', 'Inverted')
+    ('Shakes to leave out at the beginning', 'Linear damping coefficient', 'Inverted')
     """
     from latolato.core.quantities import QUANTITIES
 

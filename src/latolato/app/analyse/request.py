@@ -1,4 +1,4 @@
-"""A question as a page asks it: the analysis, what it is of, and the options typed for it."""
+"""A question from a page: the analysis, its system and drive, and the options typed for it."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ OPTION_WORDS = {
     "frequency_ratio": "Drive speed, ω/ω₀",
     "high": "To",
     "largest_amplitude_ratio": "Search up to the amplitude A₀/l",
-    "longest": "Longest repetition that is looked for, in shakes",
+    "longest": "Longest repetition to look for, in shakes",
     "low": "From",
     "method": "Method of calculation",
     "noise_seed": "Seed of the random numbers",
@@ -24,6 +24,6 @@ OPTION_WORDS = {
     "push": "What the push gives",
     "threshold_angle": "Angle that counts",
     "trajectories": "How many repetitions",
-    "transient": "Time that is left out at the beginning",
-    "transient_periods": "Shakes that are left out at the beginning",
+    "transient": "Time to leave out at the beginning",
+    "transient_periods": "Shakes to leave out at the beginning",
 }

@@ -83,7 +83,7 @@ def fit_circle(
     Notes
     -----
     The covariance holds what is seen: the scatter of the distances, or how 12 pieces of the clip
-    differ in what they say of the arm if that is more. And it holds what no scatter shows: 0.15
+    differ in what they say about the arm if that is more. And it holds what no scatter shows: 0.15
     pixels that all samples share, and a lens of ``k1 = 0.01`` if none is declared.
     """
     known = np.isfinite(places).all(axis=-1)
@@ -250,8 +250,8 @@ def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
 def _shared_sigma(bow: _Bow, points: np.ndarray, piece: np.ndarray) -> float:
     """Return the error of one place [pixels] with which a fit to all has the right covariance.
 
-    Errors of neighbours go together: what pieces of the clip say of the curvature scatters by more
-    than their scatter does. Of `UNROUND` all places together are worth one.
+    Errors of neighbours go together: the curvatures of pieces of the clip differ by more than the
+    scatter inside each explains. Of `UNROUND` all places together are worth one.
     """
     off, slopes = bow.distances(points), bow.slopes(points)
     bends = np.linalg.pinv(slopes)[2]

@@ -8,7 +8,7 @@ import numpy as np
 
 # Error of positions that no scatter shows [pixels].
 SYSTEMATIC = 0.05
-# Samples from which on distances from the circle tell of errors, and the distance from which it is
+# Samples from which on distances from the circle show errors, and the distance from which it is
 # no chance [standard deviations].
 _FEW, _FAR_OFF = 20, 4.0
 # How much larger errors along the circle may be than across.

@@ -88,7 +88,7 @@ def motion_of(seen: Positions, measured: Calibration) -> Motion:
 
 
 def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -> list[str]:
-    """Return what a user should know of the pace at which a clip plays.
+    """Return what a user should know about the pace at which a clip plays.
 
     `stiffness` is gravity over length [1/s^2], None where it is unknown, and `slow_motion` what the
     times were divided by.

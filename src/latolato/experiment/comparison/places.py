@@ -347,8 +347,9 @@ def _verdict(variables: Mapping[str, Any], outside: int) -> str:
     names = ("agreement", "agreement_low", "agreement_high", "kappa")
     share, low, high, kappa = (variables[name][1] for name in names)
     words = (
-        f"{share:.0%} of {len(variables['agrees'][1])} trials have the class of the map at their "
-        f"place (95 %: {low:.0%} to {high:.0%}; kappa {kappa:.2f})."
+        f"{100 * share:.0f} % of {len(variables['agrees'][1])} trials have the same class as the "
+        f"map at their place (95 % interval: {100 * low:.0f} to {100 * high:.0f} %; "
+        f"kappa {kappa:.2f})."
     )
     x, computed, half = (variables[f"boundary_{name}"][1] for name in ("x", "computed", "half_gap"))
     gaps = x - computed

@@ -96,7 +96,7 @@ def plan_of(grid: Any) -> Plan:
     if not isinstance(grid, xr.Dataset):
         raise InputError("a map must be the dataset of a sweep", value=type(grid).__name__)
     if "plan" not in grid.attrs:
-        raise InputError("the dataset is no map: it does not hold the plan of a sweep")
+        raise InputError("the dataset is not a map: it does not hold the plan of a sweep")
     plan = Plan.from_description(json.loads(grid.attrs["plan"]))
     if isinstance(plan.system, BallPair):
         raise InputError("trials are compared with maps of a Pendulum or a LatoLato")

@@ -139,7 +139,7 @@ def fit_decay(
     With c = C/(m l), c2 = C2/(m l), c0 = C0/(m l) the angle obeys
     ``th'' = -(g/l) sin(th) - c th' - c2 th'|th'| - c0 sgn th'`` about `angle_offset`, from a free
     start. C is ``c m l`` with the given length, or the one from the dynamics. Angles are seen about
-    a pivot that lies aside by what the table knows of it (`latolato.experiment.fits.sight`).
+    a pivot that lies aside by what the table knows about it (`latolato.experiment.fits.sight`).
     Correlated residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are
     compared by BIC with the number of effective samples, all with the correlation and the samples
     of the fullest law that converges. Where the terms of a law cannot be told apart its fit may not

@@ -1,4 +1,4 @@
-"""The fits by name: what commands and pages know of each."""
+"""The fits by name: what commands and pages know about each."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class FitKind:
     is_slow : bool
         Whether a page waits for a click before it fits.
     hint : str
-        What a page then says beside the button.
+        What a page then says next to the button.
     fewest_balls : int
         How many balls a table must have for a page to offer the fit.
     system : callable

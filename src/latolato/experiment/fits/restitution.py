@@ -160,7 +160,7 @@ def fit_restitution(
     }  # fmt: skip
     verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
     if unseen:
-        verdict += f" {unseen} further turns are no impacts that can be seen."
+        verdict += f" {unseen} further turns show no measurable impact."
     return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
 
 

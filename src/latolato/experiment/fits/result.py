@@ -166,7 +166,7 @@ def load_fit(path: str | Path) -> Fit:
 
     dataset = load(path)
     if "fit" not in dataset.attrs:
-        raise InputError(f"'{path}' holds no fit")
+        raise InputError(f"'{path}' contains no fit")
     return Fit(dataset)
 
 

@@ -116,7 +116,7 @@ class Camera:
             "choices": ROTATIONS,
         },
     )
-    row_time: float = _number(0.0, "s", "time from row to row of a rolling shutter")
+    row_time: float = _number(0.0, "s", "time between rows of a rolling shutter")
     stamp_row: float = _number(0.0, "1", "row that the time stamp is of: 0 first, 1 last",
                                UNIT_INTERVAL)  # fmt: skip
     k1: float = _number(0.0, "1", "radial lens coefficient", Range(-0.5, 0.5))

@@ -204,9 +204,12 @@ class Appearance:
                 y : y + stride * rows : stride, x : x + stride * columns : stride
             ]
         out = np.full((rows, columns, 3), np.nan, np.float32)
-        i, j = x + stride * np.arange(columns), y + stride * np.arange(rows)
-        inside_i, inside_j = (i >= 0) & (i < width), (j >= 0) & (j < height)
-        out[np.ix_(inside_j, inside_i)] = self.white_behind[np.ix_(j[inside_j], i[inside_i])]
+        # The first ones that were learned, and those beyond.
+        i0, j0 = max(0, -(x // stride)), max(0, -(y // stride))
+        i1, j1 = max(0, -((x - width) // stride)), max(0, -((y - height) // stride))
+        known = self.white_behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
+        inside = out[j0:j1, i0:i1]
+        inside[:] = known[: inside.shape[0], : inside.shape[1]]
         return out
 
 

@@ -156,21 +156,23 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
     direction = _direction(shots, radius)
     places_each = min(max(len(shot.path) for shot in shots), _PLACES)
     for k, shot in enumerate(shots):
-        j, i = np.indices(shot.image.shape[:2])
-        places = np.stack([i, j], axis=-1).reshape(-1, 2)
         centre = shot.path.mean(axis=0)
-        out = places - centre
-        middle = np.hypot(out[:, 0], out[:, 1])
         smear = 0.5 * float(np.hypot(*(shot.path[-1] - shot.path[0])))
+        j, i = np.ogrid[: shot.image.shape[0], : shot.image.shape[1]]
+        middle = np.hypot(i - centre[0], j - centre[1])
+        # The ring first: what follows takes a multiple of this.
+        rows, columns = np.nonzero(np.abs(middle - radius) < half + smear)
+        middle, places = middle[rows, columns], np.stack([columns, rows], axis=-1)
+        out = places - centre
         rod = (shot.pivot - centre) / max(float(np.hypot(*(shot.pivot - centre))), 1e-9)
-        use = (np.abs(middle - radius) < half + smear) & ~(
+        use = ~(
             (out @ rod > _ROD_BEGINS * radius)
             & (np.abs(out @ np.array([rod[1], -rod[0]])) < _ROD_HALF_WIDTH * radius)
         )
         for other in shot.others:
             use &= np.hypot(*(places - other).T) > 1.35 * radius + smear
-        value = shot.image.reshape(-1, 3) @ direction
-        wall = shot.wall.reshape(-1, 3) @ direction
+        value = shot.image[rows, columns] @ direction
+        wall = shot.wall[rows, columns] @ direction
         use &= np.isfinite(value) & np.isfinite(wall)
         angle = np.arctan2(out[use, 0], out[use, 1]) - shot.turn
         sector = np.floor((angle / (2.0 * np.pi) % 1.0) * _SECTORS).astype(int) % _SECTORS

@@ -71,7 +71,7 @@ class ImageModel:
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
     stiffness : float
-        What the swing seen says of gravity over length [1/s^2]; 0 if it is unknown.
+        Gravity over length, estimated from the swing seen [1/s^2]; 0 if it is unknown.
     """
 
     pivot: PivotTracker
@@ -197,7 +197,7 @@ def learn_image_model(
 
 
 def learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
-    """Learn how much of balls is explained, how fast they are, and what that says of their fall.
+    """Learn how much of balls is explained, how fast they are, and what that says about their fall.
 
     As if they fell freely: from rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt, map_coordinates
+from scipy.ndimage import distance_transform_edt, find_objects, label, map_coordinates
 
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
@@ -20,9 +20,14 @@ def uncover(
     radius: float,
 ) -> None:
     """Mark the background as unseen where it shows the ball itself, which rested there mostly."""
+    reach = int(1.7 * radius) + 2
+    at = np.rint(centre).astype(int) - low
+    (left, top), (right, bottom) = np.maximum([at - reach, at + reach + 1], 0)
+    behind = behind[top:bottom, left:right]
+    corner = low[0] + left, low[1] + top
     j, i = np.indices(behind.shape[:2])
-    away = np.hypot(i + low[0] - centre[0], j + low[1] - centre[1])
-    picture = colours.window(frame[2:], low, behind.shape[:2])
+    away = np.hypot(i + corner[0] - centre[0], j + corner[1] - centre[1])
+    picture = colours.window(frame[2:], corner, behind.shape[:2])
     inside = away < 0.8 * radius
     outside = (away > 1.3 * radius) & (away < 1.7 * radius)
     if not inside.any() or not outside.any():
@@ -52,13 +57,13 @@ def first_paint(
         painted(frame, centre, turn, colours, radius, 0.88 * radius)
         for centre, turn in zip(centres, turns, strict=True)
     ]
-    return np.asarray(np.mean(each, axis=0))
+    return filled(np.mean(each, axis=0))
 
 
 def painted(
     frame: Frame, centre: np.ndarray, turn: float, colours: Colours, radius: float, inner: float
 ) -> np.ndarray:
-    """Return the colours about a centre, turned back, extended beyond `inner` by the nearest."""
+    """Return the colours about a centre, turned back; NaN beyond `inner`."""
     half = int(np.ceil(1.3 * radius)) + 2
     reach = int(1.5 * half) + 2
     corner = np.floor(centre).astype(int) - reach
@@ -70,43 +75,43 @@ def painted(
     planes = np.moveaxis(image, -1, 0)
     paint = np.stack([map_coordinates(p, (y, x), float, 1, mode="nearest") for p in planes], -1)
     paint[np.hypot(i, j) > inner] = np.nan
-    return np.asarray(filled(paint), float)
+    return paint
 
 
 def learn_background(
     look: Appearance, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
 ) -> None:
     """Learn the background again where balls hid it in much of the sample, from other frames."""
-    height, width = look.behind.shape[:2]
-    hidden = np.zeros((len(frames), height, width), bool)
     reach = 1.3 * look.radius + 2.0
-    for k, centre in covered:
-        x, y = centre - look.corner
-        i0, i1 = max(0, int(x - reach)), min(width, int(x + reach) + 2)
-        j0, j1 = max(0, int(y - reach)), min(height, int(y + reach) + 2)
-        if i0 >= i1 or j0 >= j1:
-            continue
-        j, i = np.mgrid[j0:j1, i0:i1]
-        hidden[k, j0:j1, i0:i1] |= np.hypot(i - x, j - y) < reach
-    often = hidden.mean(axis=0) > 0.2
+    discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
+    count = np.zeros(look.behind.shape[:2], int)
+    for own in discs:
+        count += _under(own, reach, count.shape)
+    often = count > 0.2 * len(frames)
     if not often.any():
         return
-    rows, columns = np.nonzero(often)
-    colours = np.full((len(frames), len(rows), 3), np.nan, np.float32)
-    low, shape = (
-        (int(rows.min()), int(columns.min())),
-        (int(np.ptp(rows)) + 1, int(np.ptp(columns)) + 1),
-    )
-    for k, frame in enumerate(frames):
-        corner = (int(look.corner[0]) + low[1], int(look.corner[1]) + low[0])
-        image = look.colours.window(frame[2:], corner, shape)
-        colours[k] = image[rows - low[0], columns - low[1]]
-        colours[k][hidden[k, rows, columns]] = np.nan
-    # The lower median of the frames that show a pixel, which sorting puts first; none: unknown.
-    colours.sort(axis=0)
-    middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
-    seen = np.take_along_axis(colours, middle[None], axis=0)[0]
     behind = look.behind.copy()
-    behind[rows, columns] = seen
+    for part in find_objects(label(often)[0]):
+        here, corner = often[part], np.array([part[1].start, part[0].start])
+        colours = np.empty((len(frames), np.count_nonzero(here), 3), np.float32)
+        for k, frame in enumerate(frames):
+            image = look.colours.window(frame[2:], look.corner + corner, here.shape)
+            colours[k] = image[here]
+            colours[k][_under([at - corner for at in discs[k]], reach, here.shape)[here]] = np.nan
+        # The lower median of frames that show a pixel, which sorting puts first; none: unknown.
+        colours.sort(axis=0)
+        middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
+        behind[part][here] = np.take_along_axis(colours, middle[None], axis=0)[0]
     look.behind = filled(behind)
     look.whitened()
+
+
+def _under(places: list[np.ndarray], reach: float, shape: tuple[int, ...]) -> np.ndarray:
+    """Return which pixels of a window are nearer than `reach` to one of some places in it."""
+    is_under = np.zeros(shape, bool)
+    for x, y in places:
+        left, top = max(0, int(x - reach)), max(0, int(y - reach))
+        part = is_under[top : max(0, int(y + reach) + 2), left : max(0, int(x + reach) + 2)]
+        j, i = np.ogrid[: part.shape[0], : part.shape[1]]
+        part |= np.hypot(i + left - x, j + top - y) < reach
+    return is_under

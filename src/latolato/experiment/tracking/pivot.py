@@ -40,7 +40,7 @@ _DRAWN = 0.5
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
 _SHARE = 0.08
-# Pixels of a template that a search over its whole reach looks at, and their largest distance.
+# Pixels of a template that a search looks at, and their largest distance.
 _LOOKED_AT, _APART = 250.0, 6.0
 # How far the pivot may come from where it is in the first frame, and from one frame to the next, as
 # shares of the arm: a drive amplitude of 0.4 of the length from end to end, 0.3 at 3 Hz and 25
@@ -166,7 +166,7 @@ class PivotTracker:
         # The pivot moves up and down: sideways as far as a tilted camera shows it.
         fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
         shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
-        stride = _stride(self.weight > 0.0, not is_wide, _APART * self.enlarged)
+        stride = _stride(self.weight > 0.0, _APART * self.enlarged)
 
         def compared(shifts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             corners = np.rint(self.origin - self.half + shifts).astype(np.int64)
@@ -244,10 +244,9 @@ def _grid(low: np.ndarray, high: np.ndarray, step: int) -> np.ndarray:
     return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
 
 
-def _stride(used: np.ndarray, near: bool, apart: float) -> int:
+def _stride(used: np.ndarray, apart: float) -> int:
     """Return of how many pixels along a line one is looked at: of small objects all."""
-    enough = _LOOKED_AT * (4.0 if near else 1.0)
-    return int(min(max((np.count_nonzero(used) / enough) ** 0.5, 1.0), apart))
+    return int(min(max((np.count_nonzero(used) / _LOOKED_AT) ** 0.5, 1.0), apart))
 
 
 def _is_resting(shifts: np.ndarray) -> bool:

@@ -63,7 +63,7 @@ class Predictor:
         self.stiffness = stiffness
         self.is_known = is_known
         self.noise = max(_UNSURE_FORCE[is_known] * stiffness, _LEAST_FORCE[is_known])
-        # Sums of what accelerations say of the stiffness, which begin with what is believed.
+        # Sums of what accelerations say about the stiffness, which begin with what is believed.
         self.sums = np.array([1.0, stiffness, stiffness**2, 0.0])
         self.gap = gap
         self.angles = np.zeros(0)

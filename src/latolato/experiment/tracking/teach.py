@@ -11,7 +11,7 @@ from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
-from latolato.experiment.tracking.paint import painted
+from latolato.experiment.tracking.paint import filled, painted
 from latolato.experiment.video import Frame
 
 # Share of the contrast between ball and wall from which a residual is something else.
@@ -82,7 +82,7 @@ def _learn_paint(
             )
             for one in teachers
         ]  # fmt: skip
-        look.is_spinning, look.paint = is_spinning, np.median(each, axis=0)
+        look.is_spinning, look.paint = is_spinning, filled(np.median(each, axis=0))
         look.whitened()
         cost = sum(
             fit_balls(

@@ -138,9 +138,9 @@ QUESTION = Question(
     cost=Cost(counts=("scan_points",), most_shakes=5_000),
     labels={
         "drive_phase": "Phase of the drive at the push",
-        "largest_push": "Largest push that is tried",
+        "largest_push": "Largest push to try",
         "refinements": "Rounds of refinement",
-        "scan_points": "Number of pushes that are tried",
+        "scan_points": "Number of pushes to try",
         "sustained_angle": "It counts as going beyond",
     },
     verdict=verdict,

@@ -120,7 +120,7 @@ def verdict(dataset: xr.Dataset) -> str:
     words = {
         "neutral": "disturbances neither grow nor fade",
         "rest": "the balls rest on each other, and disturbances vanish",
-        "grazing": "it touches without speed, so nothing can be said of disturbances",
+        "grazing": "it touches without speed, so nothing can be said about disturbances",
         "contradicted": "a check of the result failed: do not trust it",
     }
     return f"{text}; {words.get(status, status)}."

@@ -112,7 +112,7 @@ QUESTION = Question(
     cost=Cost(decay_times=6.0),
     labels={
         "least_jump": "A jump is a change of at least",
-        "least_motion": "Smallest swing that is kept alive",
+        "least_motion": "Smallest swing to keep going",
     },
     verdict=verdict,
 )

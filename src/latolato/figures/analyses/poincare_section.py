@@ -87,6 +87,6 @@ QUESTION = Question(
     conditions=(settles, is_shaken),
     place=3,
     cost=Cost(most_shakes=20_000),
-    labels={"section_phase": "Phase of the drive at which one looks"},
+    labels={"section_phase": "Drive phase of each sample"},
     verdict=verdict,
 )

@@ -19,7 +19,7 @@ DISTURBANCE = "What do small disturbances do?"
 # In the order of a page.
 GROUPS = (LONG_RUN, BEGINNING, REST, DISTURBANCE)
 
-# Says of system and drive why a question cannot be asked of them, None if it can.
+# Says why a question does not suit a system and drive, None if it does.
 Condition = Callable[[Any, Any], str | None]
 
 

@@ -132,7 +132,7 @@ QUESTION = Question(
     labels={
         "dwell_time": "Times in the first stage",
         "first_frequency_ratio": "Drive speeds of the first stage, ω/ω₀",
-        "phases": "Drive phases that are tried",
+        "phases": "Drive phases to try",
         "ramp": "Time to change the speed",
         "required_share": "Share of the phases that must succeed",
         "settling": "Time to settle afterwards",

@@ -1,4 +1,4 @@
-/** The fields of one analysis: what the server says of its options, filled to take seconds. */
+/** The fields of one analysis: what the server says about its options, filled to take seconds. */
 
 import { el, freshId } from "../shared/dom.js";
 import { inWords, NAMES } from "../shared/words.js";
@@ -9,7 +9,7 @@ import { ENGLISH, t } from "../strings.js";
 /** @typedef {{title: string, first: string, unfit: Record<string, string>,
  *   options: Record<string, any>, quick: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, unit: string, low: string, high: string}>}} About
- *   what the server says of system and drive */
+ *   what the server says about system and drive */
 
 // The option that says what a diagram varies, and the two that say between which limits.
 const VARIED = "parameter";

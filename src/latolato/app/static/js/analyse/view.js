@@ -109,7 +109,7 @@ export class AnalyseView {
     this.point.rest();
   }
 
-  /** Read what the server says of the system and drive, and show the fields. */
+  /** Read what the server says about the system and drive, and show the fields. */
   async look() {
     const { registry } = this.page;
     try {

@@ -174,7 +174,7 @@ export class Setup {
 }
 
 /**
- * Return what a file says of slow motion, nothing for one that plays as it was filmed.
+ * Return what a file says about slow motion, nothing for one that plays as it was filmed.
  * @param {NonNullable<import("./session.js").Clip["about"]>["clock"] | undefined} clock
  */
 export function clockText(clock) {

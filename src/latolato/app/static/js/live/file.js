@@ -1,6 +1,6 @@
 /**
- * Recordings as files: JSON with the mark, the number of the format, what is said of the recording and
- * its arrays, of which each has its shape and its values row by row. docs/how-to/app-live.md describes it.
+ * Recordings as files: JSON with the mark, the number of the format, the metadata and the arrays, each
+ * with its shape and its values row by row. docs/how-to/app-live.md describes it.
  */
 
 import { t } from "../strings.js";
@@ -9,7 +9,7 @@ import { t } from "../strings.js";
 /** @typedef {import("../shared/storage.js").Entry} Entry */
 
 const MARK = "recording";
-// What is said of a recording, by the types that it must have.
+// The metadata of a recording, with the types that they must have.
 const ABOUT = { options: "object", attributes: "object", balls: "object", contact_kinds: "object",
   ledger: "object", by_hand: "boolean", note: "string" };
 const CONTACTS = ["contact_time", "contact_kind", "angular_velocity_before", "angular_velocity_after"];

@@ -50,8 +50,8 @@ export function makeParts(ratios, actions) {
 /**
  * Return the page of a live toy.
  * @param {ReturnType<typeof makeParts>} parts
- * @param {{button: HTMLElement, result: HTMLElement}} keeper begins and ends a recording, and tells
- *   of the last one
+ * @param {{button: HTMLElement, result: HTMLElement}} keeper begins and ends a recording, and
+ *   reports the last one
  * @param {{field: HTMLElement, question: HTMLElement}} preset
  * @param {HTMLElement} knobs
  * @param {import("../shared/senses.js").Senses} senses sound, description and the list of keys

@@ -243,7 +243,7 @@ export class Shake {
     this.changed();
   }
 
-  /** Say what a person has to know of the shaking now. */
+  /** Say what a person has to know about the shaking now. */
   watch() {
     const toy = this.toy();
     if (!toy?.isShaken) return;

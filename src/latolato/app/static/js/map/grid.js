@@ -12,7 +12,7 @@ import { before } from "../shared/motion.js";
  *   arrays: Record<"x" | "y" | "x_edges" | "y_edges", Float64Array>,
  *   optionsOf?: (cell: number) => Record<string, any>}} Begin
  *
- * What is said of a stored map: the variables that it has, further dimensions with the value that is
+ * The metadata of a stored map: the variables that it has, further dimensions with the value that is
  * taken, points that are not computed, and what its points run with [SI]: options, the values of all
  * parameters that vary along its axes, those that are taken of others, and random streams as sums of
  * two numbers. Without options its points cannot run alone, for a reason.

@@ -83,7 +83,7 @@ export function legend(grid, { variable: k, log }, lines, trials, contours) {
 }
 
 /**
- * Return what is said of a finished map: its points, and those that are new or missing.
+ * Return the summary of a finished map: its points, and those that are new or missing.
  * @param {Grid} grid
  * @param {import("./pool.js").Progress} done
  */

@@ -1,4 +1,4 @@
-/** A run as the views draw it: its columns and what is said of it. */
+/** A run as the views draw it: its columns and its metadata. */
 
 import { tablesOf } from "./files.js";
 import { commandLine, pythonLines } from "./lines.js";
@@ -40,7 +40,7 @@ export function blockOf(run) {
 }
 
 /**
- * Return what is said of a run beside its numbers; attributes are those of `latolato.simulate`.
+ * Return the metadata of a run; attributes are those of `latolato.simulate`.
  * @param {Run} run
  */
 function aboutOf(run) {

@@ -9,7 +9,7 @@ self.addEventListener("message", async ({ data }) => {
   const buffers = new Set(Object.values(result.block?.arrays ?? {}).map((array) => array.buffer));
   self.postMessage(result, { transfer: [...buffers] });
 });
-// What most runs need comes at once; a run that needs it tells of a fault.
+// What most runs need comes at once; a run that needs it reports a fault.
 for (const load of [loadLayout, () => loadModule("one")]) load().catch(() => {});
 // Until then a page does not know whether it may have workers.
 void loadRegistry().then(() => self.postMessage(null));

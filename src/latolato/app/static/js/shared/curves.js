@@ -274,7 +274,7 @@ export class Curves {
         setSize: [() => this.onLayout()],
         setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
           const { min, max } = u.scales.x;
-          // uPlot tells of every change at the end of the task, also of those that came from here.
+          // uPlot reports every change at the end of the task, also those that came from here.
           if (key === "x" && (min !== this.span[0] || max !== this.span[1])) this.zoom(min, max);
         }],
       },

@@ -167,7 +167,7 @@ function isWild(heights) {
 const degrees = (angle) => (Math.abs(angle) < 10 ? short(angle, 2) : String(Math.round(angle)));
 
 /**
- * Return the best sentence about a stretch of time, null if nothing is to be said of it.
+ * Return the best sentence about a stretch of time, null if there is nothing to say about it.
  * @param {Log} log
  * @param {number} from
  * @param {number} to
@@ -249,7 +249,7 @@ function tumble(events) {
 }
 
 /**
- * Return what is to be said of clacks above the hand.
+ * Return what to say about clacks above the hand.
  * @param {Event[]} events
  * @param {number} below how often balls clack below the hand
  * @param {number} above

@@ -61,7 +61,7 @@ export class TimeLeft {
     const isHalt = this.reports > 0 && now - last > HALT
       && now - last > MANY * (last - begun) / this.reports;
     this.share = share;
-    // What was done in no time, or before a halt, says nothing of what comes.
+    // Work done in no time, or before a halt, says nothing about the rest.
     if (isHalt || now - begun < MOMENT) {
       if (isHalt) this.end = null;
       this.begin(share);

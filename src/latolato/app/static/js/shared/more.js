@@ -15,7 +15,7 @@ import { short } from "./units.js";
 
 const DEGREES = 180 / Math.PI;
 const MOST_ROWS = 200;
-/** What the table of contacts says of velocities, and its heads. @type {Record<string, string>} */
+/** What the table of contacts says about velocities, and its heads. @type {Record<string, string>} */
 const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_after: "after",
   radial_velocity_before: "outwardsBefore", radial_velocity_after: "outwardsAfter" };
 // Sections begin with this share of the run left out, which remembers the start.
@@ -198,7 +198,7 @@ function ballsPerLedger(/** @type {Motion} */ motion) {
 }
 
 /**
- * Return where the energy came from (positive) and where it went or what is left (negative), with
+ * Return where the energy came from (positive) and where it went or remains (negative), with
  * shares of all that came in: those of each side sum to one.
  * @param {Motion} motion
  * @returns {{name: string, energy: number, share: number, paint: string}[]}

@@ -1,4 +1,4 @@
-/** When something is said of a motion: a sentence at a time, as fast as a person can follow. */
+/** When to say something about a motion: a sentence at a time, as fast as a person can follow. */
 
 import { t } from "../strings.js";
 import { changeOf, isNews, outline, placesOf, startOf, tellOf } from "./describe.js";
@@ -30,7 +30,7 @@ export class Narrator {
     this.line = el("p", { class: "narration unseen", "aria-live": "polite" });
     /** What the stage shows, where a reader looks for that. */
     this.about = el("p", { class: "unseen", id: freshId() });
-    /** Called when the stage is described anew, so that others are as well. */
+    /** Called when the stage is described again, so that others are as well. */
     this.onDescribe = () => {};
     /** Returns what an option is called, if its changes are to be mentioned.
      * @type {(option: string) => string | undefined} */
@@ -63,7 +63,7 @@ export class Narrator {
     this.line.textContent = inText(sentences);
   }
 
-  /** Say how a motion begins, of another toy or the same one anew. @param {Source} source */
+  /** Say how a motion begins, of another toy or the same one again. @param {Source} source */
   begin(source) {
     clearTimeout(this.timer);
     this.before = null;

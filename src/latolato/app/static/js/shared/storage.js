@@ -61,7 +61,7 @@ export class Shelf {
           for (const name of [ENTRIES, BLOCKS]) request.result.createObjectStore(name);
         };
         const database = await answer(request);
-        // Another page may need a newer version, or the data of the page may be cleared: then anew.
+        // Another page may need a newer version, or the data of the page may be cleared: then open it again.
         database.onversionchange = () => {
           database.close();
           this.opening = null;
