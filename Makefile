@@ -102,7 +102,7 @@ mutants: $(STAMPS)/mutants kernels ## try thirty mutants of the sources on the t
 	$(BIN)/python .ci/mutants.py $(SEED)
 
 .PHONY: docs
-docs: $(STAMPS)/docs ## build the documentation into docs/_build/html
+docs: $(STAMPS)/docs kernels ## build the documentation into docs/_build/html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 

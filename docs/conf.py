@@ -7,6 +7,8 @@ reference go to ``docs/_generated`` at every build, so they cannot drift from th
 from __future__ import annotations
 
 import dataclasses
+import functools
+import hashlib
 import importlib
 import inspect
 import os
@@ -20,11 +22,33 @@ from types import ModuleType
 from typing import Any
 
 import latolato
+from latolato.core.registry import types_of
 
 sys.path.insert(0, str(Path(__file__).parent))
 from layers import drawing
 
-GENERATED = Path(__file__).parent / "_generated"
+HERE = Path(__file__).parent
+GENERATED = HERE / "_generated"
+PARAMETER = ("parameter", "symbol", "unit", "range", "default", "meaning")
+# Public names without an example, which fail the build.
+NO_EXAMPLE: list[str] = []
+# What pages use of `latolato.experiment`, by module; a page that imports more fails the build.
+EXPERIMENT = {
+    "track_table": ("track_table", "read_table", "write_table"),
+    "importing": ("import_table",),
+    "trial_table": ("trial_table", "read_trials", "write_trials"),
+    "fits.result": ("Fit", "Estimate", "load_fit"),
+    "fits.registry": ("FitKind",),
+    "synthetic.scene": ("Scene", "Camera"),
+    "synthetic.conditions": ("Condition", "conditions"),
+    "synthetic.synthesise": ("synthesise_video",),
+}
+PYTHON = re.compile(r"```(?:python|{code-cell} ipython3)\n(.*?)```", re.DOTALL)
+# The sentences of a docstring that say what a number can miss.
+MISSES = re.compile(
+    r"((?:What (?:it|this) can miss:|It can miss:?|Missed (?:is|are)) (?:.(?!\. [A-Z]))*.\."
+    r"|(?:^|(?<=\. ))[A-Z](?:.(?!\. [A-Z]))* (?:is missed|can be missed)(?:[^.]|\.\S)*\.)"
+)
 
 project = "latolato"
 author = "The latolato developers"
@@ -32,8 +56,15 @@ project_copyright = "2026, The latolato developers"
 release = installed_version("latolato")
 version = release
 
+
+def digest_of_package() -> str:
+    """Return a digest of all modules of the package."""
+    modules = sorted(Path(latolato.__path__[0]).rglob("*.py"))
+    return hashlib.sha256(b"".join(map(Path.read_bytes, modules))).hexdigest()[:16]
+
+
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
@@ -44,6 +75,15 @@ default_role = "literal"
 
 myst_enable_extensions = ["amsmath", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+
+# The tutorial and the gallery are run at build time, again only where page or package was edited.
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(Path(__file__).parent / "_build" / "runs" / digest_of_package())
+nb_execution_in_temp = True
+nb_execution_timeout = 600
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_merge_streams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # units and shapes stand in the docstrings
@@ -146,8 +186,7 @@ def laws(registry: Any) -> str:
         parts.append(f"**`{law.__name__}`** (`{name}` on the command line). {first_line(law)}\n\n")
         rows = parameters(law)
         if rows:
-            header = ("parameter", "symbol", "unit", "range", "default", "meaning")
-            parts.append(table(header, rows) + "\n")
+            parts.append(table(PARAMETER, rows) + "\n")
     return "".join(parts)
 
 
@@ -163,12 +202,54 @@ def fit_words() -> str:
     return table(("name", "function", "result"), rows)
 
 
+@functools.cache
+def pages() -> dict[str, str]:
+    """Return the pages, without what stands before their titles, by their paths."""
+    found = sorted([*HERE.glob("*.md"), *HERE.glob("[a-z]*/*.md")])
+    texts = {page.relative_to(HERE).as_posix(): page.read_text("utf-8") for page in found}
+    return {path: text[text.index("# ") :] for path, text in texts.items()}
+
+
+def example(law: Any) -> str:
+    """Return a call that makes a law with what forms begin with; it has been tried."""
+    given = {}
+    for field in dataclasses.fields(law):
+        kind = types_of(law)[field.name]
+        if dataclasses.is_dataclass(kind):
+            given[field.name] = example(kind)
+        elif field.init and field.default is field.default_factory is dataclasses.MISSING:
+            given[field.name] = repr(field.metadata["quantity"].usual)
+    call = f"ll.{law.__name__}({', '.join(f'{k}={v}' for k, v in given.items())})"
+    eval(call, {"ll": latolato})
+    return call
+
+
 def directive(owner: str, name: str, thing: Any) -> str:
-    """Return the autodoc directive for one public name."""
-    kind = "autoclass" if inspect.isclass(thing) else "autofunction"
+    """Return the autodoc directive for one public name, with its parameters and an example."""
     if not callable(thing):
-        kind = "autodata"
-    return f"```{{eval-rst}}\n.. {kind}:: {owner}.{name}\n```\n\n"
+        return f"```{{eval-rst}}\n.. autodata:: {owner}.{name}\n```\n\n"
+    kind = "autoclass" if inspect.isclass(thing) else "autofunction"
+    text = f"```{{eval-rst}}\n.. {kind}:: {owner}.{name}\n```\n\n"
+    described = inspect.getdoc(thing) or ""
+    is_law = dataclasses.is_dataclass(thing) and "Parameters\n---" not in described
+    rows = parameters(thing) if is_law else []
+    if rows:
+        text += table(PARAMETER, rows) + "\n"
+    if inspect.isclass(thing):  # an example of a method is one
+        described += "".join(filter(None, map(inspect.getdoc, vars(thing).values())))
+    if ">>>" not in described:
+        if is_law and owner == "latolato":
+            text += f"```python\n{example(thing)}\n```\n\n"
+        users = [
+            f"[{page[2:].partition(chr(10))[0]}]({path})"
+            for path, page in pages().items()
+            if any(re.search(rf"\b{name}\b", block) for block in PYTHON.findall(page))
+        ]
+        if users:
+            text += f"Examples: {', '.join(users[:3])}.\n\n"
+        elif not is_law or owner != "latolato":
+            NO_EXAMPLE.append(f"{owner}.{name}")
+    return text
 
 
 def public_names() -> str:
@@ -210,8 +291,50 @@ def analysis_names() -> str:
     return "".join(parts)
 
 
+def experiment_names() -> str:
+    """Return the names that `EXPERIMENT` lists, by module."""
+    parts = []
+    for name, names in EXPERIMENT.items():
+        owner = f"latolato.experiment.{name}"
+        module = importlib.import_module(owner)
+        parts.append(f"### {first_line(module).rstrip('.')}\n\n`{owner}`\n\n")
+        parts += [directive(owner, each, getattr(module, each)) for each in names]
+    return "".join(parts)
+
+
+def misses() -> str:
+    """Return a table of what public functions and observables can miss, by their docstrings."""
+    import latolato.analysis
+
+    rows = []
+    for owner in (latolato, latolato.analysis):
+        for name in sorted(owner.__all__):
+            thing = getattr(owner, name)
+            if not callable(thing):
+                continue
+            for part in re.split(r"\n\s*\n", inspect.getdoc(thing) or ""):
+                said = " ".join(MISSES.findall(" ".join(part.split())))
+                if said:
+                    rows.append((f"`{name}`", re.sub("`+", "`", said).replace("|", r"\vert")))
+    return table(("number", "what its docstring says"), rows)
+
+
+def check_reference(reference: str) -> None:
+    """Fail if a public name is not in the reference, or has no example."""
+    import latolato.analysis
+
+    public = {f"latolato.{name}" for name in latolato.__all__ if name != "analysis"}
+    public |= {f".{name}" for name in latolato.analysis.__all__}
+    for text in pages().values():
+        for module, names in re.findall(r"from (latolato\.experiment\S*) import (.+)", text):
+            public |= {f"{module}.{name.strip()}" for name in names.split(",")}
+    missing = [name for name in public if not re.search(re.escape(name) + r"\n", reference)]
+    if missing or NO_EXAMPLE:
+        raise ValueError(f"not in the reference: {missing}; without an example: {NO_EXAMPLE}")
+
+
 def command_line() -> str:
-    """Return the reference that typer writes about the installed command."""
+    """Return the reference that typer writes about the installed command, with examples."""
     arguments = ["-m", "typer", "latolato.cli.main", "utils", "docs", "--name", "latolato"]
     # A wide terminal without colours gives the same text on every machine.
     environment = {**os.environ, "COLUMNS": "100", "NO_COLOR": "1", "TERM": "dumb"}
@@ -223,7 +346,24 @@ def command_line() -> str:
         check=True,
     )
     body = re.sub(r"\A# .*\n", "", done.stdout)  # cli.md has a title of its own
-    return body.replace("```console", "```text")
+    shown = "\n".join(
+        block
+        for text in pages().values()
+        for block in re.findall(r"```console\n(.*?)```", text, re.DOTALL)
+    )
+    parts = []
+    for part in re.split(r"(?=^##+ `)", body.replace("```console", "```text"), flags=re.MULTILINE):
+        title = re.match(r"(##+) `(.+)`\n", part)
+        if title and title[2].split()[1] in ("analyze", "synthesize"):
+            continue  # other spellings
+        parts.append(part)
+        if title:
+            typed = re.search(rf"^\$ ({title[2]}(?: .*?)?(?<!\\))$", shown, re.M | re.DOTALL)
+            if typed:
+                parts.append(f"**Example**:\n\n```text\n$ {typed[1]}\n```\n\n")
+            elif title[1] == "##":
+                raise ValueError(f"no page shows an example of {title[2]}")
+    return "".join(parts)
 
 
 def write_generated() -> None:
@@ -232,7 +372,7 @@ def write_generated() -> None:
     from latolato.physics.drives import drives
     from latolato.physics.pendulum import systems
 
-    pages = {
+    written = {
         "glossary": glossary(),
         "analysis_glossary": analysis_glossary(),
         "systems": laws(systems),
@@ -241,10 +381,13 @@ def write_generated() -> None:
         "fits": fit_words(),
         "api": public_names(),
         "analysis": analysis_names(),
+        "experiment": experiment_names(),
+        "misses": misses(),
         "cli": command_line(),
     }
+    check_reference(written["api"] + written["analysis"] + written["experiment"])
     GENERATED.mkdir(exist_ok=True)
-    for name, text in pages.items():
+    for name, text in written.items():
         (GENERATED / f"{name}.md").write_text(text, encoding="utf-8")
     (GENERATED / "layers.svg").write_text(drawing(), encoding="utf-8")
 

@@ -47,15 +47,15 @@ def web(tmp_path_factory):
     write_site(folder)
     (folder / "mine.html").write_text(MINE)
     (folder / "around.html").write_text(AROUND)
-    # The examples of a page of the documentation, which is built elsewhere.
-    text = (DOCS / "how-to" / "in-your-page.md").read_text(encoding="utf-8")
-    parts = re.findall(r"```{raw} html\n(.*?)```", text, re.DOTALL)
-    examples = folder / "docs" / "how-to" / "in-your-page.html"
-    examples.parent.mkdir(parents=True)
-    icon = '<link rel="icon" href="../../icon.svg">'
-    examples.write_text(
-        '<!doctype html><html lang="en"><title>examples</title>' + icon + "".join(parts)
-    )
+    # What runs on pages of the documentation, which is built elsewhere.
+    (folder / "docs" / "how-to").mkdir(parents=True)
+    for name in ("how-to/in-your-page", "gallery"):
+        text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
+        parts = re.findall(r"```{raw} html\n(.*?)```", text, re.DOTALL)
+        icon = f'<link rel="icon" href="{"../" * (name.count("/") + 1)}icon.svg">'
+        (folder / "docs" / f"{name}.html").write_text(
+            '<!doctype html><html lang="en"><title>examples</title>' + icon + "".join(parts)
+        )
     shutil.copytree(DOCS / "_static", folder / "docs" / "_static")
     server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=space))
     threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -359,6 +359,13 @@ def test_the_examples_of_the_documentation_run_in_the_site(visit, web):
     assert 'drive-amplitude="1 cm&quot;><b>"' in visit.locator("#latolato-markup").inner_text()
     visit.get_by_text("drive_amplitude must be given in m").wait_for()
     assert serious_faults(visit) == []
+    assert visit.faults == []
+
+
+def test_the_toy_of_the_gallery_moves_in_the_site(visit, web):
+    visit.goto(f"{web[0]}docs/gallery.html")
+    visit.locator("latolato-player canvas").first.wait_for()
+    assert visit.get_by_text("does not move here").count() == 0
     assert visit.faults == []
 
 

@@ -513,6 +513,16 @@ class BasinEntropy(NamedTuple):
         Mean over the boxes with more than one basin [1]; above ln 2 the boundary is fractal.
     boundary_share : float
         Share of such boxes [1].
+
+    Examples
+    --------
+    Of four boxes two have one basin each, and two lie on the border:
+
+    >>> import numpy as np
+    >>> halves = np.zeros((10, 10), dtype=int)
+    >>> halves[:, 7:] = 1
+    >>> basin_entropy(halves, 5).boundary_share
+    0.5
     """
 
     basin_entropy: float

@@ -157,6 +157,11 @@ def collision_times(
     """Return the first `count` collision times of the elastic bounce [s], shape ``(count,)``.
 
     ``(2 n - 1) tau``; the other parameters are those of `fall_time`.
+
+    Examples
+    --------
+    >>> collision_times(3, length=1.0, radius=0.1, initial_angle=0.5).round(3)
+    array([0.445, 1.334, 2.223])
     """
     count = checked_count("count", count, NON_NEGATIVE)
     tau = fall_time(length=length, radius=radius, initial_angle=initial_angle, gravity=gravity)
@@ -189,6 +194,12 @@ def elastic_bounces(
     -----
     The swing of `undriven_motion` on ``[-tau, tau)``, repeated with period ``2 tau``. Within the
     rounding of the time, some 1e-16 of it, an instant may fall on the other side of a collision.
+
+    Examples
+    --------
+    >>> angle, speed = elastic_bounces([0.1, 0.2], length=1.0, radius=0.1, initial_angle=0.5)
+    >>> angle.round(3), speed.round(3)
+    (array([0.477, 0.409]), array([-0.463, -0.886]))
     """
     instants = checked_times(times)
     bounce = _bounce(length, radius, initial_angle, gravity)

@@ -32,6 +32,11 @@ class MathieuParameters(NamedTuple):
 
     The first two belong to the standard form ``x'' + (a - 2 q cos 2z) x = 0``, where the paper
     writes b for q; the third is gamma of paper eq15.
+
+    Examples
+    --------
+    >>> mathieu_parameters(drive_amplitude=0.05, drive_frequency=6.0).mathieu_q
+    0.1
     """
 
     mathieu_a: float

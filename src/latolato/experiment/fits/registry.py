@@ -40,6 +40,12 @@ class FitKind:
         Returns the system that a page plays after a fit, or None; by default that of the fit.
     is_predicted : bool
         Whether a page draws the motion that is computed from its start on, not the fitted curve.
+
+    Examples
+    --------
+    >>> from latolato.experiment.fits import fits
+    >>> fits["decay"].function.__name__
+    'fit_decay'
     """
 
     function: Callable[..., Fit]
