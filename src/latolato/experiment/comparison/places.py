@@ -152,7 +152,8 @@ def _agreement(measured: Any, computed: Any, again: _Draws | None) -> dict[str, 
     by_parameters, drawn_variables = 0.0, {}
     if again is not None:
         chances = np.mean(again.seen == again.computed, axis=0)
-        by_parameters = float(np.std(np.mean(again.seen == again.computed, axis=1)))
+        # Counts first: equal shares differ by nothing, not by a rounding.
+        by_parameters = float(np.std(np.sum(again.seen == again.computed, axis=1)) / n)
         shares, kappas = again.with_chance()
         low = min(low, float(np.quantile(shares, 0.025)))
         high = max(high, float(np.quantile(shares, 0.975)))
