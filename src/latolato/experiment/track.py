@@ -38,6 +38,7 @@ from latolato.experiment.tracking.learn_template import learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
+from latolato.experiment.tracking.steady import Steadier, steadied
 from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
@@ -64,6 +65,8 @@ _PATCH = 1.4
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# How far from where it is clicked a ball may reach, as a share of its distance from the pivot.
+_ABOUT = 0.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
 
@@ -303,7 +306,7 @@ def prepare(
         setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
             return Task(video, _right_first(setup))
-        sample = _sample_of(video, setup, progress)
+        video, sample = _read(video, setup, progress)
         known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
             video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
@@ -345,7 +348,9 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
     video, setup = task.video, task.setup
     with reading(video.path):
-        sample = task.sample or _sample_of(video, setup, progress)
+        if task.sample is None:
+            task.video, task.sample = _read(video, setup, progress)
+        sample = task.sample
         if setup.has_own_pivots:
             table = _apart(task, sample, progress)
         else:
@@ -354,6 +359,12 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
                 table = _table(task, [found])
             else:
                 table = _wandered(task, sample, found)
+    if isinstance(task.video.steadier, Steadier):
+        task.warnings.append(
+            f"the camera moves by up to {task.video.steadier.moved:.1f} pixels: corrected on the "
+            "background"
+        )
+        table.attrs["camera_motion"] = task.video.steadier.moved
     if progress:
         progress(1.0)
     missing = video.expected_count - table.sizes["frame"]
@@ -386,13 +397,15 @@ def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     return replace(video, region=setup.region)
 
 
-def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
-    """Return the first reading of a video that shows a motion."""
+def _read(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video, Sample]:
+    """Return a video as a camera at rest would have taken it, and its first reading."""
     tell = progress and (lambda share: progress(_READ * share))
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
-    return sample
+    pivot = setup.pivot or (0.5 * video.width, 0.0)
+    balls = [(np.array(ball), _ABOUT * math.dist(ball, pivot)) for ball in setup.balls]
+    return steadied(video, sample, balls)
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
@@ -552,6 +565,9 @@ def _believed(
     radius: float | None = None,
 ) -> Positions:
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
+    if isinstance(task.video.steadier, Steadier):
+        unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
+        seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
     share = float(seen.is_measured.mean())
     if share == 0.0:
         raise InputError("the ball was found in no frame", way_out="point at its centre")
@@ -579,6 +595,9 @@ def _calibrated(
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
     measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    if isinstance(video.steadier, Steadier):
+        places = video.steadier.deviations(len(seen.times))
+        measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)
     stiffness = setup.gravity / setup.length if setup.length else None
     task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
     if scene.look.is_spinning:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from heapq import heappop, heappush
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from latolato.experiment.video import Frame, Video
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
 _PAIRS = 24
 _GOLDEN = 0.6180339887498949
+# How many frames that changed most are kept, and how many pixels of frames are compared.
+_CHANGED, _COMPARED = 4, 100_000
 # Pixels of which a median is taken at the same time: those of all frames stay in the cache.
 _PART = 16384
 
@@ -31,11 +34,17 @@ class Sample:
     clicked : list of Frame
         Copies of the frame in which pivot and balls are pointed at and of the next one, which need
         not lie between start and end; empty for the first frame.
+    changes : numpy.ndarray, shape (frame,)
+        Mean difference of each frame from the one before [steps of 255]; none of the first one.
+    changed : list of Frame
+        Copies of the frames that changed most.
     """
 
     times: np.ndarray
     frames: list[Frame]
     clicked: list[Frame] = field(default_factory=list)
+    changes: np.ndarray = field(default_factory=lambda: np.empty(0))
+    changed: list[Frame] = field(default_factory=list)
 
     @property
     def click(self) -> int:
@@ -78,8 +87,20 @@ def read_sample(
     times: list[float] = []
     kept: list[Frame] = []
     clicked: list[Frame] = []
+    changes = [math.nan]
+    changed: list[tuple[float, int, Frame]] = []
+    before = None
     for frame in video.frames():
         times.append(frame.time)
+        thin = max(1, math.isqrt(frame.luma.size // _COMPARED))
+        luma = frame.luma[::thin, ::thin].astype(np.int16)
+        if before is not None:
+            changes.append(float(np.mean(np.abs(luma - before))))
+            if len(changed) < _CHANGED or changes[-1] > changed[0][0]:
+                heappush(changed, (changes[-1], frame.number, _copied(frame)))
+            if len(changed) > _CHANGED:
+                heappop(changed)
+        before = luma
         if 0 < click <= frame.number <= click + 1:
             clicked.append(_copied(frame))
         if _is_wanted(frame.number, step):
@@ -97,7 +118,8 @@ def read_sample(
                 break
     if click != 0 and not clicked:
         raise InputError(f"the video has no frame {click + video.first_frame}")
-    return Sample(np.array(times), kept, clicked)
+    most = [frame for _, _, frame in changed]
+    return Sample(np.array(times), kept, clicked, np.array(changes[: len(times)]), most)
 
 
 def _copied(frame: Frame) -> Frame:
