@@ -431,6 +431,15 @@ def test_files_that_are_kept_are_those_of_the_pages(web):
         assert first < 2_000_000, "the first visit loads all of this"
 
 
+# Without its report a server that begins all the same ends at once.
+@pytest.mark.parametrize("command", ["app --report none", "site out"])
+def test_commands_without_code_for_pages_say_how_to_make_it(command, tmp_path, monkeypatch):
+    monkeypatch.setattr("latolato.app.STATIC", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    answer = CliRunner().invoke(app, command.split())
+    assert "compiled code is missing; in a clone, run: make kernels" in str(answer.exception)
+
+
 def test_what_makes_no_site_is_refused(tmp_path):
     file = tmp_path / "file"
     file.write_text("")

@@ -101,7 +101,9 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     grey = np.full((100, 100), 128, np.uint8)
     colours = Colours(kernels.linear_light("srgb"), kernels.colour_coefficients("bt709", True))
     click, pivot = np.array([101.0, 100.0]), np.array([100.0, -80.0])
-    centre, radius, _ = disc_at(Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False)
+    centre, radius, _ = disc_at(
+        Frame(0, 0.0, luma, grey, grey), colours, click, guess, pivot, False
+    )
     assert np.allclose(centre, [103.0, 98.0], atol=1.5)
     assert radius == pytest.approx(20.0, rel=0.06)
 

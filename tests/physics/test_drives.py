@@ -514,6 +514,10 @@ class TestMeasuredPivot:
         with pytest.raises(ValueError, match="times and pivot_across must be of one length, got"):
             self.sampled_cosine(60.0, pivot_across=np.zeros(300))
 
+    def test_noise_of_horizontal_positions_without_any_is_refused(self):
+        with pytest.raises(ValueError, match="across_sigma is that of horizontal positions, and"):
+            self.sampled_cosine(60.0, across_sigma=1e-3)
+
     @pytest.mark.parametrize("height", [0.0, 0.03])
     def test_the_fastest_frequency_on_an_ellipse_is_that_of_its_cosines(self, height):
         times = np.arange(601) / 120.0

@@ -26,6 +26,16 @@ def scenario(system=PENDULUM, **tables):
     return Scenario.from_dict({"system": system, "run": RUN, **tables})
 
 
+def test_an_axis_takes_the_place_of_a_value_of_the_run():
+    own = scenario(sweep={"axes": {"initial_angle": [0.1, 0.2]}})
+    assert "initial_angle" not in dict(own.plan().start)
+    angles = {"initial_angle": [0.1, 0.2]}
+    ready = scenario(sweep={"axes": {"mass": [1.0]}, "observables": ["crossings"]})
+    assert list(ready.sweep(axes=angles).initial_angle) == [0.1, 0.2]
+    with pytest.raises(InputError, match="initial_angle is given as a value and varied"):
+        ready.sweep(axes=angles, initial_angle=0.3)
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_shipped_scenario_says_what_it_is_and_survives_json(name):
     shipped = load_scenario(name)

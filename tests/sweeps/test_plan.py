@@ -294,6 +294,19 @@ MISTAKES = {
         "initial_distance is for balls on strings: a rod",
     ),
     "a distance of rods": ({"initial_distance": 0.5}, "initial_distance is for balls on strings"),
+    "a distance beside an axis of distances": (
+        {"system": STRINGS, "axes": {"initial_distance": [0.5]}, "initial_distance": 0.4},
+        "initial_distance is given as a value and varied along an axis, got 0.4; drop one",
+    ),
+    "distances beside axes of both": (
+        {
+            "system": dataclasses.replace(PAIR, suspension="string"),
+            "axes": {"initial_distance_right": [0.5], "initial_distance_left": [0.6]},
+            "initial_angle": (0.4, -0.4),
+            "initial_distance": (0.5, 0.6),
+        },
+        "initial_distance is given as a value and varied along an axis",
+    ),
     "no distance": (
         {"system": STRINGS, "initial_distance": 0.0},
         "initial_distance must lie in .0, inf. m, got 0",

@@ -3,3 +3,19 @@
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
+
+
+def kernels_folder() -> Path:
+    """Return the folder of the pages' compiled code.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the code has not been compiled.
+    """
+    folder = STATIC / "kernels"
+    if not (folder / "layout.json").is_file():
+        raise FileNotFoundError(
+            "the pages' compiled code is missing; in a clone, run: make kernels"
+        )
+    return folder

@@ -15,6 +15,7 @@ from urllib.parse import urlencode
 
 import uvicorn
 
+from latolato.app import kernels_folder
 from latolato.app.connections import make_protocol
 from latolato.app.experiment.store import Allowance
 from latolato.app.guard import TOKEN
@@ -68,8 +69,10 @@ def serve(
         If others can reach the server and `allow_others` is false, if a name is none, if `report`
         holds no report, if a stored map is none, or a limit is not positive.
     OSError
-        If the port is taken, or a stored map is not there.
+        If the port is taken, a stored map is not there, or the code for pages has not been
+        compiled.
     """
+    kernels_folder()
     others = not is_own(host) or bool(names)
     if others and not allow_others:
         rule = f"{{parameter}} {host} can be reached from other machines"

@@ -13,7 +13,7 @@ import shutil
 from errno import ENOTDIR
 from pathlib import Path
 
-from latolato.app import STATIC
+from latolato.app import STATIC, kernels_folder
 from latolato.app.forms import registry
 from latolato.app.stories import contents as contents_of_stories
 from latolato.core.errors import InputError
@@ -52,10 +52,7 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
         )
     if docs is not None and not (docs / "index.html").is_file():
         raise InputError(f"'{docs}' holds no documentation", way_out="make it: make docs")
-    if not (STATIC / "kernels" / "layout.json").is_file():
-        raise FileNotFoundError(
-            "the pages' compiled code is missing; in a clone, run: make kernels"
-        )
+    kernels_folder()
     if folder.is_file():
         raise NotADirectoryError(ENOTDIR, "a site needs a folder, and this is a file", str(folder))
     # Types of vendored libraries are for those who check the sources.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app import STATIC
+from latolato.app import STATIC, kernels_folder
 from latolato.app.blocks import pack
 from latolato.app.forms import registry
 from latolato.app.run_request import MOST_SAMPLES
@@ -218,7 +218,7 @@ def _content() -> str:
     everywhere and is as fast for single runs. That for strings and other motions in the plane would
     add 140 kB, so a cell only plays these.
     """
-    kernels = STATIC / "kernels"
+    kernels = kernels_folder()
     files = {f"kernels/{name}.wasm": f"{name}-scalar.wasm" for name in ("one", "two")}
     held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
     held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}

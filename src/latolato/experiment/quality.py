@@ -47,9 +47,10 @@ def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
     if source == "picture":
         return None
     known = "as declared" if source == "declared" else "from the arc"
+    shared = "angles and scale" if attributes.get("scale_source") == "length" else "angles"
     return (
         f"out of the picture at ({attributes['origin_u']:.0f}, {attributes['origin_v']:.0f}) "
-        f"{known}, taken to rest; angles and scale are known to "
+        f"{known}, taken to rest; {shared} are known to "
         f"{100.0 * attributes['angle_scale_sigma']:.2g} %"
     )
 

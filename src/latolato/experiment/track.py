@@ -725,9 +725,10 @@ def _warn_of(task: Task, track: _Track, scale: Scale | None) -> None:
     hinge, look = track.measured.hinge, track.scene.look
     if hinge.source == "arc":
         u, v = track.measured.pivots[0]
+        and_scale = ", and the scale," if scale and scale.source == "length" else ""
         task.warnings.append(
             f"the pivot is not in the picture: it is taken to rest at ({u:.0f}, {v:.0f}), the "
-            "centre of the ball's arc; all angles, and the scale, share an error of "
+            f"centre of the ball's arc; all angles{and_scale} share an error of "
             f"{100.0 * hinge.scale_sigma:.2g} %"
         )
     if scale is None:

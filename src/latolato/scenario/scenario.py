@@ -33,6 +33,7 @@ from latolato.scenario.tables import (
     run_arguments,
     with_sweep,
 )
+from latolato.sweeps.axes import is_replaced, names_in
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -188,6 +189,8 @@ class Scenario:
     def sweep(self, **overrides: Any) -> xr.Dataset:
         """Return the map as a dataset; `overrides` replace arguments of `latolato.sweep`.
 
+        An axis takes the place of the value that ``[run]`` gives.
+
         Examples
         --------
         >>> import latolato as ll
@@ -197,7 +200,7 @@ class Scenario:
         """
         from latolato.sweeps import sweep
 
-        return sweep(**_replaced(self._sweep_arguments(), overrides))
+        return sweep(**self._sweep_arguments(overrides))
 
     def plan(self) -> Plan:
         """Return the plan of the sweep.
@@ -209,10 +212,10 @@ class Scenario:
         """
         from latolato.sweeps.plan import make_plan
 
-        return make_plan(**self._sweep_arguments())
+        return make_plan(**self._sweep_arguments({}))
 
-    def _sweep_arguments(self) -> dict[str, Any]:
-        """Return the arguments of `latolato.sweep`."""
+    def _sweep_arguments(self, overrides: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the arguments of `latolato.sweep`, without values that axes take the place of."""
         if not self.varied.get("axes"):
             name = f"'{self.name}' names" if self.name else "there is"
             raise InputError(
@@ -225,7 +228,11 @@ class Scenario:
                 raise InputError("a sweep needs a duration [s]")
             run["duration"] = self.run["times"][-1]
         drive = self.drive if self.drive.moves else None
-        return {"system": self.system, "drive": drive, **run, **self.varied}
+        arguments = {"system": self.system, "drive": drive, **run, **self.varied}
+        arguments = _replaced(arguments, overrides)
+        varied = names_in(arguments["axes"])
+        replaced = {name for name in run if is_replaced(name, self.system, varied)}
+        return {k: v for k, v in arguments.items() if k in overrides or k not in replaced}
 
 
 def load_scenario(source: str | Path) -> Scenario:

@@ -191,3 +191,18 @@ def _check_conflicts(axes: list[Axis]) -> None:
             )
         if names.count(name) > 1 or name in ("direction", "ball", "sample", "status"):
             raise InputError(f"axis name '{name}' is taken: choose another")
+
+
+def names_in(axes: Any) -> set[str]:
+    """Return the names of the parameters that axes vary, before they are checked."""
+    varied: set[str] = set()
+    if isinstance(axes, Mapping):
+        for name, values in axes.items():
+            varied |= set(values) if isinstance(values, Mapping) else {name}
+    return varied
+
+
+def is_replaced(name: str, system: Any, varied: set[str]) -> bool:
+    """Return whether axes give all numbers of a start that this argument gives."""
+    sides = ("",) if system.angles == 1 else ("_right", "_left")
+    return {name + side for side in sides} <= varied

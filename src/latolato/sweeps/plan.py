@@ -37,7 +37,15 @@ from latolato.simulation.start import (
     checked_offset,
     checked_system,
 )
-from latolato.sweeps.axes import Axis, checked_axes, parameters_of, replaced, unknown_parameter
+from latolato.sweeps.axes import (
+    Axis,
+    checked_axes,
+    is_replaced,
+    names_in,
+    parameters_of,
+    replaced,
+    unknown_parameter,
+)
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
@@ -249,7 +257,7 @@ def make_plan(
     checked_system(system)
     if noise is not None and not isinstance(noise, VelocityKicks):
         raise InputError("must be VelocityKicks or None", parameter="noise", value=noise)
-    varied_names = _names_in(axes)
+    varied_names = names_in(axes)
     noise = _noise_for(noise, varied_names)
     drive = _drive_for(system, drive, varied_names, noise)
     known = parameters_of(system, drive, noise)
@@ -325,15 +333,6 @@ def _usual_chunk_size(plan: Plan) -> int:
         return size
     kicks = max(1.0, plan.duration / plan.noise.spacing(plan.system) * plan.system.angles)
     return int(min(size, max(_KICKS_OF_A_CHUNK / kicks, 1.0)))
-
-
-def _names_in(axes: Any) -> set[str]:
-    """Return the names of the parameters that axes vary, before they are checked."""
-    varied: set[str] = set()
-    if isinstance(axes, Mapping):
-        for name, values in axes.items():
-            varied |= set(values) if isinstance(values, Mapping) else {name}
-    return varied
 
 
 def _noise_for(noise: VelocityKicks | None, varied: set[str]) -> VelocityKicks | None:
@@ -478,6 +477,15 @@ def _start(
             allowed = RUN_PARAMETERS[name].allowed
             numbers = checked_numbers(name, value, system.angles, allowed)
             fixed |= {name + side: number for side, number in zip(sides, numbers, strict=True)}
+    for name, value in {**given, "initial_offset": offset}.items():
+        # Velocities are 0 by default.
+        if is_replaced(name, system, varied) and value is not None and np.any(value):
+            raise InputError(
+                "is given as a value and varied along an axis",
+                parameter=name,
+                value=value,
+                way_out="drop one",
+            )
     starts = ("initial_angle", "initial_offset")
     for name, other in zip(starts, reversed(starts), strict=True):
         if name in varied and other in fixed:

@@ -445,7 +445,10 @@ def _regions(
             along = (u - place[0]) * x + (v - place[1]) * y
             across = np.abs((u - place[0]) * y - (v - place[1]) * x)
             is_clear &= ~((along > 0.0) & (across < 0.35 * radius + 2.0))
-    away, angle = np.stack([u, v], axis=-1) - own, float(track.angles[numbers[k], ball])
+    away, angle = (
+        np.stack(np.broadcast_arrays(u, v), axis=-1) - own,
+        float(track.angles[numbers[k], ball]),
+    )
     under = is_free & track.covers(away, angle, unsure)
     beside = is_free & is_clear & (distance > 1.35 * radius + 2.0) & (distance < 2.2 * radius + 4.0)
     return under, beside

@@ -194,7 +194,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
             inner.append(image[core] - look.paint[q, p])
-    rest = np.concatenate(outer)
+    rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
         return

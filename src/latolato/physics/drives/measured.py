@@ -80,6 +80,13 @@ class MeasuredPivot(Drive):
                     parameter="times",
                 )
             object.__setattr__(self, name, values)
+        if self.pivot_across is None and self.across_sigma > 0.0:
+            raise InputError(
+                "is that of horizontal positions, and there are none",
+                parameter="across_sigma",
+                value=self.across_sigma,
+                way_out="give pivot_across, or leave it out",
+            )
         check_increasing("times", times)
         object.__setattr__(self, "_pieces", self._fit())
 
