@@ -30,7 +30,7 @@ from latolato.experiment.sidecar import (
     with_changes,
     write_sidecar,
 )
-from latolato.experiment.track_table import track_table
+from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.follow import follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
@@ -365,6 +365,24 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             "background"
         )
         table.attrs["camera_motion"] = task.video.steadier.moved
+    flags = [table[f"flag_{ball}"].values for ball in range(1, balls_of(table) + 1)]
+    is_stale = sample.repeats & ~np.isin(flags, MEASURED).all(axis=0)
+    if is_stale.any():
+        task.warnings.append(
+            f"{is_stale.sum()} frames repeat the picture before: what they show is older than "
+            "their time, it is not measured"
+            + (
+                "; they do so regularly, as after a conversion to another frame rate: times are "
+                "taken as even, not as in the file"
+                if sample.is_converted
+                else ""
+            )
+        )
+    if sample.gaps.any():
+        task.warnings.append(
+            f"{sample.gaps.sum()} frames are missing by the time stamps, the longest gap is "
+            f"{np.diff(sample.times).max():.3g} s"
+        )
     if progress:
         progress(1.0)
     missing = video.expected_count - table.sizes["frame"]

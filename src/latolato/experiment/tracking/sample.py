@@ -15,6 +15,13 @@ from latolato.experiment.video import Frame, Video
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
 _PAIRS = 24
 _GOLDEN = 0.6180339887498949
+# A frame repeats the one before if it changes by less than this share of what is usual among the
+# frames about it: how many of them on each side, and the share of them that may repeat as well.
+_SAME, _NEAR, _USUAL = 0.2, 4, 0.75
+# Fewest repeats that make a pattern.
+_FEWEST_REPEATS = 8
+# Time between frames from which one is missing [intervals].
+_APART = 1.75
 # How many frames that changed most are kept, and how many pixels of frames are compared.
 _CHANGED, _COMPARED = 4, 100_000
 # Pixels of which a median is taken at the same time: those of all frames stay in the cache.
@@ -38,13 +45,16 @@ class Sample:
         Mean difference of each frame from the one before [steps of 255]; none of the first one.
     changed : list of Frame
         Copies of the frames that changed most.
+    is_converted : bool
+        Whether pictures are repeated again and again, and the times are therefore even ones.
     """
 
     times: np.ndarray
     frames: list[Frame]
     clicked: list[Frame] = field(default_factory=list)
-    changes: np.ndarray = field(default_factory=lambda: np.empty(0))
+    changes: np.ndarray = field(default_factory=lambda: np.full(1, math.nan))
     changed: list[Frame] = field(default_factory=list)
+    is_converted: bool = False
 
     @property
     def click(self) -> int:
@@ -56,6 +66,25 @@ class Sample:
         """The frames with that one and its successor first."""
         own = {frame.number for frame in self.clicked}
         return [*self.clicked, *(frame for frame in self.frames if frame.number not in own)]
+
+    @property
+    def repeats(self) -> np.ndarray:
+        """Whether a frame shows the picture of the one before, shape (frame,).
+
+        It changes by much less than most frames about it. Where next to nothing moves, as in a
+        drawn pendulum's turning points, a frame may seem to.
+        """
+        about = np.lib.stride_tricks.sliding_window_view(
+            np.pad(self.changes, _NEAR, constant_values=math.nan), 2 * _NEAR + 1
+        )
+        usual = np.nanquantile(about, _USUAL, axis=-1)
+        return np.asarray(self.changes < _SAME * usual)
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """How many frames are missing before each one by the time stamps, shape (frame,)."""
+        apart = np.diff(self.times, prepend=self.times[:1]) / (self.interval or 1.0)
+        return np.where(apart > _APART, np.rint(apart) - 1.0, 0.0).astype(int)
 
     @property
     def interval(self) -> float:
@@ -119,7 +148,38 @@ def read_sample(
     if click != 0 and not clicked:
         raise InputError(f"the video has no frame {click + video.first_frame}")
     most = [frame for _, _, frame in changed]
-    return Sample(np.array(times), kept, clicked, np.array(changes[: len(times)]), most)
+    sample = Sample(np.array(times), kept, clicked, np.array(changes[: len(times)]), most)
+    repeats = sample.repeats
+    even = even_times(sample.times, repeats)
+    # A repeated picture teaches no speed.
+    fresh = [
+        frame._replace(time=float(even[frame.number]))
+        for frame in kept
+        if not repeats[frame.number]
+    ]
+    is_converted = even is not sample.times
+    return replace(sample, times=even, frames=fresh, is_converted=is_converted)
+
+
+def even_times(times: np.ndarray, repeats: np.ndarray) -> np.ndarray:
+    """Return times of frames that are even if pictures are repeated again and again.
+
+    As after a conversion from 24 to 30 frames a second: every fifth picture is a repeat, and the
+    others are shown up to an interval late. Repeats lie evenly between pictures. Times of clips
+    whose repeats are no such pattern, as where a camera was late, are left as they are.
+    """
+    fresh = np.flatnonzero(~repeats)
+    apart = np.diff(np.flatnonzero(repeats))
+    if len(apart) < _FEWEST_REPEATS or np.ptp(apart) > 1 or len(fresh) < 2:
+        return times
+    number = np.arange(len(fresh))
+    line = np.polyfit(number, times[fresh], 1)
+    even = np.polyval(line, number)
+    if np.abs(times[fresh] - even).max() > float(np.median(np.diff(times))):
+        return times
+    late = np.maximum(np.arange(len(times)) - fresh[-1], 0)
+    between = np.interp(np.arange(len(times)), fresh, number) + late / (late.max() + 1.0)
+    return np.asarray(np.polyval(line, between))
 
 
 def _copied(frame: Frame) -> Frame:

@@ -54,9 +54,13 @@ def follow_path(
         if progress and frame.number % 16 == 0:
             progress(frame.number / count)
     click = min(max(sample.click, 0), count)
+    # What a frame shows that repeats the one before is older than the frame.
+    repeats = sample.repeats
     for numbers in (range(click, count), range(click - 1, -1, -1)):
         tracks = [_Track(start) for start in starts]
         for number in numbers:
+            if repeats[number]:
+                continue
             discs = seen[number]
             for b, track in enumerate(tracks):
                 disc = track.next(discs)
