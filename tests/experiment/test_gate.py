@@ -17,7 +17,7 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.steady import camera_motions, distance_of
+from latolato.experiment.tracking.steady import Bar, camera_motions, distance_of
 from latolato.experiment.video import Frame
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
@@ -228,7 +228,9 @@ def test_what_rests_is_refused():
 def test_the_cameras_motion_is_measured(step):
     centres = _swinging(16)
     shifts = [(step * k, step * (k // 2)) for k in range(16)]
-    _, motions, unknown = camera_motions(_drawn(centres, shifts=shifts), [(centres[0], 18.0)])
+    _, motions, unknown = camera_motions(
+        _drawn(centres, shifts=shifts), [Bar(centres[0], centres[0], 18.0)]
+    )
     assert unknown == 0.0
     # The last but one frame has the second largest shift.
     assert distance_of(motions) == pytest.approx(step * np.hypot(14, 7), abs=0.6)
@@ -250,7 +252,9 @@ def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refuse
 
 def test_a_camera_before_a_plain_wall_is_unknown():
     centres = _swinging(16)
-    _, motions, _ = camera_motions(_drawn(centres, texture=0.0), [(centres[0], 18.0)])
+    _, motions, _ = camera_motions(
+        _drawn(centres, texture=0.0), [Bar(centres[0], centres[0], 18.0)]
+    )
     assert np.isnan(distance_of(motions))
 
 

@@ -14,7 +14,11 @@ from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import VIDEO_PARAMETERS
-from latolato.experiment.sidecar import checked_region, checked_stick
+from latolato.experiment.sidecar import (
+    checked_correction,
+    checked_region,
+    checked_stick,
+)
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -51,6 +55,14 @@ def track(
         typer.Option(
             help="Column and row of both ends of a stick of known length beside the swing.",
             metavar="U,V,U,V",
+        ),
+    ] = None,
+    correct: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Place of a ball in a frame, set by hand: frame, ball (1 or 2), column and row. "
+            "May be given several times.",
+            metavar="FRAME:BALL:U,V",
         ),
     ] = None,
     sidecar: Annotated[
@@ -106,7 +118,7 @@ def track(
     common: dict[str, Any] = {
         "pivot": pivots_of(pivot),
         "balls": places or balls,
-        "values": _in_si(values, limit or []) | _places(region, stick),
+        "values": _in_si(values, limit or []) | _places(region, stick, correct or []),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -150,8 +162,8 @@ def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -
         raise InputError("give either --sidecar or places, not both")
 
 
-def _places(region: str | None, stick: str | None) -> dict[str, Any]:
-    """Return the part of the picture in which balls are looked for, and both ends of the stick."""
+def _places(region: str | None, stick: str | None, correct: Sequence[str]) -> dict[str, Any]:
+    """Return the region in which balls are looked for, both ends of the stick, and corrections."""
     places: dict[str, Any] = {}
     if region is not None:
         example = "left, top, right and bottom in pixels such as 100,50,900,700"
@@ -160,7 +172,19 @@ def _places(region: str | None, stick: str | None) -> dict[str, Any]:
         example = "column and row of one end and of the other such as 100,200,400,210"
         one_u, one_v, other_u, other_v = pixels_of("--stick", stick, example)
         places["stick"] = checked_stick([(one_u, one_v), (other_u, other_v)])
+    if correct:
+        places["corrections"] = tuple(_correction(text) for text in correct)
     return places
+
+
+def _correction(text: str) -> tuple[int, int, float, float]:
+    """Return frame, ball and place of a ball that is set by hand."""
+    frame, ball, place = ([*text.split(":"), "", ""])[:3]
+    if not (frame.strip().isdigit() and ball.strip().isdigit()) or text.count(":") != 2:
+        raise InputError(
+            "must be frame, ball and place such as 120:1:640,300", parameter="--correct", value=text
+        )
+    return checked_correction((int(frame), int(ball), *place_of("--correct", place)))
 
 
 def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:

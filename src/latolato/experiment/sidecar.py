@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import ANY
-from latolato.core.registry import checked_number, suggest
+from latolato.core.quantities import ANY, NON_NEGATIVE, Range
+from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.parameters import CLIP, LOOK, SHAPES
@@ -24,6 +24,7 @@ SUFFIX = ".track.toml"
 # Shortest stick whose ends are told apart well enough for a scale [pixels].
 _SHORTEST = 8.0
 Place = tuple[float, float]
+Correction = tuple[int, int, float, float]
 # What is given for a pivot that the picture does not show, and whose place is not known.
 OUTSIDE: Final = "outside"
 Pivot = Place | Literal["outside"]
@@ -68,6 +69,9 @@ class Setup:
         How many times slower than life the video plays.
     limits : Limits
         The largest videos that are read.
+    corrections : tuple of tuple
+        Number in the file of a frame, ball from 1 on, column and row of the ball's centre there
+        [pixels], as set by hand.
     is_proposed : bool
         Whether nobody pointed at pivot or balls: they were found in the video.
     """
@@ -88,6 +92,7 @@ class Setup:
     optics: Optics = field(default_factory=Optics)
     slow_motion: float = 1.0
     limits: Limits = field(default_factory=Limits)
+    corrections: tuple[Correction, ...] = ()
     is_proposed: bool = False
     pivot_2: Place | None = None
     has_own_pivots: bool = False
@@ -134,6 +139,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "pivot_2": setup.pivot_2,
         "own_pivots": setup.has_own_pivots or None,
         "balls": setup.balls,
+        "corrections": setup.corrections or None,
         "length": setup.length,
         "radius": setup.radius,
         "stick": setup.stick,
@@ -226,7 +232,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     look = _table(tables, "look", tuple(one.name for one in LOOK))
     names = ("length", "radius", "stick_length", "gravity")
     geometry = _table(tables, "geometry", (
-        "pivot", "pivot_2", "own_pivots", "balls", "stick", *names, "proposed",
+        "pivot", "pivot_2", "own_pivots", "balls", "corrections", "stick", *names, "proposed",
     ))  # fmt: skip
     camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
     limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
@@ -237,6 +243,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         if name in geometry
     }
     balls, stick = geometry.pop("balls", []), geometry.pop("stick", None)
+    corrections = geometry.pop("corrections", [])
     is_proposed = bool(geometry.pop("proposed", False))
     has_own_pivots = bool(geometry.pop("own_pivots", False))
     numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
@@ -259,6 +266,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         is_proposed=is_proposed,
         region=checked_region(clip["region"]) if "region" in clip else None,
         stick=None if stick is None else checked_stick(stick),
+        corrections=tuple(checked_correction(one) for one in corrections),
         **numbers,
     )
 
@@ -305,6 +313,22 @@ def checked_stick(value: Any) -> tuple[Place, Place]:
             f"must be {_SHORTEST:g} pixels long or more in the picture", parameter="stick"
         )
     return one, other
+
+
+def checked_correction(value: Any) -> Correction:
+    """Return frame, ball, column and row of a place set by hand, or raise if it is none."""
+    try:
+        frame, ball, u, v = value
+    except (TypeError, ValueError):
+        raise InputError(
+            "must be frame, ball, column and row", parameter="corrections", value=value
+        ) from None
+    place = checked_place("corrections", (u, v))
+    return (
+        checked_count("frame of a correction", frame, NON_NEGATIVE),
+        checked_count("ball of a correction", ball, Range(1, 2)),
+        *place,
+    )
 
 
 def checked_region(value: Any) -> tuple[float, float, float, float]:

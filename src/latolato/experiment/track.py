@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings as alarms
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from numbers import Real
 from pathlib import Path
@@ -23,6 +23,7 @@ from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Setup,
+    checked_correction,
     checked_place,
     checked_region,
     checked_stick,
@@ -31,14 +32,14 @@ from latolato.experiment.sidecar import (
     write_sidecar,
 )
 from latolato.experiment.track_table import MEASURED, balls_of, track_table
-from latolato.experiment.tracking.follow import follow
+from latolato.experiment.tracking.follow import Corrections, follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.learn_template import learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
-from latolato.experiment.tracking.steady import Steadier, steadied
+from latolato.experiment.tracking.steady import Bar, Steadier, steadied
 from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
@@ -65,7 +66,7 @@ _PATCH = 1.4
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
-# How far from where it is clicked a ball may reach, as a share of its distance from the pivot.
+# How far from where it is clicked, and from its rod, a ball may reach, as a share of the arm.
 _ABOUT = 0.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
@@ -116,6 +117,7 @@ def track(
     stick_length: float | None = None,
     shape: str | None = None,
     patch: float | None = None,
+    corrections: Mapping[int, Mapping[int, Place]] | None = None,
     gravity: float | None = None,
     optics: Optics | None = None,
     slow_motion: float | None = None,
@@ -163,6 +165,10 @@ def track(
     patch : float, optional
         Side of the square about the click that the template is made of [pixels]. By default 2.8
         radii, where radius and scale are known, else 0.3 of the distance from pivot to click.
+    corrections : mapping, optional
+        Places that are set by hand: ``{frame: {ball: (u, v)}}`` with the number of the frame as in
+        the table, the ball's number, and column and row of its centre [pixels]. Tracking goes on
+        from there. They join those of a sidecar.
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
@@ -186,7 +192,8 @@ def track(
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
-        hidden), predicted (carried on by the equation of motion) and lost. The attribute
+        hidden), manual (set by hand, to 1 pixel), predicted (carried on by the equation of motion)
+        and lost. The attribute
         ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
         the picture and the arc does not show one at rest: angles are then NaN, flags are about the
         ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
@@ -236,6 +243,11 @@ def track(
         "stick_length": stick_length,
         "shape": shape,
         "patch": patch,
+        "corrections": tuple(
+            checked_correction((frame, ball, *place))
+            for frame, places in (corrections or {}).items()
+            for ball, place in places.items()
+        ),
         "gravity": gravity,
         "optics": optics,
         "slow_motion": slow_motion,
@@ -283,6 +295,8 @@ def prepare(
                     way_out="remove the file, or point at pivot and balls",
                 )
             setup = with_changes(stored, settings)
+            both = {one[:2]: one for one in (*stored.corrections, *setup.corrections)}
+            setup = replace(setup, corrections=tuple(sorted(both.values())))
             if count is not None and count != len(setup.balls):
                 raise InputError(
                     f"'{sidecar}' is made for {len(setup.balls)} balls, not {count}",
@@ -421,9 +435,12 @@ def _read(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video,
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
-    pivot = setup.pivot or (0.5 * video.width, 0.0)
-    balls = [(np.array(ball), _ABOUT * math.dist(ball, pivot)) for ball in setup.balls]
-    return steadied(video, sample, balls)
+    hidden = []
+    for k, ball in enumerate(setup.balls):
+        own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot
+        arm = math.dist(ball, own or (0.5 * video.width, 0.0))
+        hidden.append(Bar(np.array(ball), np.array(own or ball), _ABOUT * arm))
+    return steadied(video, sample, hidden)
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
@@ -433,6 +450,8 @@ def _checked(setup: Setup, video: Video) -> Setup:
         raise InputError(f"{missing} is missing: both ends of a stick and its length are needed")
     named = [("ball", place) for place in setup.balls]
     named += [("end of the stick", place) for place in setup.stick or ()]
+    for frame, ball, u, v in setup.corrections:
+        named.append((f"correction of ball {ball} in frame {frame}", (u, v)))
     if setup.region is not None:
         left, top, right, bottom = setup.region
         named += [("corner of the region", corner) for corner in ((left, top), (right, bottom))]
@@ -463,21 +482,47 @@ def _is_inside(place: Place, video: Video) -> bool:
     return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
 
 
+def _corrections(task: Task, sample: Sample) -> Corrections:
+    """Return the places that are set by hand, by frame from the first one used on, and ball.
+
+    Raises
+    ------
+    InputError
+        If no such frame is used, or there is no such ball.
+    """
+    places: dict[int, dict[int, np.ndarray]] = {}
+    first, count = task.video.first_frame, len(task.setup.balls)
+    for number, ball, *place in task.setup.corrections:
+        if not 0 <= number - first < len(sample.times):
+            raise InputError(
+                f"frame {number} is corrected, but only frames {first} to "
+                f"{first + len(sample.times) - 1} are used"
+            )
+        if ball > count:
+            raise InputError(f"ball {ball} is corrected in frame {number}, but there is only one")
+        places.setdefault(number - first, {})[ball - 1] = np.array(place)
+    return places
+
+
 def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
     """Return the table of two balls, each of which was followed about a pivot of its own."""
     tracks: list[_Track] = []
     for b, pivot in enumerate((task.setup.pivot, task.setup.pivot_2)):
+        corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
         alone = replace(
-            task.setup, pivot=pivot, balls=task.setup.balls[b : b + 1], has_own_pivots=False
+            task.setup,
+            pivot=pivot,
+            balls=task.setup.balls[b : b + 1],
+            has_own_pivots=False,
+            corrections=tuple(corrections),
         )
         low = _READ + 0.5 * b * (1.0 - _READ)
         tell = _part(progress, low, low + 0.5 * (1.0 - _READ))
         found = _found(replace(task, setup=alone), sample, tell)
         if isinstance(found, _Path):
             balls = [np.array(ball) for ball in task.setup.balls]
-            return _wandered(
-                task, sample, _Path(follow_path(task.video, sample, balls), found.doubt)
-            )
+            path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
+            return _wandered(task, sample, _Path(path, found.doubt))
         tracks.append(found)
     right, left = (track.seen for track in tracks)
     is_meeting = meetings(right, left)
@@ -497,7 +542,9 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
             "a bob that is no disc can be followed about a pivot in the picture only",
             way_out="point at the pivot, or at a disc on the bob",
         )
-    path = follow_path(task.video, sample, balls, _part(progress, 0.0, _FOLLOWED))
+    corrections = _corrections(task, sample)
+    tell = _part(progress, 0.0, _FOLLOWED)
+    path = follow_path(task.video, sample, balls, tell, corrections)
     circle, doubt = _circle_of(task, path)
     if circle is None or doubt is not None:
         return _Path(path, f"{doubt}")
@@ -537,6 +584,7 @@ def _followed(
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
+    corrections = _corrections(task, sample)
     tell = _part(progress, 0.0, _LEARNED)
 
     def learned(radius: float | None) -> ImageModel:
@@ -551,7 +599,7 @@ def _followed(
         scene = learned(None)
         period, _ = period_of(path.times, path.centres[:, 0])
         stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
-        seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+        seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
         return scene, _believed(task, sample, seen, balls)
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     scale = scale_of(setup, size, (arm, 0.0))
@@ -570,7 +618,7 @@ def _followed(
             scene = free
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
-    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0))
+    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
 

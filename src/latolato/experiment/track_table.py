@@ -20,10 +20,12 @@ from latolato.core.registry import checked_choice, suggest
 if TYPE_CHECKING:
     import xarray as xr
 
-# What a sample can be: seen; balls in contact; hidden; carried on by physics; given up.
-FLAGS = ("ok", "collision", "occluded", "predicted", "lost")
+# What a sample can be: seen; balls in contact; hidden; set by hand; carried on; given up.
+FLAGS = ("ok", "collision", "occluded", "manual", "predicted", "lost")
 # Of these, what the picture shows; the rest is computed by the tracker.
-MEASURED = FLAGS[:3]
+MEASURED = FLAGS[:4]
+# Of these, what is known as well as its standard deviation says.
+CLEAN = ("ok", "manual")
 SUFFIXES = (".csv", ".parquet", ".nc")
 # The columns in their order; those of the second ball come with two balls only.
 COLUMNS = (

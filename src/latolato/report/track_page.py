@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 MARKS = {
     "collision": (GREEN, "^"),
     "occluded": (ORANGE, "s"),
+    "manual": (GREEN, "o"),
     "predicted": (RED, "D"),
     "lost": (INK, "x"),
 }
@@ -46,6 +47,7 @@ MEANINGS = {
     "ok": "measured, apart from the other ball",
     "collision": "measured while the balls touch",
     "occluded": "measured, partly hidden",
+    "manual": "set by hand",
     "predicted": "not seen: carried on by the equation of motion for a moment",
     "lost": "not seen, and no number given",
 }

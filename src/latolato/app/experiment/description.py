@@ -11,7 +11,7 @@ from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.parameters import CAMERA, VIDEO_PARAMETERS
-from latolato.experiment.sidecar import checked_place
+from latolato.experiment.sidecar import OUTSIDE, Pivot, checked_place
 from latolato.scenario.options import law_options
 from latolato.scenario.units import to_si
 
@@ -32,7 +32,7 @@ _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name
 class Description:
     """The description of a video on a page, in SI units and pixels; None is unknown."""
 
-    pivot: tuple[float, float] | None = None
+    pivot: Pivot | None = None
     balls: tuple[tuple[float, float], ...] = ()
     is_proposed: bool = False
     length: float | None = None
@@ -72,7 +72,7 @@ class Description:
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
-            pivot=None if value.get("pivot") is None else checked_place("pivot", value["pivot"]),
+            pivot=_pivot(value.get("pivot")),
             balls=tuple(checked_place("balls", ball) for ball in balls),
             is_proposed=bool(value.get("is_proposed")),
             **numbers,
@@ -84,6 +84,11 @@ class Description:
 
         known = {name: getattr(self, name) for name in SHARED if getattr(self, name) is not None}
         return Apparatus(**{"length": table.attrs.get("length"), **known})
+
+
+def _pivot(value: Any) -> Pivot | None:
+    """Return a pivot's place [pixels], that it is outside of the picture, or None if unknown."""
+    return value if value in (None, OUTSIDE) else checked_place("pivot", value)
 
 
 def number(name: str, value: Any) -> float:

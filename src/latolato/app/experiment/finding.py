@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.experiment.quality import flag_shares
-from latolato.experiment.track_table import balls_of
+from latolato.experiment.track_table import MEASURED, balls_of
 from latolato.experiment.tracking.wander import period_of
 from latolato.figures.analyses.sentences import degrees, percent, plus_minus
 from latolato.physics.pendulum import equivalent_pendulum
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
-_PLAIN = ("ok", "collision", "occluded")
 
 
 def finding_of(
@@ -49,7 +48,7 @@ def finding_of(
         sentences = [_plain(table)]
     if balls_of(table) == 2:
         sentences.append(_collisions(table, restitution))
-    seen = sum(flag_shares(table).get(flag, 0.0) for flag in _PLAIN)
+    seen = sum(flag_shares(table).get(flag, 0.0) for flag in MEASURED)
     if seen < _SEEN:
         sentences.append(
             f"Only {percent(seen)} of the samples were seen: do not trust the numbers, and correct "

@@ -140,18 +140,19 @@ def calibrate(
     if circle is not None:  # they were followed about a place that was known less well
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
-    sigmas = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
     is_broken = np.isin(seen.flags, ("collision", "lost"))
     late = time_scatter(seen.times, angles, is_clean, is_broken, noise / hinge.arm)
     if late > 0.0:
         speeds = np.gradient(angles, seen.times, axis=0)
         # Next to unknown angles, the fastest.
         speeds[np.isnan(speeds)] = np.nanmax(np.abs(speeds))
-        sigmas = np.hypot(sigmas, late * speeds)
+        honest = np.hypot(honest, late * speeds)
         warnings.append(
             f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
             "contain that"
         )
+    sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
         wrong = lens_errors(centres, about, use, raw, size, noise)

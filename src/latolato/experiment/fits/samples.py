@@ -12,7 +12,13 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats
-from latolato.experiment.track_table import balls_of, checked_table, has_own_pivots, table_of_ball
+from latolato.experiment.track_table import (
+    CLEAN,
+    balls_of,
+    checked_table,
+    has_own_pivots,
+    table_of_ball,
+)
 from latolato.physics.pendulum import LatoLato, System
 
 if TYPE_CHECKING:
@@ -25,7 +31,7 @@ _STILL = 0.004
 def samples_of(
     table: xr.Dataset, ball: int, *, start: float | None = None, end: float | None = None
 ) -> Data:
-    """Return the samples of a ball's angle that are flagged ok, between `start` and `end` [s].
+    """Return the samples of a ball's angle flagged ok or manual, between `start` and `end` [s].
 
     Raises
     ------
@@ -37,7 +43,8 @@ def samples_of(
         raise InputError(f"must be {known} in this table", parameter="ball", value=ball)
     checked_table(table, f"angle_{ball}")
     time, angle = table["time"].values, table[f"angle_{ball}"].values
-    good = np.isfinite(angle) & (table[f"flag_{ball}"].values == "ok") & within(time, start, end)
+    is_clean = np.isin(table[f"flag_{ball}"].values.astype(str), CLEAN)
+    good = np.isfinite(angle) & is_clean & within(time, start, end)
     if good.sum() < 8:
         raise InputError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
     sigma = table[f"angle_sigma_{ball}"].values[good]

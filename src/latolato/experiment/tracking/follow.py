@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.experiment.calibration.hinge import CLICK
 from latolato.experiment.tracking.appearance import (
     arc,
     best_angles,
@@ -20,6 +21,8 @@ from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 from latolato.physics.pendulum import restoring_sine
 
+# Places set by hand [pixels], by frame and ball from 0 on.
+Corrections = Mapping[int, Mapping[int, np.ndarray]]
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole; and
 # the share of them that may look more like the wall: a long smear is nearly transparent.
 _MEASURED, _WHOLE, _WALL = 0.4, 0.82, 0.5
@@ -56,6 +59,7 @@ def follow(
     scene: ImageModel,
     stiffness: float,
     progress: Callable[[float], None] | None = None,
+    corrections: Corrections | None = None,
 ) -> Positions:
     """Return where pivot and balls are in every frame.
 
@@ -65,11 +69,16 @@ def follow(
         The clip, its first reading and what was learned of it.
     stiffness : float
         Gravity over length [1/s^2], 0 if unknown: it is then taken from the sample.
+    progress : callable, optional
+        Called with the fraction done.
+    corrections : mapping, optional
+        Places of balls that are set by hand, by frame and ball from 0 on.
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
     out.body = scene.look.body
     follower = _Follower(scene, sample.interval, stiffness, sample.click)
+    follower.corrections = corrections or {}
     repeats = sample.repeats
     for frame in video.frames():
         n = frame.number
@@ -113,6 +122,9 @@ class _Follower:
         # The pivot's acceleration over the arm [1/s^2].
         self.lift = 0.0
         self.is_begun = False
+        # Places set by hand, and those of the frame at work.
+        self.corrections: Corrections = {}
+        self.fixed: Mapping[int, np.ndarray] = {}
         # Balls that were found in the last frame, with a velocity that is not known.
         self.is_found = np.zeros(scene.balls, bool)
         self.pivot_cost = 0.0
@@ -202,7 +214,9 @@ class _Follower:
             self._retry(frame, pivot, expected, self.is_found)
             self.is_found[:] = False
         if frame.number == self.click:
-            self._return_to(scene.starts, expected)
+            self._return_to(dict(enumerate(scene.starts)), expected)
+        self.fixed = self.corrections.get(frame.number, {})
+        self._return_to({b: math.atan2(*(at - pivot)) for b, at in self.fixed.items()}, expected)
         if np.any(self.unseen > _PATIENCE):
             search = self._search if scene.balls == 1 else self._search_both
             search(frame, pivot, expected)
@@ -233,13 +247,14 @@ class _Follower:
         self.unseen[:] = 0.0 if frame.number == self.click else math.inf
         self.is_begun = True
 
-    def _return_to(self, angles: np.ndarray, expected: Prediction) -> None:
+    def _return_to(self, angles: Mapping[int, float], expected: Prediction) -> None:
         """Expect balls at known angles, with unknown velocity if they were not expected there."""
-        away = angles - expected.angles
-        away = np.mod(away + math.pi, 2.0 * math.pi) - math.pi
-        for b in np.flatnonzero(np.abs(away) > self.scene.look.radius / self.scene.arm):
-            self._restart(expected, int(b), float(expected.angles[b] + away[b]))
-            self.unseen[b] = 0.0
+        for b, angle in angles.items():
+            away = math.remainder(angle - expected.angles[b], 2.0 * math.pi)
+            spread = 3.0 * math.sqrt(expected.covariance[b, 0, 0])
+            if abs(away) > max(spread, self.scene.look.radius / self.scene.arm):
+                self._restart(expected, b, float(expected.angles[b] + away))
+                self.unseen[b] = 0.0
 
     def _measure(
         self,
@@ -278,6 +293,12 @@ class _Follower:
                 self.spreads[b] = math.sqrt(outwards @ own @ outwards + _FLOOR**2)
                 out.centres[b] = centre
                 out.explained[b], out.hidden[b] = fit.explained[k], fit.hidden[k]
+        for b, place in self.fixed.items():
+            angle = math.atan2(*(place - pivot))
+            turn = math.remainder(angle - expected.guess[b], 2.0 * math.pi)
+            out.angles[b], out.centres[b] = expected.guess[b] + turn, place
+            out.sigmas[b], self.spreads[b] = CLICK / scene.arm, CLICK
+            out.explained[b], out.hidden[b] = scene.explained, 0.0
         return out
 
     def _is_bad(self, pivot: np.ndarray, seen: _Measured, expected: Prediction) -> np.ndarray:
@@ -297,6 +318,7 @@ class _Follower:
             slack = 0.3 * self.predictor.gap
             if not self.predictor.gap - slack < between < 2 * math.pi - self.predictor.gap + slack:
                 bad[:] = True
+        bad[list(self.fixed)] = False
         return bad
 
     def _retry(
@@ -438,7 +460,9 @@ class _Follower:
                 unsure = math.sqrt(predictor.covariance[b, 1, 1]) * scene.look.exposure
                 sigmas[b] = math.hypot(sigmas[b], _IN_SMEAR * unsure * self.interval)
                 whole = _WHOLE_TURNING if is_varied else _WHOLE
-                if is_drawn or explained < whole * scene.explained:
+                if b in self.fixed:
+                    flags[b] = "manual"
+                elif is_drawn or explained < whole * scene.explained:
                     flags[b] = "occluded"
                 else:
                     flags[b] = "collision" if is_contact else "ok"

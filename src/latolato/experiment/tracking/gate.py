@@ -13,7 +13,7 @@ import numpy as np
 from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.steady import TOO_FAR, camera_motions, distance_of, reduced
+from latolato.experiment.tracking.steady import TOO_FAR, Bar, camera_motions, distance_of, reduced
 from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
@@ -24,6 +24,8 @@ _BESIDE, _SOON = 3.0, 3
 _RESTING = 2.0
 # Motion of the camera that is reported [pixels], and the share of it by which a ball must move.
 _MENTIONED, _CARRIED = 1.0, 0.3
+# Share of frames that need not show a small motion of the camera for it to be believed.
+_UNSHOWN = 0.5
 # Width to which pictures are reduced to see what changes far from the ball [pixels].
 _COARSE = 160
 # A pixel has changed if it differs by this many times the typical difference, and by this many
@@ -184,16 +186,20 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
     them. It can miss what `latolato.experiment.tracking.steady.camera_motions` can miss.
     """
     number = sample.click if sample.click < len(track.times) else 0
-    hidden = [
-        (place, 1.5 * track.reach) for place in track.centres[number] if np.isfinite(place).all()
-    ]
-    _, motions, _ = camera_motions(sample, hidden)
+    hidden = []
+    for place in track.centres[number][np.isfinite(track.centres[number]).all(axis=-1)]:
+        pivot = track.pivots[number]
+        end = pivot if np.isfinite(pivot).all() else place
+        hidden.append(Bar(place, end, 1.5 * track.reach))
+    _, motions, unknown = camera_motions(sample, hidden)
     moved = distance_of(motions)
     if math.isnan(moved) or moved < _MENTIONED:
         return None
     reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
     if moved > TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
         return Finding(reason, "film with the camera at rest, on a tripod")
+    if unknown > _UNSHOWN:  # a small motion would be seen in the other frames, too
+        return None
     for ball in range(track.centres.shape[1]):
         own = np.array(
             [

@@ -33,7 +33,7 @@ class Positions:
     spreads : numpy.ndarray, shape (frame, ball)
         Standard deviations of the distances from the pivot [pixels].
     flags : numpy.ndarray of str, shape (frame, ball)
-        ok, collision, occluded, predicted or lost.
+        ok, collision, occluded, manual, predicted or lost.
     radius : float
         Radius of a ball [pixels].
     body : numpy.ndarray of bool, shape (row, column), or None
@@ -97,7 +97,8 @@ class Positions:
         return np.asarray(inner[row.T, column.T])
 
     def give_up(self, doubtful: np.ndarray) -> None:
-        """Mark samples, shape (frame, ball), as lost."""
+        """Mark samples, shape (frame, ball), as lost, but for those that were set by hand."""
+        doubtful = doubtful & (self.flags != "manual")
         self.flags[doubtful] = "lost"
         for numbers in (self.centres, self.angles, self.sigmas, self.spreads):
             numbers[doubtful] = np.nan

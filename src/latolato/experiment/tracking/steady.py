@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,9 +20,9 @@ _WIDTH = 480
 _TILES, _HALF = (8, 12), 10
 # How many times stronger than the typical place a feature must be, and how strong at least.
 _STRONG, _WEAKEST = 3.0, 1e-5
-# Fewest features that show a motion of the camera, the rows and columns of tiles over which they
-# must spread, and the share of all that must agree.
-_FEATURES, _SPREAD, _AGREEING = 8, 3, 0.5
+# Fewest features that show a motion of the camera, the share of the picture that they must enclose,
+# which no ball and no pair of rods does, and the share of all that must agree.
+_FEATURES, _ENCLOSED, _AGREEING = 8, 0.15, 0.5
 # How far features that agree may be apart in the reduced picture [pixels]; how far in the picture
 # those that are kept may be, as a multiple of the typical one, and how far in any case [pixels].
 _AGREE, _OUTLYING, _FINE = 1.0, 3.0, 0.1
@@ -34,6 +34,14 @@ _COMPARED = 24
 # Features near each other err alike: how much larger the error of places is, and what it is at
 # least [pixels].
 _ROUGH, _FLOOR = 2.0, 0.01
+
+
+class Bar(NamedTuple):
+    """What lies no farther from a straight line than a reach [pixels], in one frame."""
+
+    start: np.ndarray
+    end: np.ndarray
+    reach: float
 
 
 @dataclass(frozen=True)
@@ -60,22 +68,25 @@ class Surroundings:
 
     Shi and Tomasi, CVPR (1994) 593, for features; Lucas and Kanade's flow takes them to other
     frames, where most of them must agree on a shift, a turn and a zoom. Things that move are
-    outvoted. They must spread over the picture: a pendulum before a plain wall is none.
+    outvoted. They must enclose a part of the picture: a pendulum before a plain wall is none.
 
     Parameters
     ----------
     frame : Frame
         The frame.
-    hidden : sequence of tuple
-        Places that are not the background, each with how far it reaches about them [pixels].
+    hidden : sequence of Bar
+        Balls and rods, which are not the background.
     """
 
-    def __init__(self, frame: Frame, hidden: Sequence[tuple[np.ndarray, float]] = ()) -> None:
+    def __init__(self, frame: Frame, hidden: Sequence[Bar] = ()) -> None:
         cv2 = import_cv2()
         self.frame, self.small = frame, reduced(frame, _WIDTH)
         self.scale = frame.luma.shape[1] / self.small.shape[1]
-        discs = [(place / self.scale, reach / self.scale + 3.0) for place, reach in hidden]
-        self.points = _features(cv2, self.small, discs)
+        bars = [
+            Bar(bar.start / self.scale, bar.end / self.scale, bar.reach / self.scale + 3.0)
+            for bar in hidden
+        ]
+        self.points = _features(cv2, self.small, bars)
 
     def motion(self, frame: Frame) -> CameraMotion | None:
         """Return how the camera moved up to a frame; None if the features do not agree."""
@@ -115,12 +126,13 @@ class Surroundings:
         if matrix is None:
             return None
         agrees = agreeing[:, 0] > 0
-        size = np.array(self.frame.luma.shape)
-        tiles = (before[agrees, ::-1] * _TILES // size).astype(int)
-        rows, columns = (len(set(tiles[:, axis].tolist())) for axis in (0, 1))
-        if agrees.sum() < max(_FEATURES, _AGREEING * len(before)) or min(rows, columns) < _SPREAD:
+        if agrees.sum() < max(_FEATURES, _AGREEING * len(before)):
             return None
         before, after = before[agrees], after[agrees]
+        size = np.array(self.frame.luma.shape)
+        hull = cv2.convexHull(before.astype(np.float32))
+        if cv2.contourArea(hull) < _ENCLOSED * size.prod():
+            return None
         for _ in range(2):
             left = after @ matrix[:, :2].T + matrix[:, 2] - before
             apart = np.hypot(*left.T)
@@ -156,14 +168,13 @@ def reduced(frame: Frame, widest: int) -> np.ndarray:
     return small
 
 
-def _features(
-    cv2: Any, picture: np.ndarray, hidden: Sequence[tuple[np.ndarray, float]]
-) -> np.ndarray:
+def _features(cv2: Any, picture: np.ndarray, hidden: Sequence[Bar]) -> np.ndarray:
     """Return the best feature of each tile that has a clear one, shape (feature, 2)."""
     strength = cv2.cornerMinEigenVal(cv2.GaussianBlur(picture, (0, 0), 1.0), 7)
     floor = max(_STRONG * float(np.median(strength)), _WEAKEST)
-    for (u, v), reach in hidden:
-        cv2.circle(strength, (round(float(u)), round(float(v))), math.ceil(reach), 0.0, -1)
+    for bar in hidden:
+        start, end = (tuple(np.rint(place).astype(int).tolist()) for place in bar[:2])
+        cv2.line(strength, start, end, 0.0, 2 * math.ceil(bar.reach))
     rows, columns = picture.shape
     inner = np.zeros_like(strength)
     inner[_HALF:-_HALF, _HALF:-_HALF] = strength[_HALF:-_HALF, _HALF:-_HALF]
@@ -225,7 +236,7 @@ def _moved(plane: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def camera_motions(
-    sample: Sample, hidden: Sequence[tuple[np.ndarray, float]] = ()
+    sample: Sample, hidden: Sequence[Bar] = ()
 ) -> tuple[Surroundings, dict[int, CameraMotion], float]:
     """Return the background of the clicked frame, and how the camera moved up to some others.
 
@@ -247,9 +258,7 @@ def distance_of(motions: dict[int, CameraMotion]) -> float:
     return moves[-2] if len(moves) > 1 else math.nan
 
 
-def steadied(
-    video: Video, sample: Sample, hidden: Sequence[tuple[np.ndarray, float]] = ()
-) -> tuple[Video, Sample]:
+def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[Video, Sample]:
     """Return a video and its sample as a camera at rest would have taken them.
 
     They are the same if the camera rests, moves too far or is not shown to move.
@@ -258,8 +267,8 @@ def steadied(
     ----------
     video, sample : Video, Sample
         The clip and its first reading.
-    hidden : sequence of tuple
-        Places that are not the background, each with how far it reaches about them [pixels].
+    hidden : sequence of Bar
+        Balls and rods, which are not the background.
     """
     surroundings, motions, unknown = camera_motions(sample, hidden)
     moved = distance_of(motions)

@@ -23,6 +23,8 @@ _TOLERANT = 4.0
 _DIMMEST, _BRIGHTEST = 0.6, 1.6
 # Least share of the weight that must lie inside the picture.
 _INSIDE = 0.5
+# Share of the body that is explained where nothing hides it.
+_WHOLE = 0.85
 # Pixels across which a template is compared in a search.
 _COARSE = 12
 # Standard deviation of a coded value that is not below rounding, as a share of white.
@@ -192,7 +194,10 @@ class Template:
         body = self.body[used] & is_inside
         explained = float(np.mean(square[body] < self.limit**2)) if body.any() else 0.0
         cost = float(np.mean(square * weight * robust))
-        return centre - start, noise * turn @ own @ turn.T, explained, cost
+        # What hides a part of it draws it aside by as large a part of its width.
+        drawn = self.radius * max(0.0, 1.0 - explained / _WHOLE)
+        covariance = noise * turn @ own @ turn.T + np.eye(2) * drawn**2
+        return centre - start, covariance, explained, cost
 
 
 class _Window:

@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.tracking.blobs import Backdrop, Disc
+from latolato.experiment.tracking.follow import Corrections
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Video
@@ -25,6 +26,7 @@ def follow_path(
     sample: Sample,
     starts: list[np.ndarray],
     progress: Callable[[float], None] | None = None,
+    corrections: Corrections | None = None,
 ) -> Positions:
     """Return where balls are in every frame, from their places in one of them, without angles.
 
@@ -34,6 +36,10 @@ def follow_path(
         The clip and its first reading.
     starts : list of numpy.ndarray, shape (2,)
         Centres in the clicked frame, the right-hand ball first [pixels].
+    progress : callable, optional
+        Called with the fraction done.
+    corrections : mapping, optional
+        Places of balls that are set by hand, by frame and ball from 0 on.
 
     Raises
     ------
@@ -59,10 +65,14 @@ def follow_path(
     for numbers in (range(click, count), range(click - 1, -1, -1)):
         tracks = [_Track(start) for start in starts]
         for number in numbers:
-            if repeats[number]:
-                continue
-            discs = seen[number]
+            discs, fixed = seen[number], (corrections or {}).get(number, {})
             for b, track in enumerate(tracks):
+                if b in fixed:
+                    track.places, track.missed = [fixed[b]], 0
+                    out.centres[number, b], out.flags[number, b] = fixed[b], "manual"
+                    continue
+                if repeats[number]:
+                    continue
                 disc = track.next(discs)
                 if disc is not None:
                     out.centres[number, b] = disc.centre

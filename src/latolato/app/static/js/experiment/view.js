@@ -226,7 +226,7 @@ export class ExperimentView {
     const { pivot, ball_1, ball_2 } = clip.places;
     const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
     return { ...this.setup?.values, is_proposed: clip.isProposed,
-      pivot: clip.isPivotOutside ? null : pair(pivot),
+      pivot: clip.isPivotOutside ? "outside" : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };
   }
 
