@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import av
 import numpy as np
 import pytest
 
@@ -10,7 +9,6 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment import track
-from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -19,6 +17,7 @@ from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import Bar, camera_motions, distance_of
 from latolato.experiment.video import Frame
+from videos import rewritten
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
 TOY = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
@@ -48,25 +47,6 @@ def film(tmp_path_factory):
     return get
 
 
-def _changed(path, output, change):
-    """Write a video whose pictures are changed by a function of their number."""
-    with av.open(str(path)) as file:
-        frames = [
-            (round(f.time * TICKS), f.to_ndarray(format="rgb24")) for f in file.decode(video=0)
-        ]
-    planes = (
-        (
-            stamp,
-            av.VideoFrame.from_ndarray(
-                np.ascontiguousarray(change(frames, k)), format="rgb24"
-            ).to_ndarray(format="yuv420p"),
-        )
-        for k, (stamp, _) in enumerate(frames)
-    )
-    write_video(output, planes, fps=60.0, crf=20, rotation=0)
-    return output
-
-
 def _ok_share(path, pivot, ball, **arguments):
     """Return the share of samples that are ok; none are if the track is refused."""
     try:
@@ -93,7 +73,7 @@ def test_a_panning_camera_is_refused(film, tmp_path):
         left = k
         return frames[k][1][40:280, left : left + 320]
 
-    pan = _changed(path, tmp_path / "pan.mp4", panned)
+    pan = rewritten(path, tmp_path / "pan.mp4", panned)
     (u, v), (x, y) = _place(attrs, "pivot"), _place(attrs, "ball_1")
     assert _ok_share(pan, (u, v - 40), (x, y - 40), length=SWING.length) < 0.05
 
@@ -136,7 +116,7 @@ def test_a_ball_of_the_walls_colour_is_not_followed(film):
 @quiet
 def test_a_still_video_is_not_followed(film, tmp_path):
     path, attrs = film("plain")
-    still = _changed(path, tmp_path / "still.mp4", lambda frames, k: frames[0][1])
+    still = rewritten(path, tmp_path / "still.mp4", lambda frames, k: frames[0][1])
     assert _ok_share(still, _place(attrs, "pivot"), _place(attrs, "ball_1")) < 0.05
 
 

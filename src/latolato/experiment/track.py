@@ -379,12 +379,11 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             "background"
         )
         table.attrs["camera_motion"] = task.video.steadier.moved
-    flags = [table[f"flag_{ball}"].values for ball in range(1, balls_of(table) + 1)]
-    is_stale = sample.repeats & ~np.isin(flags, MEASURED).all(axis=0)
-    if is_stale.any():
+    repeats = _telling_repeats(table, sample.repeats)
+    if repeats:
         task.warnings.append(
-            f"{is_stale.sum()} frames repeat the picture before: what they show is older than "
-            "their time, it is not measured"
+            f"{repeats} frames repeat the picture before: what they show is older than their time, "
+            "it is not measured"
             + (
                 "; they do so regularly, as after a conversion to another frame rate: times are "
                 "taken as even, not as in the file"
@@ -417,6 +416,17 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
+
+
+def _telling_repeats(table: xr.Dataset, repeats: np.ndarray) -> int:
+    """Return how many repeated pictures are not measured although those around them are."""
+    flags = [table[f"flag_{ball}"].values for ball in range(1, balls_of(table) + 1)]
+    is_measured = np.all(np.isin(flags, MEASURED), axis=0)
+    fresh = np.flatnonzero(~repeats)
+    numbers = np.flatnonzero(repeats & ~is_measured)
+    later = np.searchsorted(fresh, numbers)
+    around = (fresh[np.clip(k, 0, len(fresh) - 1)] for k in (later - 1, later))
+    return int(np.all([is_measured[k] for k in around], axis=0).sum())
 
 
 def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:

@@ -44,7 +44,7 @@ _UNSURE_EXPOSURE = 0.04
 # Contacts this much before the middle of an exposure count as its own: a share of the interval.
 _BEFORE = 0.25
 # How far a ball may have moved since the picture that a frame repeats [pixels].
-_STALE = 0.1
+_STALE = 0.5
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # Error of a place within a smear, as a share of the error of the smear's length.
@@ -196,7 +196,7 @@ class _Follower:
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return centres, angles, sigmas and flags of the balls in a frame.
 
-        One that shows an older picture tells nothing of balls that have moved since.
+        One that shows an older picture tells nothing of balls that should have moved since.
         """
         scene, predictor = self.scene, self.predictor
         pivot = scene.pivot.place(self.pivots[-1][1])
@@ -223,8 +223,10 @@ class _Follower:
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
         if is_stale:
-            passed = frame.time - predictor.time
-            bad |= np.abs(predictor.velocities) * passed * scene.arm > _STALE
+            turned = np.abs(expected.angles - predictor.angles)
+            is_old = np.abs(seen.angles - expected.angles) > 0.5 * turned
+            is_old |= seen.explained < _WHOLE * scene.explained
+            bad |= is_old & (turned * scene.arm > _STALE)
             predictor.accept(frame.time, expected)
             return self._verdict(frame, pivot, seen, bad, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):

@@ -17,13 +17,15 @@ _PAIRS = 24
 _GOLDEN = 0.6180339887498949
 # A frame repeats the one before if it changes by less than this share of what is usual among the
 # frames about it: how many of them on each side, and the share of them that may repeat as well.
-_SAME, _NEAR, _USUAL = 0.2, 4, 0.75
-# Fewest repeats that make a pattern.
-_FEWEST_REPEATS = 8
+_SAME, _NEAR, _USUAL = 0.1, 4, 0.75
+# Fewest repeats that make a pattern, and the least change beside them, as a share of the usual one:
+# at turning points it is less.
+_FEWEST_REPEATS, _SUDDEN = 8, 0.7
 # Time between frames from which one is missing [intervals].
 _APART = 1.75
-# How many frames that changed most are kept, and how many pixels of frames are compared.
-_CHANGED, _COMPARED = 4, 100_000
+# How many frames that changed most are kept, how many pixels are compared, and the side of squares
+# of these over which a change is averaged.
+_CHANGED, _COMPARED, _SQUARE = 4, 100_000, 8
 # Pixels of which a median is taken at the same time: those of all frames stay in the cache.
 _PART = 16384
 
@@ -42,7 +44,8 @@ class Sample:
         Copies of the frame in which pivot and balls are pointed at and of the next one, which need
         not lie between start and end; empty for the first frame.
     changes : numpy.ndarray, shape (frame,)
-        Mean difference of each frame from the one before [steps of 255]; none of the first one.
+        Difference of each frame from the one before where that is largest [steps of 255]; none of
+        the first one.
     changed : list of Frame
         Copies of the frames that changed most.
     is_converted : bool
@@ -72,7 +75,8 @@ class Sample:
         """Whether a frame shows the picture of the one before, shape (frame,).
 
         It changes by much less than most frames about it. Where next to nothing moves, as in a
-        drawn pendulum's turning points, a frame may seem to.
+        drawn pendulum's turning points, a frame may seem to. Of a picture that stays for more than
+        half a dozen frames, only the first and last ones are found.
         """
         about = np.lib.stride_tricks.sliding_window_view(
             np.pad(self.changes, _NEAR, constant_values=math.nan), 2 * _NEAR + 1
@@ -124,9 +128,11 @@ def read_sample(
         thin = max(1, math.isqrt(frame.luma.size // _COMPARED))
         luma = frame.luma[::thin, ::thin].astype(np.int16)
         if before is not None:
-            changes.append(float(np.mean(np.abs(luma - before))))
-            if len(changed) < _CHANGED or changes[-1] > changed[0][0]:
-                heappush(changed, (changes[-1], frame.number, _copied(frame)))
+            change = np.abs(luma - before)
+            changes.append(_largest(change))
+            mean = float(np.mean(change))
+            if len(changed) < _CHANGED or mean > changed[0][0]:
+                heappush(changed, (mean, frame.number, _copied(frame)))
             if len(changed) > _CHANGED:
                 heappop(changed)
         before = luma
@@ -150,7 +156,7 @@ def read_sample(
     most = [frame for _, _, frame in changed]
     sample = Sample(np.array(times), kept, clicked, np.array(changes[: len(times)]), most)
     repeats = sample.repeats
-    even = even_times(sample.times, repeats)
+    even = even_times(sample.times, repeats, sample.changes)
     # A repeated picture teaches no speed.
     fresh = [
         frame._replace(time=float(even[frame.number]))
@@ -161,7 +167,14 @@ def read_sample(
     return replace(sample, times=even, frames=fresh, is_converted=is_converted)
 
 
-def even_times(times: np.ndarray, repeats: np.ndarray) -> np.ndarray:
+def _largest(change: np.ndarray) -> float:
+    """Return the largest mean of a change over a small square."""
+    rows, columns = (size // _SQUARE for size in change.shape)
+    squares = change[: rows * _SQUARE, : columns * _SQUARE].reshape(rows, _SQUARE, columns, _SQUARE)
+    return float(squares.sum(axis=(1, 3)).max()) / _SQUARE**2
+
+
+def even_times(times: np.ndarray, repeats: np.ndarray, changes: np.ndarray) -> np.ndarray:
     """Return times of frames that are even if pictures are repeated again and again.
 
     As after a conversion from 24 to 30 frames a second: every fifth picture is a repeat, and the
@@ -172,8 +185,13 @@ def even_times(times: np.ndarray, repeats: np.ndarray) -> np.ndarray:
     apart = np.diff(np.flatnonzero(repeats))
     if len(apart) < _FEWEST_REPEATS or np.ptp(apart) > 1 or len(fresh) < 2:
         return times
+    beside = np.append(changes[1:], math.nan)[repeats]
+    if np.nanmedian(beside) < _SUDDEN * np.nanmedian(changes[fresh]):
+        return times
     number = np.arange(len(fresh))
-    line = np.polyfit(number, times[fresh], 1)
+    after = np.append(False, repeats[:-1])[fresh]  # all of these are as late
+    rate, _ = np.polyfit(number[after], times[fresh[after]], 1)
+    line = rate, float(np.mean(times[fresh] - rate * number))
     even = np.polyval(line, number)
     if np.abs(times[fresh] - even).max() > float(np.median(np.diff(times))):
         return times

@@ -31,9 +31,8 @@ _AGREE, _OUTLYING, _FINE = 1.0, 3.0, 0.1
 _MOVES, TOO_FAR, _UNKNOWN = 0.3, 0.02, 0.1
 # How many frames are compared with the first one.
 _COMPARED = 24
-# Features near each other err alike: how much larger the error of places is, and what it is at
-# least [pixels].
-_ROUGH, _FLOOR = 2.0, 0.01
+# Error of places that features do not show [pixels].
+_FLOOR = 0.01
 
 
 class Bar(NamedTuple):
@@ -141,11 +140,9 @@ class Surroundings:
         left = left[near]
         quarters = np.array([[x, y] for x in (0.25, 0.75) for y in (0.25, 0.75)]) * size[::-1]
         moves = quarters @ matrix[:, :2].T + matrix[:, 2] - quarters
-        return CameraMotion(
-            matrix,
-            float(np.hypot(*moves.T).max()),
-            _ROUGH * math.sqrt(float(np.mean(left**2)) / len(left)) + _FLOOR,
-        )
+        # Compression lets parts of the picture lag, which features share: no mean over them helps.
+        sigma = math.hypot(math.sqrt(float(np.mean(left**2))), _FLOOR)
+        return CameraMotion(matrix, float(np.hypot(*moves.T).max()), sigma)
 
 
 def _similarity(places: np.ndarray, others: np.ndarray) -> np.ndarray:
