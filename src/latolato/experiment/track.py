@@ -31,7 +31,7 @@ from latolato.experiment.sidecar import (
     with_changes,
     write_sidecar,
 )
-from latolato.experiment.track_table import track_table
+from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.follow import Corrections, follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
@@ -39,6 +39,7 @@ from latolato.experiment.tracking.learn_template import ROUND, learn_template_mo
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
+from latolato.experiment.tracking.steady import Bar, Steadier, steadied
 from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
@@ -63,6 +64,8 @@ _PATTERN, _UNEXPLAINED = 0.05, 0.1
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# How far from where it is clicked, and from its rod, a ball may reach, as a share of the arm.
+_ABOUT = 0.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
 
@@ -315,7 +318,7 @@ def prepare(
         setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
             return Task(video, _right_first(setup))
-        sample = _sample_of(video, setup, progress)
+        video, sample = _read(video, setup, progress)
         known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
             video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
@@ -357,7 +360,9 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
     video, setup = task.video, task.setup
     with reading(video.path):
-        sample = task.sample or _sample_of(video, setup, progress)
+        if task.sample is None:
+            task.video, task.sample = _read(video, setup, progress)
+        sample = task.sample
         if setup.has_own_pivots:
             table = _apart(task, sample, progress)
         else:
@@ -366,6 +371,29 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
                 table = _table(task, [found])
             else:
                 table = _wandered(task, sample, found)
+    if isinstance(task.video.steadier, Steadier):
+        task.warnings.append(
+            f"the camera moves by up to {task.video.steadier.moved:.1f} pixels: corrected on the "
+            "background"
+        )
+        table.attrs["camera_motion"] = task.video.steadier.moved
+    repeats = _telling_repeats(table, sample.repeats)
+    if repeats:
+        task.warnings.append(
+            f"{repeats} frames repeat the picture before: what they show is older than their time, "
+            "it is not measured"
+            + (
+                "; they do so regularly, as after a conversion to another frame rate: times are "
+                "taken as even, not as in the file"
+                if sample.is_converted
+                else ""
+            )
+        )
+    if sample.gaps.any():
+        task.warnings.append(
+            f"{sample.gaps.sum()} frames are missing by the time stamps, the longest gap is "
+            f"{np.diff(sample.times).max():.3g} s"
+        )
     if progress:
         progress(1.0)
     missing = video.expected_count - table.sizes["frame"]
@@ -388,6 +416,17 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     return table
 
 
+def _telling_repeats(table: xr.Dataset, repeats: np.ndarray) -> int:
+    """Return how many repeated pictures are not measured although those around them are."""
+    flags = [table[f"flag_{ball}"].values for ball in range(1, balls_of(table) + 1)]
+    is_measured = np.all(np.isin(flags, MEASURED), axis=0)
+    fresh = np.flatnonzero(~repeats)
+    numbers = np.flatnonzero(repeats & ~is_measured)
+    later = np.searchsorted(fresh, numbers)
+    around = (fresh[np.clip(k, 0, len(fresh) - 1)] for k in (later - 1, later))
+    return int(np.all([is_measured[k] for k in around], axis=0).sum())
+
+
 def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     """Return the part of a video that a set-up names, at the file's own pace if none is known."""
     start = -math.inf if setup.start is None else setup.start
@@ -398,13 +437,18 @@ def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     return replace(video, region=setup.region)
 
 
-def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
-    """Return the first reading of a video that shows a motion."""
+def _read(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video, Sample]:
+    """Return a video as a camera at rest would have taken it, and its first reading."""
     tell = progress and (lambda share: progress(_READ * share))
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
         raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
-    return sample
+    hidden = []
+    for k, ball in enumerate(setup.balls):
+        own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot
+        arm = math.dist(ball, own or (0.5 * video.width, 0.0))
+        hidden.append(Bar(np.array(ball), np.array(own or ball), _ABOUT * arm))
+    return steadied(video, sample, hidden)
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
@@ -597,6 +641,9 @@ def _believed(
     radius: float | None = None,
 ) -> Positions:
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
+    if isinstance(task.video.steadier, Steadier):
+        unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
+        seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
     share = float(seen.is_measured.mean())
     places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
     factor = task.setup.slow_motion
@@ -626,6 +673,9 @@ def _calibrated(
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
     measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    if isinstance(video.steadier, Steadier):
+        places = video.steadier.deviations(len(seen.times))
+        measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)
     stiffness = setup.gravity / setup.length if setup.length else None
     task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
     if scene.look.is_spinning:

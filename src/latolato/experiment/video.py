@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -134,6 +134,8 @@ class Video:
         Number in the file of the first of these frames.
     region : tuple of float, optional
         Left, top, right and bottom of the part in which balls are looked for [pixels].
+    steadier : callable, optional
+        Changes each frame to what a camera at rest would have taken.
     """
 
     path: Path
@@ -154,6 +156,7 @@ class Video:
     end: float = math.inf
     first_frame: int = 0
     region: tuple[float, float, float, float] | None = None
+    steadier: Callable[[Frame], Frame] | None = None
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -216,7 +219,8 @@ class Video:
                     count = number - self.first_frame + 1
                     self.limits.check("frames", count, f"{count} frames are there")
                     planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
-                    yield Frame(count - 1, time, *planes)
+                    frame = Frame(count - 1, time, *planes)
+                    yield self.steadier(frame) if self.steadier else frame
                 last = time
                 number += 1
             else:

@@ -13,7 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from latolato.experiment.calibration.circle import Circle
-from latolato.experiment.calibration.deviations import SYSTEMATIC, honest_deviations, scatter_of
+from latolato.experiment.calibration.deviations import (
+    SYSTEMATIC,
+    honest_deviations,
+    scatter_of,
+    time_scatter,
+)
 from latolato.experiment.calibration.gravity import (
     STROKE,
     Gravity,
@@ -136,6 +141,17 @@ def calibrate(
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
     honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    is_broken = np.isin(seen.flags, ("collision", "lost"))
+    late = time_scatter(seen.times, angles, is_clean, is_broken, noise / hinge.arm)
+    if late > 0.0:
+        speeds = np.gradient(angles, seen.times, axis=0)
+        # Next to unknown angles, the fastest.
+        speeds[np.isnan(speeds)] = np.nanmax(np.abs(speeds))
+        honest = np.hypot(honest, late * speeds)
+        warnings.append(
+            f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
+            "contain that"
+        )
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
