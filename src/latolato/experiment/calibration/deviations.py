@@ -11,9 +11,9 @@ SYSTEMATIC = 0.05
 # Samples from which on distances from the circle show errors, and the distance from which it is
 # no chance [standard deviations].
 _FEW, _FAR_OFF = 20, 4.0
-# How many intervals seven samples may span that tell of time stamps; how much more fast balls must
-# scatter along their path than across, how much larger errors of time may be, since neighbouring
-# ones go together, and how large they must be to count [intervals].
+# How many intervals seven samples may span to reveal errors of time stamps; how much more fast
+# balls must scatter along their path than across, how much larger errors of time may be, since
+# neighbouring ones go together, and how large they must be to count [intervals].
 _SPAN, _SHOWN, _ROUGH_TIMES, _LEAST_OFF = 14.0, 3.0, 1.5, 0.02
 # How much larger errors along the circle may be than across.
 _ROUGH = 2.0
