@@ -157,6 +157,7 @@ def main() -> None:
         return
     wasm.check_linker()
     begin, recipes = time.monotonic(), _recipes()
+    print(f"compiling {len(recipes)} pieces of numerical code: a minute or two", flush=True)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     with tempfile.TemporaryDirectory() as empty:

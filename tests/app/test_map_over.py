@@ -177,6 +177,9 @@ TABLES = [
     "drive_amplitude,frequency_ratio,drive_frequency,class,set,largest_angle_sigma\n"
     "0.1,2,,weak,a,1 deg\n",
     "drive_amplitude,frequency_ratio,drive_frequency,class\n0.1,2,12,weak\n",
+    "drive_amplitude [mm] ,frequency_ratio [1],length [cm],class\n12,2,,weak\n9,2,20,none\n",
+    "drive_amplitude [kg],frequency_ratio,class\n0.1,2,weak\n",
+    "drive_amplitude [mm],frequency_ratio,class\n1 cm,2,weak\n",
     "", "# only a comment", "a,b\n1,2\n", "\0\n,,,", "drive_amplitude,frequency_ratio,class\n",
     "drive_amplitude,frequency_ratio,class\n0.1,2\n",
     "drive_amplitude,frequency_ratio,class\n0.1,2,wild\n",
@@ -219,7 +222,7 @@ def test_trials_are_those_of_python_in_the_coordinates_of_the_map(x, tmp_path):
         assert found["trials"]["kinds"] == kinds
         low, high = np.transpose([SPANS[x], SPANS["amplitude_ratio"]])[:, :, np.newaxis]
         assert found["outside"] == np.sum(((places < low) | (places > high)).any(axis=0))
-    assert read == 9
+    assert read == 10
 
 
 def sides_of(lines):

@@ -87,12 +87,14 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
     page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
     amplitude, number = 0.5 * 18 / 23, 5.0 * 12 / 23
     page.get_by_text(f"A₀ = {1e3 * amplitude:.4g} mm").first.wait_for()
+    page.locator(".point").get_by_role("button", name="Pause").wait_for()
     assert page.get_by_role("img", name="angle [°]").count() == 1
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
     page.wait_for_function("() => location.search.includes('view=play')")
+    # The computed value is in metres; nobody chose that unit.
     shown = page.get_by_label("driving amplitude A", exact=False).first
-    assert float(shown.input_value()) == pytest.approx(amplitude, rel=1e-5)
+    assert float(shown.input_value()) == pytest.approx(1e3 * amplitude, rel=1e-5)
     frequency = page.get_by_label("angular driving frequency", exact=False).first.input_value()
     assert float(frequency) == pytest.approx(number * 9.8**0.5, rel=1e-5)
 

@@ -173,6 +173,14 @@ def test_a_table_of_ones_own_needs_few_columns_and_may_have_units(tmp_path):
     assert trials.drive_amplitude.values[0] == 0.02
 
 
+def test_the_names_of_columns_may_carry_their_units():
+    text = "drive_amplitude [mm],drive_frequency [Hz],length [cm],class\n12,1.6,,weak\n"
+    plain = "drive_amplitude,drive_frequency,length,class\n12 mm,1.6 Hz,,weak\n"
+    assert parse_trials(text).equals(parse_trials(plain))
+    with pytest.raises(ValueError, match=r"trial 1: .*got '12 mm cm'"):
+        parse_trials(text.replace("[mm]", "[cm]").replace("\n12,", "\n12 mm,"))
+
+
 @pytest.mark.parametrize(
     "text, words",
     [

@@ -183,6 +183,9 @@ def test_trials_are_placed_on_the_map_and_those_outside_are_counted(grid, tmp_pa
         f"1, 50 mm, {2.0 * math.sqrt(9.8 / 0.5)}, strong\n"
         "1, 0.02, 1 Hz, none\n"
     )
+    headed = tmp_path / "headed.csv"
+    headed.write_text("drive_amplitude [mm],frequency_ratio [1],class\n50,2,strong\n20,9,none\n")
+    assert legend(ll.plot(grid, points=headed)) == legend(ll.plot(grid, points=trials))
     figure = ll.plot(grid, points=trials)
     assert legend(figure) == ["trial, none (1 of 1 outside)", "trial, strong"]
     strong = figure.axes[0].collections[-1].get_offsets()

@@ -154,6 +154,15 @@ def test_a_column_in_the_unit_of_its_title_is_read_in_si_units(tmp_path):
         assert found == [0.02, 0.034]
 
 
+@pytest.mark.parametrize("column", ["drive_frequency [Hz]", "drive_frequency", "2"])
+def test_any_unit_of_a_title_is_converted_and_a_wrong_one_is_refused(tmp_path, column):
+    (tmp_path / "trials.csv").write_text("class,drive_frequency [Hz],length [kg]\n1,1.6,1\n")
+    found = to_si_list("drive_frequency", f"trials.csv:{column}", "rad/s", tmp_path)
+    assert found == [to_si("drive_frequency", "1.6 Hz", "rad/s")]
+    with pytest.raises(ValueError, match=r"column 'length \[kg\]' .*length must be given in m"):
+        to_si_list("length", "trials.csv:length", "m", tmp_path)
+
+
 @pytest.mark.parametrize(
     "name, message",
     [

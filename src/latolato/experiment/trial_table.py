@@ -13,6 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
+from latolato.io.shown_units import name_and_unit
 from latolato.observables.angles import MotionClass
 from latolato.physics.pendulum import GRAVITY
 
@@ -262,8 +263,9 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
 def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset:
     """Return the trial table in a CSV or NetCDF file.
 
-    A CSV needs a line of column names; cells may carry units (``12 mm``, ``95 deg``), lines that
-    begin with ``#`` are comments. Columns that are not of a trial table are left out.
+    A CSV needs a line of column names; cells may carry units (``12 mm``, ``95 deg``), or names
+    (``drive_amplitude [mm]``), and lines that begin with ``#`` are comments. Columns that are not
+    of a trial table are left out.
 
     Raises
     ------
@@ -301,14 +303,15 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     from latolato.scenario.units import to_si
 
     parts, header = parse_columns(text)
+    headings = {name_and_unit(heading): values for heading, (values, _) in parts.items()}
     if "stabilised_angle" in parts:  # as tables were written before
         raise InputError(
             "the column stabilised_angle is called largest_angle_after_transient now",
             way_out="rename it, and its _sigma",
         )
     columns: dict[str, Any] = {}
-    for name, (values, _) in parts.items():
-        cells = [value.strip() for value in values]
+    for (name, written), values in headings.items():
+        cells = [f"{value.strip()} {written}".strip() if value.strip() else "" for value in values]
         if name in COLUMNS and any(cells):
             unit = COLUMN_UNITS[name]
             columns[name] = cells if unit is None else _numbers(name, cells, unit)
@@ -337,7 +340,7 @@ def is_trial_table(path: str | Path) -> bool:
             for line in file:
                 if line.startswith("#"):
                     continue
-                return "drive_amplitude" in {cell.strip() for cell in line.split(",")}
+                return "drive_amplitude" in {name_and_unit(cell)[0] for cell in line.split(",")}
     except (OSError, UnicodeDecodeError):
         return False
     return False

@@ -12,6 +12,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.figures import style
+from latolato.io.shown_units import name_and_unit
 from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
@@ -285,7 +286,9 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
             f"'{path}' is not a text file", way_out="save the trials as UTF-8 CSV"
         ) from None
     table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
-    columns = [name.strip() for name in table.fieldnames or ()]
+    units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
+    headings = dict(map(name_and_unit, table.fieldnames or ()))
+    columns = list(headings)
     table.fieldnames = columns
     frequency = next((name for name in FREQUENCIES if name in columns), None)
     if not {"drive_amplitude", "class"} <= set(columns) or frequency is None:
@@ -294,7 +297,6 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
             f"{', '.join(FREQUENCIES)}",
             value=columns,
         )
-    units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
     trials = []
     for number, row in enumerate(table, start=1):
         kind = (row["class"] or "").strip().lower()
@@ -306,7 +308,7 @@ def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float
             )
         try:
             a, w = (
-                float(to_si(name, row[name] or "", units[name]))
+                float(to_si(name, f"{row[name] or ''} {headings[name]}", units[name]))
                 for name in ("drive_amplitude", frequency)
             )
         except InputError as error:

@@ -16,7 +16,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, quantity_of
 from latolato.core.versions import FORMAT, check_format
 from latolato.io.column_files import Columns, import_pyarrow, read_columns, write_columns
-from latolato.io.shown_units import SIZES, read_texts, shown_texts
+from latolato.io.shown_units import SIZES, name_and_unit, read_texts, shown_texts
 from latolato.simulation.record import BALL, BALLS, Record
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ def _shown(columns: Columns) -> Columns:
 
 def _name_and_unit(head: str) -> tuple[str, str]:
     """Return the name of a column and the unit after it, "" without one."""
-    name, _, unit = head.removesuffix("]").partition(" [")
+    name, unit = name_and_unit(head)
     if unit and unit not in SIZES:
         raise InputError(f"column '{head}' has an unknown unit", way_out=f"use {', '.join(SIZES)}")
     return name, unit

@@ -49,6 +49,18 @@ def _rounded(number: Decimal, digits: int) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Return the name in the heading of a column and the unit in brackets, "" for none and 1.
+
+    Examples
+    --------
+    >>> name_and_unit("angle [deg]"), name_and_unit("class")
+    (('angle', 'deg'), ('class', ''))
+    """
+    name, _, unit = heading.strip().removesuffix("]").partition(" [")
+    return name, "" if unit == "1" else unit
+
+
 def read_texts(texts: Iterable[str], unit: str) -> list[float]:
     """Return texts in a unit as numbers in SI units, rounded once."""
     size = SIZES[unit]

@@ -16,7 +16,7 @@ from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
-from latolato.io.shown_units import SIZES
+from latolato.io.shown_units import name_and_unit
 
 _PI = "3.1415926535897932384626433833"
 
@@ -167,7 +167,8 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         What the quantities are called in messages.
     value : str or sequence
         Quantities, a text with commas between them, or the name of a text file that holds numbers
-        in SI units: ``"times.txt"``, or ``"pivot.csv:height"`` for one column of a table.
+        in SI units: ``"times.txt"``, or ``"pivot.csv:height"`` for one column of a table, which
+        may be headed ``height [mm]``.
     unit : str
         The SI unit.
     folder : Path, optional
@@ -198,7 +199,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         return [to_si(name, part, unit) for part in parts]
     path, column = _file_and_column(value, folder or Path())
     if path.is_file():
-        return _read_column(name, path, column)
+        return _read_column(name, path, column, unit)
     try:
         return [to_si(name, value, unit)]
     except InputError as error:
@@ -223,8 +224,11 @@ def _file_and_column(text: str, folder: Path) -> tuple[Path, str]:
     return folder / file, column
 
 
-def _read_column(name: str, path: Path, column: str) -> list[float]:
-    """Return one column of a text table; ``#`` begins a comment, a header line may come first."""
+def _read_column(name: str, path: Path, column: str, unit: str) -> list[float]:
+    """Return one column of a text table in SI units, read in the unit of its title if it has one.
+
+    ``#`` begins a comment, a header line may come first.
+    """
     import numpy as np
 
     try:
@@ -247,10 +251,12 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
             parameter=name,
             way_out=f"name one, as in {path.name}:{titles[0]}",
         )
-    known = [*(titles if has_header else []), *(str(i + 1) for i in range(len(titles)))]
+    plain = [name_and_unit(title)[0] for title in titles]
+    known = [*([*titles, *plain] if has_header else []), *(str(i + 1) for i in range(len(titles)))]
     if column and column not in known:
         raise InputError(
-            f"{{parameter}}: '{path}' has no column '{column}': {suggest(column, known)}",
+            f"{{parameter}}: '{path}' has no column '{column}': "
+            f"{suggest(column, [*dict.fromkeys(known)])}",
             parameter=name,
         )
     index = known.index(column) % len(titles) if column else 0
@@ -262,7 +268,11 @@ def _read_column(name: str, path: Path, column: str) -> list[float]:
         raise InputError(
             f"{{parameter}}: '{path}' cannot be read as numbers: {error}", parameter=name
         ) from None
-    # What `latolato.save` writes in another unit has this in its title.
-    unit = titles[index].removesuffix("]").partition(" [")[2]
-    result: list[float] = (numbers * float(SIZES.get(unit, 1))).tolist()
+    written = name_and_unit(titles[index])[1]
+    try:
+        factor = float(to_si(name, f"1 {written}", unit)) if written else 1.0
+    except InputError as error:
+        error.where = f"column '{titles[index]}' of '{path}'"
+        raise
+    result: list[float] = (numbers * factor).tolist()
     return result

@@ -94,7 +94,7 @@ export class Cursor {
     const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
     const optionsOf = /** @type {(cell: number) => Record<string, any>} */ (grid.optionsOf);
     const cell = chart.cell(...cross);
-    await point.run(() => optionsOf(cell), words.join(" · "));
+    await point.run(() => optionsOf(cell), words.join(" · "), chosen);
   }
 }
 
@@ -122,14 +122,16 @@ export class PointPanel {
    * Show the run of a point.
    * @param {() => Record<string, any>} optionsOf returns its options, or throws why it cannot run
    * @param {string} words what the point is
+   * @param {boolean} plays whether it moves at once, unless somebody wants little motion
    */
-  async run(optionsOf, words) {
+  async run(optionsOf, words, plays) {
     const waiting = setTimeout(() => { this.title.textContent = t("computing"); }, PATIENCE);
     try {
       const block = await this.runner.compute({ options: optionsOf() });
       this.options = block.about.options;
       this.preview.root.hidden = false;
       this.preview.show(new Motion(block));
+      if (plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.preview.clock.play();
       this.title.textContent = words;
       this.button.disabled = false;
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);

@@ -50,7 +50,10 @@ export function parseTrials(registry, text) {
       { wayOut: "rename it, and its _sigma" });
   /** @type {Columns} */
   const read = new Map();
-  for (const [name, cells] of columns) {
+  for (const [heading, values] of columns) {
+    // A name may carry the unit of its cells: "drive_amplitude [mm]".
+    const [name, written = ""] = heading.replace(/(?: \[1)?\]$/, "").split(" [");
+    const cells = values.map((value) => (value && `${value} ${written}`.trim()));
     if (!Object.hasOwn(units, name) || !cells.some(Boolean)) continue;
     const unit = units[name];
     read.set(name, unit === null ? cells : numbersOf(registry, name, cells, unit));

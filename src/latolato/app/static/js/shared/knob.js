@@ -131,8 +131,10 @@ export class Knob {
       return;
     }
     const { units } = this.option;
-    const { unit = "" } = parseQuantity(text) ?? {};
-    if (!this.chosen && isOwn && units.some((u) => u.name === unit)) this.chosen = unit;
+    const { number = NaN, unit = "" } = parseQuantity(text) ?? {};
+    // A number of more digits than are shown was computed: nobody chose its unit.
+    const isTyped = Number(short(number, this.digits)) === number;
+    if (!this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
     this.value = text.includes(",") ? null : this.valueOf(text);
     this.place();
