@@ -1,4 +1,4 @@
-"""How good a track table is: shares of flags, typical errors, the pivot's plain harmonic."""
+"""The quality of a track table: shares of flags, typical errors, and the pivot's harmonic."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
     shared = "angles and scale" if attributes.get("scale_source") == "length" else "angles"
     return (
         f"out of the picture at ({attributes['origin_u']:.0f}, {attributes['origin_v']:.0f}) "
-        f"{known}, taken to rest; {shared} are known to "
+        f"{known}, assumed at rest; {shared} are known to "
         f"{100.0 * attributes['angle_scale_sigma']:.2g} %"
     )
 

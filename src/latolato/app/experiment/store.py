@@ -274,7 +274,7 @@ class Store:
             If there is none: its page has closed.
         """
         if not isinstance(key, str) or key not in self.desks:
-            raise InputError("this page is not connected: load it again")
+            raise InputError("this page is not connected: reload it")
         return self.desks[key]
 
     def clip(self, key: str) -> Clip | None:

@@ -281,24 +281,24 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
     path is then bent as by another arm.
     """
     if circle is None:
-        return "the ball was seen too seldom to show where its pivot is"
+        return "the ball was seen too rarely to locate its pivot"
     if circle.scale_sigma > _STRAIGHT:
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
         return (
-            "the path is too straight to show where the pivot is: it is farther than about "
+            "the path is too straight to locate the pivot: it is more than about "
             f"{least:.0f} pixels from the ball"
         )
     for ball in range(places.shape[1]):
         moves = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
         if moves is not None:
             return (
-                f"the pivot seems to move out of sight, by {moves[0]:.1f} pixels at "
+                f"the pivot seems to move outside the picture, by {moves[0]:.1f} pixels at "
                 f"{moves[1]:.2g} Hz"
             )
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
         return (
-            f"the path is no circle about one pivot: it is {circle.residual:.1f} pixels off the "
-            "best one"
+            f"the path is not a circle about one pivot: it is {circle.residual:.1f} pixels off the "
+            "best fit"
         )
     return None
 

@@ -106,7 +106,7 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             f"{_number(factor * slow_motion)} from {part.begin:.2f} to {part.end:.2f} s"
             for part, factor in zip(parts, factors, strict=True)
         )
-        known = "" if stiffness else ", if its fastest part is not slow"
+        known = "" if stiffness else ", if its fastest part is at normal speed"
         # Times of a part are divided by its own slow motion.
         each = ", ".join(
             f"start {part.begin / factor:.2f} and end {part.end / factor:.2f} s with slow motion "
@@ -114,8 +114,8 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             for part, factor in zip(parts, factors, strict=True)
         )
         return [
-            f"the clip changes its pace (slow motion {paces}{known}): track its parts by "
-            f"themselves, {each}"
+            f"the clip changes its pace (slow motion {paces}{known}): track its parts "
+            f"separately, {each}"
         ]
     longest = int(np.argmax([part.end - part.begin for part in parts]))
     factor, part = float(factors[longest]), parts[longest]

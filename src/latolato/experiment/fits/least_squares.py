@@ -201,7 +201,7 @@ def solve(
     if len(data) < 2 * loose:
         raise InputError(
             f"{len(data)} samples are too few to fit {', '.join(names)}",
-            way_out=f"take a longer piece, of {2 * loose} samples or more",
+            way_out=f"use a longer part, of {2 * loose} samples or more",
         )
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
@@ -300,7 +300,7 @@ def _minimizer(
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
     names = ", ".join(minimizer.params)
-    way_out = "fit fewer parameters, or another piece"
+    way_out = "fit fewer parameters, or use another part"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

@@ -135,7 +135,7 @@ def _learn(
     contrast = float(np.quantile(as_wall[inside], 0.95))
     if contrast < _PLAIN**2:
         raise InputError(
-            "the patch about the click looks like the wall",
+            "the patch around the click looks like the wall",
             way_out="point at the bob, or make the patch larger",
         )
     look.variance = np.where(inside, 2.0 * rest, math.inf)
