@@ -63,7 +63,7 @@ def answer_of(
     trial: Mapping[str, Any] | None,
     apparatus: Apparatus,
 ) -> list[dict[str, Any]]:
-    """Return the few numbers that a video was filmed for, in the order in which they are read.
+    """Return the few numbers that a video was filmed for, in reading order.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def answer_of(
     trial : mapping, optional
         The row of the trial table, if the pivot is driven.
     apparatus : Apparatus
-        What was measured beside the video. With the length, gravity is a result; without it, the
+        What was measured besides the video. With the length, gravity is a result; without it, the
         length is one, with the gravity of `fit_decay`.
 
     Returns

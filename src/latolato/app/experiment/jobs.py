@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Progress(Protocol):
-    """What a job is given to say how far it is."""
+    """What a job uses to report its progress."""
 
     def __call__(self, share: float, stage: str = ...) -> None:
         """Tell the part of a stage that is done."""
@@ -31,7 +31,7 @@ def prepare(request: Any, store: Store) -> Job:
     Raises
     ------
     InputError
-        For anything that is not known, before a process begins.
+        For anything unknown, before a process begins.
     """
     import anyio
 

@@ -1,4 +1,4 @@
-"""Videos of an experiment: upload, work on them with progress, results; gone with their page.
+"""Videos of an experiment: upload, work with progress, and results, all removed with their page.
 
 A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
 receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name

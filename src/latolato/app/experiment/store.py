@@ -1,4 +1,4 @@
-"""Uploaded videos on the server: few, of limited size, in a folder that goes with their page."""
+"""Uploaded videos on the server: few, of limited size, removed with their page."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ COPY = "copy.mp4"
 
 @dataclass(frozen=True, kw_only=True)
 class Allowance:
-    """What uploads and the work on them may take.
+    """Limits of uploads and of the work on them.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class Clip:
     size : int
         Bytes received, and later of all that was made of them.
     is_whole : bool
-        Whether it is all there: uploaded, or painted.
+        Whether it is complete: uploaded, or painted.
     about : dict
         The results of the work on it.
     trial : dict, optional

@@ -1,4 +1,4 @@
-"""What is done with an uploaded video, in a process of its own (see `jobs`)."""
+"""The work on an uploaded video, in a separate process (see `jobs`)."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """From pixels to angles about the moving pivot: centre of the circle, scale, direction of gravity.
 
-The centre that a template gives lies near the hinge, not on it. Seen from the moving pivot, the
-ball runs on a circle about the hinge, which shows the offset when the arc is wide. A circle fitted
-in the image instead would be biased, for a driven pivot moves in phase with the swing.
+The centre that a template gives is near the hinge, not exactly on it. Seen from the moving pivot,
+the ball runs on a circle about the hinge, which shows the offset when the arc is wide. A circle
+fitted in the image instead would be biased, for a driven pivot moves in phase with the swing.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class Calibration:
     gravity : Gravity
         The direction of gravity.
     angle_offset_sigma : float
-        Standard deviation of what all angles have in common: gravity's direction and the hinge's
-        place [rad].
+        Standard deviation of the error that all angles share: direction of gravity and position
+        of the hinge [rad].
     warnings : list of str
         What the user should know.
     """
@@ -93,7 +93,7 @@ def calibrate(
     optics : Optics
         What is declared of the camera.
     circle : Circle
-        Where a pivot is that the picture does not show.
+        The pivot, if the picture does not show it.
     """
     optics = optics or Optics()
     if circle is None:

@@ -135,17 +135,17 @@ def _number(factor: float) -> str:
 
 
 def parts_of(motion: Motion) -> list[Part]:
-    """Return the parts of a clip that play at different paces; none if the motion does not tell.
+    """Return the parts of a clip with different paces; none if the motion does not show them.
 
     Notes
     -----
     The equation of motion about a moving pivot, ``a'' + y'' sin(a) + x'' cos(a) = -k sin(a) - c
     a'`` with the pivot's place (x, y) in arms, averaged with weights ``(1 - u^2)^2`` of the time u.
-    Its left side is made of differences of slopes, so that uneven time stamps do no harm. The
-    parts are those that leave over least, with a price for each (Jackson et al., IEEE Signal Proc.
+    Its left side uses differences of slopes, so uneven time stamps do no harm. The parts are
+    those with the least residual plus a penalty for each (Jackson et al., IEEE Signal Proc.
     Lett. 12 (2005) 105); parts whose k agree are one. It can miss changes by less than a factor of
-    1.25, parts of less than half a swing and balls that touch too often, and take a ball that a
-    hand swings for one that swings freely.
+    1.25, parts shorter than half a swing, and balls that touch too often. It can mistake a ball
+    swung by hand for one that swings freely.
     """
     parts: list[tuple[int, int, Part]] = []
     for first, last in _stretches(motion):

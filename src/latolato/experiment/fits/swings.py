@@ -100,8 +100,8 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
 def free_start(times: Floats, angles: Floats) -> float:
     """Return the instant from which a ball swings freely [s]: after the hand that held it let go.
 
-    A ball that stays near its largest angle longer than a swing would is being held; what follows
-    is used from the next zero crossing on, clear of the release.
+    A ball that stays near its largest angle longer than a swing would is being held; the motion is
+    used from the next zero crossing after that, clear of the release.
     """
     zeros = crossings(times, angles)
     if len(zeros) < 3:

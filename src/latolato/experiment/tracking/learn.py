@@ -107,7 +107,7 @@ def learn_image_model(
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
     unseen_radius : float, optional
-        Of balls about a pivot that the picture does not show, which is taken to rest: their rough
+        Of balls about a pivot that the picture does not show, which is assumed at rest: their rough
         radius [pixels].
 
     Raises
