@@ -201,7 +201,9 @@ def test_what_rests_is_refused():
     finding = gate.moving_ball(_track(places))
     assert finding is not None
     assert finding.is_refusal
-    assert gate.moving_ball(_track(places + np.arange(30)[:, None] * [0.2, 0.0])) is None
+    moves = places + np.arange(30)[:, None] * [0.2, 0.0]
+    assert gate.moving_ball(_track(moves)) is None
+    assert gate.moving_ball(_track(moves, radius=80.0)) is not None
 
 
 @pytest.mark.parametrize("step", [1, 0])

@@ -124,6 +124,8 @@ def test_frames_that_are_missing_are_said():
     times = np.delete(np.arange(40) / 60.0, [7, 20, 21])
     assert np.flatnonzero(Sample(times, []).gaps).tolist() == [7, 19]
     assert Sample(times, []).gaps.sum() == 3
+    # Frames that come when something changes.
+    assert not Sample(np.cumsum([0.1, 0.4, 0.05, 0.1, 0.3, 0.02, 0.5] * 6), []).gaps.any()
 
 
 def test_errors_of_time_stamps_are_in_the_deviations(film, tmp_path):

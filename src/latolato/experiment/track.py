@@ -380,8 +380,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     repeats = _telling_repeats(table, sample.repeats)
     if repeats:
         task.warnings.append(
-            f"{repeats} frames repeat the previous picture: they show an earlier moment than their "
-            "time says, so they are not measured"
+            f"{_some_frames(repeats, 'repeats', 'repeat')} the previous picture: such frames are out "
+            "of date and not measured"
             + (
                 "; they do so regularly, as after a conversion to another frame rate: times are "
                 "assumed to be even, not as in the file"
@@ -391,8 +391,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         )
     if sample.gaps.any():
         task.warnings.append(
-            f"{sample.gaps.sum()} frames are missing by the time stamps, the longest gap is "
-            f"{np.diff(sample.times).max():.3g} s"
+            f"{_some_frames(sample.gaps.sum(), 'is', 'are')} missing by the time stamps, the "
+            f"longest gap is {np.diff(sample.times).max():.3g} s"
         )
     if progress:
         progress(1.0)
@@ -414,6 +414,11 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
+
+
+def _some_frames(count: int, one: str, many: str) -> str:
+    """Return how many frames do something, in words."""
+    return f"{count} frame {one}" if count == 1 else f"{count} frames {many}"
 
 
 def _telling_repeats(table: xr.Dataset, repeats: np.ndarray) -> int:

@@ -141,6 +141,7 @@ class _Follower:
         if len(self.pivots) >= 3:
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
             guess, velocity, room = self._extrapolated(frame.time)
+            guess = np.clip(guess, *tracker.reach)
         shift, cost = tracker.locate(frame.luma, guess, velocity, room)
         if guess is not None and cost > 1.4 * self.pivot_cost + 0.1:
             wide, wide_cost = tracker.locate(frame.luma, None, velocity)

@@ -20,8 +20,9 @@ from latolato.experiment.video import Frame
 _RADIUS_RATIO = 1.5
 # How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
 _BESIDE, _SOON = 3.0, 3
-# Extent of a ball's path below which the ball rests [pixels].
-_RESTING = 2.0
+# Extent of a ball's path below which the ball rests [pixels], and the same in radii: the place of a
+# large disc on a wall is measured badly.
+_RESTING, _RESTING_RADII = 2.0, 0.1
 # Motion of the camera that is reported [pixels], and the share of it by which a ball must move.
 _MENTIONED, _CARRIED = 1.0, 0.3
 # Share of frames that need not show a small motion of the camera for it to be believed.
@@ -161,7 +162,7 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
 
 
 def moving_ball(track: Positions) -> Finding | None:
-    """Check that each ball moves by more than two pixels.
+    """Check that each ball moves by more than two pixels, and a tenth of its radius.
 
     It can miss a thing at rest whose place is measured badly; `changing_pixels` sees that.
     """
@@ -170,7 +171,7 @@ def moving_ball(track: Positions) -> Finding | None:
         if len(places) < _FEWEST:
             continue
         extent = _extent(places)
-        if extent < _RESTING:
+        if extent < max(_RESTING, _RESTING_RADII * track.radius):
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
                 f"{extent:.1f} pixels in the whole clip: it rests",

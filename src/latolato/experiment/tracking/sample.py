@@ -21,8 +21,9 @@ _SAME, _NEAR, _USUAL = 0.1, 4, 0.75
 # Fewest repeats that make a pattern, and the least change beside them, as a share of the usual one:
 # at turning points it is less.
 _FEWEST_REPEATS, _SUDDEN = 8, 0.7
-# Time between frames from which one is missing [intervals].
-_APART = 1.75
+# Time between frames from which one is missing, and how far it typically is from the median where
+# frames have no rate [intervals].
+_APART, _UNEVEN = 1.75, 0.3
 # How many frames that changed most are kept, how many pixels are compared, and the side of squares
 # of these over which a change is averaged.
 _CHANGED, _COMPARED, _SQUARE = 4, 100_000, 8
@@ -86,8 +87,13 @@ class Sample:
 
     @property
     def gaps(self) -> np.ndarray:
-        """How many frames are missing before each one by the time stamps, shape (frame,)."""
+        """How many frames are missing before each one by the time stamps, shape (frame,).
+
+        None are where frames come when something changes, as in some recordings of a screen.
+        """
         apart = np.diff(self.times, prepend=self.times[:1]) / (self.interval or 1.0)
+        if np.median(np.abs(apart - 1.0)) > _UNEVEN:
+            return np.zeros(len(apart), int)
         return np.where(apart > _APART, np.rint(apart) - 1.0, 0.0).astype(int)
 
     @property

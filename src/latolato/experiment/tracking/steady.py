@@ -29,6 +29,8 @@ _AGREE, _OUTLYING, _FINE = 1.0, 3.0, 0.1
 # Motion of the camera from which frames are corrected [pixels], the largest one that is, as a share
 # of the picture's diagonal, and the share of frames that need not show it.
 _MOVES, TOO_FAR, _UNKNOWN = 0.3, 0.02, 0.1
+# By how many of its standard deviations it must exceed none.
+_CLEAR = 3.0
 # How many frames are compared with the first one.
 _COMPARED = 24
 # Error of places that features do not show [pixels].
@@ -270,6 +272,8 @@ def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[
     surroundings, motions, unknown = camera_motions(sample, hidden)
     moved = distance_of(motions)
     if unknown > _UNKNOWN or not _MOVES <= moved <= TOO_FAR * math.hypot(video.width, video.height):
+        return video, sample
+    if moved < _CLEAR * float(np.median([motion.sigma for motion in motions.values()])):
         return video, sample
     steadier = Steadier(surroundings)
     frames, clicked, changed = (
