@@ -380,8 +380,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     repeats = _telling_repeats(table, sample.repeats)
     if repeats:
         task.warnings.append(
-            f"{_some_frames(repeats, 'repeats', 'repeat')} the previous picture: such frames are out "
-            "of date and not measured"
+            f"{_some_frames(repeats, 'repeats', 'repeat')} the previous picture: such frames are "
+            "out of date and not measured"
             + (
                 "; they do so regularly, as after a conversion to another frame rate: times are "
                 "assumed to be even, not as in the file"
@@ -391,8 +391,8 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         )
     if sample.gaps.any():
         task.warnings.append(
-            f"{_some_frames(sample.gaps.sum(), 'is', 'are')} missing by the time stamps, the "
-            f"longest gap is {np.diff(sample.times).max():.3g} s"
+            f"{_some_frames(sample.gaps.sum(), 'is', 'are')} missing according to the time "
+            f"stamps, the longest gap is {np.diff(sample.times).max():.3g} s"
         )
     if progress:
         progress(1.0)
