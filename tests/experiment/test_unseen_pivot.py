@@ -272,7 +272,7 @@ def test_each_of_two_balls_has_angles_about_its_own_pivot(pair, apart):
 def test_one_length_is_not_that_of_two_arms(pair):
     path, right, left = pair
     (u, v), other = click(right), click(left)
-    with pytest.raises(InputError, match="one length cannot be that of both"):
+    with pytest.raises(InputError, match="one length cannot fit both"):
         tracked(path, pivot=["outside", (160, 40)], balls=[(u + 320, v), other], length=0.363)
 
 
@@ -294,9 +294,9 @@ def test_fits_take_each_ball_about_its_own_pivot_and_none_takes_both(apart):
         assert abs(fit["length"].value - BALL.length) < 3.0 * fit["length"].sigma
         assert fit.dataset.attrs["ball"] == ball
     toy = ll.LatoLato(length=0.363, mass=0.1, damping=0.003, radius=0.02, restitution=0.9)
-    with pytest.raises(InputError, match="pivots of their own"):
+    with pytest.raises(InputError, match="separate pivots"):
         ll.fit_model(apart, toy)
-    with pytest.raises(InputError, match="pivots of their own"):
+    with pytest.raises(InputError, match="separate pivots"):
         ll.fit_restitution(apart, length=0.363)
 
 
