@@ -113,7 +113,7 @@ def test_pictures_that_come_twice_are_said_and_not_measured(film, tmp_path):
     late = {17, 18, 50, 63}
     twice = rewritten(path, tmp_path / "twice.mp4", lambda f, k: f[k - (k in late) - (k == 18)][1])
     table, warned, _, ratios = _tracked(twice, truth)
-    assert "4 frames repeat the picture before" in warned
+    assert "4 frames repeat the previous picture" in warned
     assert set(np.flatnonzero(table.flag_1 != "ok")) == late
     assert np.abs(ratios).max() < 4.0
     _, warned, _, _ = _tracked(path, truth)

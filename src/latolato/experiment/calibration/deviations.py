@@ -30,12 +30,12 @@ def honest_deviations(
 ) -> np.ndarray:
     """Return standard deviations that are not below the scatter seen in the clip [rad].
 
-    A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
-    nor of the pivot's. Two things do, and the larger raises all deviations by one factor: the
-    scatter about the quintic through the six neighbours, and the distances from the circle (`off`,
-    `spreads` as the fits say [pixels]), which also see what lasts for many frames. The quintic is
-    believed up to twice the other: fast swings between contacts are none. A ball that is far off
-    the circle is no better known along it.
+    The residuals of a fit do not show errors that neighbouring pixels share (compression, texture),
+    nor those of the pivot. Two quantities do, and the larger one raises all deviations by one
+    factor: the scatter about the quintic through the six neighbours, and the distances from the
+    circle (`off`, `spreads` as the fits say [pixels]), which also see what lasts for many frames.
+    The quintic counts up to twice the other, because fast swings between contacts are not quintics.
+    A ball that is far off the circle is no better known along it.
     """
     raised: np.ndarray = np.hypot(sigmas, SYSTEMATIC / arm)
     stated = np.hypot(spreads, SYSTEMATIC)
@@ -68,9 +68,9 @@ def time_scatter(
 ) -> float:
     """Return how much time stamps are off [s], 0 if the angles do not show it.
 
-    Fast balls are then farther along their path from what their neighbours predict than across it,
-    by their speeds times that error. Less than a fiftieth of the time between frames does not show,
-    nor does any in a motion without seven samples from contact to contact.
+    Fast balls then deviate from what their neighbours predict more along their path than across it,
+    by their speed times that error. An error below a fiftieth of the time between frames does not
+    show, nor does any error in a motion without seven samples from contact to contact.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def time_scatter(
 
 
 def scatter_of(times: np.ndarray, values: np.ndarray) -> float:
-    """Return the noise of a smooth series: what its neighbours do not predict (robust)."""
+    """Return the noise of a smooth series: what neighbours do not predict (robust)."""
     if len(values) < 20:
         return math.nan
     rest = _left_over(times, values)

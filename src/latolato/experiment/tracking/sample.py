@@ -181,7 +181,7 @@ def _largest(change: np.ndarray) -> float:
 
 
 def even_times(times: np.ndarray, repeats: np.ndarray, changes: np.ndarray) -> np.ndarray:
-    """Return times of frames that are even if pictures are repeated again and again.
+    """Return even times of frames if pictures are repeated regularly.
 
     As after a conversion from 24 to 30 frames a second: every fifth picture is a repeat, and the
     others are shown up to an interval late. Repeats lie evenly between pictures. Times of clips
