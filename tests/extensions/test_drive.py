@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -156,6 +157,26 @@ def test_a_beat_closes_the_ledger_where_the_packages_drives_cannot():
     assert run.pivot_height[0] == pytest.approx(0.02, abs=1e-15)
     # The ledger's relative error at the default tolerance of 1e-10, with room.
     assert run.attrs["energy_residual"] < 1e-9
+
+
+def test_the_drive_of_the_page_on_drives_runs_as_printed():
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "drives.md"
+    section = page.read_text(encoding="utf-8").split("## Use your own motion\n")[1]
+    # Its class lives in a module, as a user's does.
+    own = ModuleType("own")
+    own.ll = ll
+    sys.modules["own"] = own
+    try:
+        exec(section.split("```python\n")[1].split("```")[0], vars(own))
+    finally:
+        del sys.modules["own"]
+    assert own.run.attrs["energy_residual"] < 1e-9
+    heights = own.run.pivot_height.values
+    # Differences of 100 samples per period err by 2e-4 of the slope.
+    slope = np.gradient(heights, own.run.time.values)
+    np.testing.assert_allclose(slope[1:-1], own.run.pivot_velocity.values[1:-1], atol=1e-3)
+    slope = np.gradient(own.run.pivot_velocity.values, own.run.time.values)
+    np.testing.assert_allclose(slope[1:-1], own.run.pivot_acceleration.values[1:-1], atol=1e-2)
 
 
 def test_a_drive_of_ones_own_is_swept_along_its_own_parameters():
