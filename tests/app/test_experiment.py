@@ -105,7 +105,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     page.get_by_role("button", name="As found").click()
     assert f"column {found}," in handle.get_attribute("aria-label")
 
-    outside = page.get_by_label("the pivot is outside of the picture")
+    outside = page.get_by_label("the pivot is outside the picture")
     outside.check()
     assert page.locator(".handle.pivot").count() == 0
     outside.uncheck()

@@ -48,14 +48,14 @@ def test_a_free_swing_says_how_often_and_how_fast_it_fades():
 def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
     values = {"natural_frequency": value(8.928, 0.019), "decay_rate": value(-1e-4, 2e-4)}
     told = finding_of(table(), {"decay": {"values": values}}, None)
-    assert "was not found: film it for longer." in told
+    assert "no decay of its swing was found: film for longer." in told
     assert "every" not in told
 
 
 @pytest.mark.parametrize(
     "more, words",
     [
-        ({}, "out to 62.0 ± 1.0°. The swing lasts, beyond 45°."),
+        ({}, "out to 62.0 ± 1.0°. The swing lasts and goes beyond 45°."),
         ({"class": "strong", "borderline": True}, "beyond 90°: strong motion, but only just."),
         ({"class": "none"}, "The swing ends below 45°."),
         ({"note": "not settled in the last part"}, "The motion has not settled in this video."),
@@ -77,7 +77,7 @@ def test_without_a_trial_the_largest_angle_is_told():
     "flag, angle, fits, words",
     [
         ("ok", 0.6, {}, "The balls were not seen to touch."),
-        ("collision", 0.6, {}, "The balls touch below. What a collision does is not seen"),
+        ("collision", 0.6, {}, "The balls touch below. The effect of a collision could not"),
         ("collision", 0.6, {"restitution": RESTITUTION},
          "The balls clack below: a collision keeps 0.90 ± 0.02 of their speed."),
         ("collision", 2.5, {"restitution": RESTITUTION}, "The balls clack below and above:"),
@@ -92,8 +92,8 @@ def test_two_balls_say_what_their_collisions_do(flag, angle, fits, words):
 def test_without_a_fit_tracking_gives_the_period():
     period = 2.0 * np.pi * np.sqrt(0.363 / 9.8)
     told = finding_of(table(duration=9.0, angle=0.05), {"drive": ERROR, "decay": ERROR}, None)
-    assert told.startswith("It swings once in ")
-    number, sigma = told.removeprefix("It swings once in ").removesuffix(" s.").split(" ± ")
+    assert told.startswith("One swing takes ")
+    number, sigma = told.removeprefix("One swing takes ").removesuffix(" s.").split(" ± ")
     assert abs(float(number) - period) < 4.0 * float(sigma) + 2e-3
 
 

@@ -254,7 +254,7 @@ def test_what_a_sweep_varies_must_be_given(capsys):
 def test_left_out_laws_are_told_in_one_line(capsys):
     assert main(["analyse", "self_start", "fig04a_clamp", "--frequency-ratio", "2"]) == 0
     error = capsys.readouterr().err
-    assert error.startswith("latolato: warning: contact 'clamp' of the scenario is left out")
+    assert error.startswith("latolato: warning: the scenario's contact 'clamp' is left out")
     assert error.count("\n") == 1
 
 

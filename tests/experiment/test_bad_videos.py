@@ -227,7 +227,7 @@ def test_a_sidecar_of_another_video_is_refused(swing, toy, tmp_path, capsys):
     "text,reason",
     [
         ("sha256 = 3", "does not name its video"),
-        ("[[", "is no TOML"),
+        ("[[", "is not a TOML"),
         ('sha256 = "HASH"\n[geometry]\npivto = [1, 2]', "did you mean 'pivot'"),
         ('sha256 = "HASH"\n[geometry]\nballs = [[1]]', "a column and a row"),
         ('sha256 = "HASH"\n[geometry]\nballs = [[1, 2]]\nlength = "long"', "must be a number"),

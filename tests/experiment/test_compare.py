@@ -224,7 +224,7 @@ def test_what_cannot_be_compared_is_refused(table, grid, responses):
         ll.compare(far, grid)
     with pytest.raises(ValueError, match="holds no classes"):
         ll.compare(trials, grid[["mean_energy"]].assign_attrs(grid.attrs))
-    with pytest.raises(ValueError, match="leave out drive"):
+    with pytest.raises(ValueError, match="omit drive"):
         ll.compare(trials, PAIR, DRIVE)
 
 

@@ -105,8 +105,8 @@ def test_every_fit_has_options_words_and_a_picture(name):
         (["decay", "TABLE", "--output", "fit.txt"], "must end in .nc"),
         (["decay", "TABLE", "--law", "cubic"], "unknown drag law"),
         (["decai", "TABLE"], "unknown fit 'decai': did you mean 'decay'?"),
-        (["drive", "TABLE"], "'pivot_y' of the track table holds no number"),
-        (["restitution", "TABLE"], "no impact is seen"),
+        (["drive", "TABLE"], "'pivot_y' of the track table holds no numbers"),
+        (["restitution", "TABLE"], "no impact was seen"),
         (["model", "TABLE"], "name the system"),
         (
             ["model", "TABLE", "--system", "pendulum", "--length=1", "--mass=1", "--window=-1"],

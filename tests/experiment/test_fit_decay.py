@@ -197,7 +197,7 @@ def test_a_law_that_does_not_converge_falls_back_to_a_part_of_it(monkeypatch, co
     assert "coulomb_damping" not in fit
     assert fit["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)
     assert (
-        "The fit with linear+coulomb drag did not converge: these are the numbers of linear drag."
+        "The fit with linear+coulomb drag did not converge: these are the numbers for linear drag."
         in fit.verdict
     )
     lost = "linear+coulomb, linear+quadratic+coulomb are not compared: their fits did not converge"
@@ -215,7 +215,7 @@ def test_a_fit_that_does_not_converge_at_all_says_so_and_blames_no_unit(monkeypa
         solve(lambda p: np.full(50, p["a"] + p["b"]), {"a": Guess(3.0), "b": Guess(5.0)}, data,
               limit=3)  # fmt: skip
     assert str(caught.value) == (
-        "the fit of a, b did not converge in 3 trials; fit fewer parameters, or another piece"
+        "the fit of a, b did not converge in 3 trials; fit fewer parameters, or use another part"
     )
 
 
@@ -233,7 +233,7 @@ def test_the_piece_between_start_and_end_alone_must_have_a_pivot_at_rest():
     table = decay_table(**SINGLE, duration=12.0)
     time = table.time.values
     table["pivot_y"].values[:] = np.where(time < 3.0, 0.02 * np.cos(12.0 * time), 0.0)
-    with pytest.raises(ValueError, match="start and end for the piece at rest"):
+    with pytest.raises(ValueError, match="set start and end to a part where it is at rest"):
         fit_decay(table)
     fit = fit_decay(table, mass=SINGLE["mass"], start=3.5, compare=False, profile=False)
     assert fit["damping"].value == pytest.approx(SINGLE["damping"], rel=0.01)

@@ -29,7 +29,7 @@ def test_a_steady_drive_is_found_within_its_sigma(correlation):
             assert fit[name].value == pytest.approx(truth, rel=4e-3)
         assert fit.drive.drive_frequency == pytest.approx(10.09, rel=1e-4)
         assert "It is steady." in fit.verdict
-        assert "leaves out that of the scale" in fit.verdict
+        assert "does not include that of the scale" in fit.verdict
     assert np.mean(np.abs(misses) < 2.0) > 0.85
     assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
 
@@ -83,7 +83,7 @@ def test_without_a_horizontal_motion_the_drive_is_harmonic_and_the_fit_says_so()
         fit = fit_drive(planar_table(with_across(0.0), seed=seed), profile=False)
         seen += not isinstance(fit.drive, ll.Harmonic)
         assert fit["horizontal_amplitude"].low >= 0.0
-        assert "No horizontal motion is seen (0.0" in fit.verdict
+        assert "No horizontal motion was detected (0.0" in fit.verdict
         # A phase of nothing may be any.
         assert fit["horizontal_phase"].sigma > 0.25
     assert seen == 0
@@ -251,7 +251,7 @@ def test_a_pivot_at_rest_and_too_few_periods_are_refused():
         fit_drive(drive_table(STEADY, duration=5.0), stages=7)
     unknown = drive_table(STEADY, duration=5.0)
     unknown["pivot_y"].values[:] = np.nan
-    with pytest.raises(ValueError, match="holds no number"):
+    with pytest.raises(ValueError, match="holds no numbers"):
         fit_drive(unknown)
 
 
@@ -260,7 +260,7 @@ def test_a_pivot_that_moves_sideways_only_is_not_at_rest():
     for noiseless in (False, True):
         if noiseless:
             aside["pivot_y"].values[:] = 0.0
-        with pytest.raises(ValueError, match=r"sideways only, by 20 mm .*; use fit_model"):
+        with pytest.raises(ValueError, match=r"only sideways, by 20 mm .*; use fit_model"):
             fit_drive(aside)
     # What the track scatters sideways is no motion.
     still = planar_table(dataclasses.replace(with_across(0.0), vertical_amplitude=0.0))

@@ -108,7 +108,7 @@ def test_chaotic_motion_is_cut_into_pieces():
 @pytest.mark.parametrize(
     "arguments, said",
     [
-        ({"vary": ["mass"]}, "damping/mass only"),
+        ({"vary": ["mass"]}, "only through damping/mass"),
         ({"vary": ["lenght"]}, "nothing called 'lenght'"),
         ({"vary": []}, "at least one name"),
         ({"ball": 3}, "ball must be 1"),

@@ -49,7 +49,7 @@ def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():
 
 def test_what_cannot_be_seen_is_refused():
     swing = motion_table(ll.Pendulum(length=0.245, mass=0.1), initial_angle=0.5, duration=5.0)
-    with pytest.raises(ValueError, match="no impact is seen well enough"):
+    with pytest.raises(ValueError, match="no impact was seen well enough"):
         ll.fit_restitution(swing, length=0.245)
     with pytest.raises(ValueError, match="restitution needs length"):
         ll.fit_restitution(swing)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import av
 import numpy as np
 import pytest
 
@@ -10,14 +9,15 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment import track
-from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.tracking.steady import Bar, camera_motions, distance_of
 from latolato.experiment.video import Frame
+from videos import rewritten
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
 TOY = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
@@ -47,25 +47,6 @@ def film(tmp_path_factory):
     return get
 
 
-def _changed(path, output, change):
-    """Write a video whose pictures are changed by a function of their number."""
-    with av.open(str(path)) as file:
-        frames = [
-            (round(f.time * TICKS), f.to_ndarray(format="rgb24")) for f in file.decode(video=0)
-        ]
-    planes = (
-        (
-            stamp,
-            av.VideoFrame.from_ndarray(
-                np.ascontiguousarray(change(frames, k)), format="rgb24"
-            ).to_ndarray(format="yuv420p"),
-        )
-        for k, (stamp, _) in enumerate(frames)
-    )
-    write_video(output, planes, fps=60.0, crf=20, rotation=0)
-    return output
-
-
 def _ok_share(path, pivot, ball, **arguments):
     """Return the share of samples that are ok; none are if the track is refused."""
     try:
@@ -92,7 +73,7 @@ def test_a_panning_camera_is_refused(film, tmp_path):
         left = k
         return frames[k][1][40:280, left : left + 320]
 
-    pan = _changed(path, tmp_path / "pan.mp4", panned)
+    pan = rewritten(path, tmp_path / "pan.mp4", panned)
     (u, v), (x, y) = _place(attrs, "pivot"), _place(attrs, "ball_1")
     assert _ok_share(pan, (u, v - 40), (x, y - 40), length=SWING.length) < 0.05
 
@@ -135,7 +116,7 @@ def test_a_ball_of_the_walls_colour_is_not_followed(film):
 @quiet
 def test_a_still_video_is_not_followed(film, tmp_path):
     path, attrs = film("plain")
-    still = _changed(path, tmp_path / "still.mp4", lambda frames, k: frames[0][1])
+    still = rewritten(path, tmp_path / "still.mp4", lambda frames, k: frames[0][1])
     assert _ok_share(still, _place(attrs, "pivot"), _place(attrs, "ball_1")) < 0.05
 
 
@@ -220,16 +201,21 @@ def test_what_rests_is_refused():
     finding = gate.moving_ball(_track(places))
     assert finding is not None
     assert finding.is_refusal
-    assert gate.moving_ball(_track(places + np.arange(30)[:, None] * [0.2, 0.0])) is None
+    moves = places + np.arange(30)[:, None] * [0.2, 0.0]
+    assert gate.moving_ball(_track(moves)) is None
+    assert gate.moving_ball(_track(moves, radius=80.0)) is not None
 
 
 @pytest.mark.parametrize("step", [1, 0])
 def test_the_cameras_motion_is_measured(step):
     centres = _swinging(16)
     shifts = [(step * k, step * (k // 2)) for k in range(16)]
-    moved, _, _ = gate.camera_motion(_drawn(centres, shifts=shifts), _track(centres))
+    _, motions, unknown = camera_motions(
+        _drawn(centres, shifts=shifts), [Bar(centres[0], centres[0], 18.0)]
+    )
+    assert unknown == 0.0
     # The last but one frame has the second largest shift.
-    assert moved == pytest.approx(step * np.hypot(14, 7), abs=0.6)
+    assert distance_of(motions) == pytest.approx(step * np.hypot(14, 7), abs=0.6)
 
 
 def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refused():
@@ -248,7 +234,10 @@ def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refuse
 
 def test_a_camera_before_a_plain_wall_is_unknown():
     centres = _swinging(16)
-    assert np.isnan(gate.camera_motion(_drawn(centres, texture=0.0), _track(centres))[0])
+    _, motions, _ = camera_motions(
+        _drawn(centres, texture=0.0), [Bar(centres[0], centres[0], 18.0)]
+    )
+    assert np.isnan(distance_of(motions))
 
 
 @pytest.mark.parametrize("texture", [0.0, 40.0])

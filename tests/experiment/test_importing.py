@@ -131,7 +131,7 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
             {"time": "t [s]", "ball_1_x": "x [m]", "ball_1_y": "y [m]"},
             "need the pivot",
         ),
-        ("a,b\n0,1\n1,2\n", None, "say what its columns are"),
+        ("a,b\n0,1\n1,2\n", None, "name its columns"),
     ],
 )  # fmt: skip
 def test_what_is_missing_is_named_in_one_line(tmp_path, text, columns, said):

@@ -463,3 +463,16 @@ def test_a_pivot_whose_slow_frames_are_at_one_end_is_told_from_the_wall():
     assert rows.max() <= 12
     assert columns.max() <= 17
     assert len(rows) > 300
+
+
+def test_an_uncertain_pivot_is_looked_for_within_its_reach():
+    picture = gaussian_filter(np.random.default_rng(1).normal(size=(120, 120)), 2.0)
+    luma = np.float32(100.0 + 400.0 * picture)
+    side = luma[45:66, 45:66].astype(float)
+    reach = np.array([[-3.0, -12.0], [3.0, 12.0]])
+    tracker = PivotTracker(np.array([50.0, 48.0]), side, np.ones_like(side), reach)
+    guess, velocity = np.array([0.0, -11.0]), np.zeros(2)
+    # All places of the reach and about it, coarse and fine, not the room's thirty thousand.
+    assert len(tracker._costs(luma, guess, side, room=1000.0)[0]) < 2000
+    shift, _ = tracker.locate(luma, guess, velocity, room=1000.0)
+    np.testing.assert_allclose(shift, [5.0, 7.0], atol=0.01)

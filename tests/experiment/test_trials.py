@@ -244,7 +244,7 @@ def test_the_deviation_of_the_settled_angle_makes_a_trial_borderline():
     # 0.78 rad lies 0.005 below the limit of weak motion.
     sure, unsure = (f"0.02,2.0,1.0,0.01,0.78,{sigma}\n" for sigma in (0.001, 0.05))
     assert parse_trials(header + sure + unsure).borderline.values.tolist() == [0, 1]
-    with pytest.raises(ll.InputError, match="is called largest_angle_after_transient now"):
+    with pytest.raises(ll.InputError, match="is now called largest_angle_after_transient"):
         parse_trials((header + sure).replace("largest_angle_after_transient", "stabilised_angle"))
 
 

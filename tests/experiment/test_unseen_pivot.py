@@ -63,9 +63,9 @@ def test_noise_alone_makes_the_deviation_where_there_is_much():
     [
         (swing(arm=1e9, amplitude=2e-7), "too straight"),
         (swing(arm=12000.0, amplitude=0.012), "too straight"),
-        (swing(600.0, 0.3, drive=4.0), "move out of sight, by 4.3 pixels at 1.6 Hz"),
-        (np.concatenate([swing(300.0, 0.4), swing(150.0, 0.8)], axis=1), "no circle"),
-        (swing()[:10], "too seldom"),
+        (swing(600.0, 0.3, drive=4.0), "move outside the picture, by 4.3 pixels at 1.6 Hz"),
+        (np.concatenate([swing(300.0, 0.4), swing(150.0, 0.8)], axis=1), "not a circle"),
+        (swing()[:10], "too rarely"),
     ],
 )
 def test_a_path_that_does_not_show_a_pivot_at_rest_is_doubted(places, reason):
@@ -133,7 +133,7 @@ def test_angles_about_an_unseen_pivot_share_one_factor_and_else_are_as_good_as_t
     pulls = (angle - factor * true) / fitted.angle_sigma_1.values[ok]
     assert np.mean(np.abs(pulls) < 2.0) > 0.9
     assert np.median(fitted.angle_sigma_1) < 1e-3 < np.ptp(true) * attrs["angle_scale_sigma"]
-    assert "it is taken to rest at (160, -34" in attrs["warnings"]
+    assert "it is assumed to be at rest at (160, -34" in attrs["warnings"]
     np.testing.assert_allclose(fitted.pivot_y, 0.0, atol=1e-12)
     pivot, _ = places_of(fitted, SIZE)
     assert abs(pivot[0, 1] - (200.0 - ARM)) < 2.0 * attrs["pivot_offset_y_sigma"]
@@ -180,7 +180,7 @@ def test_a_declared_place_out_of_the_picture_is_the_pivot(above, tmp_path, capsy
     told = json.loads(capsys.readouterr().out)
     assert (told["geometry"], told["pivot_source"]) == ("angles", "declared")
     assert told["angle_scale_sigma"] < 0.02
-    assert "as declared, taken to rest" in (tmp_path / "page.html").read_text()
+    assert "as declared, assumed at rest" in (tmp_path / "page.html").read_text()
 
 
 @pytest.mark.parametrize(
@@ -214,7 +214,7 @@ def test_a_driven_pivot_out_of_the_picture_makes_no_angles(tmp_path):
     synthesise_video(run, path, Scene(ball_radius=0.017), camera, seed=2)
     table = tracked(path, pivot="outside", length=BALL.length)
     assert table.attrs["geometry"] == "unknown"
-    assert "seems to move out of sight, by 2." in table.attrs["warnings"]
+    assert "seems to move outside the picture, by 2." in table.attrs["warnings"]
     assert "at 1.4 Hz" in table.attrs["warnings"]
 
 
@@ -272,7 +272,7 @@ def test_each_of_two_balls_has_angles_about_its_own_pivot(pair, apart):
 def test_one_length_is_not_that_of_two_arms(pair):
     path, right, left = pair
     (u, v), other = click(right), click(left)
-    with pytest.raises(InputError, match="one length cannot be that of both"):
+    with pytest.raises(InputError, match="one length cannot fit both"):
         tracked(path, pivot=["outside", (160, 40)], balls=[(u + 320, v), other], length=0.363)
 
 
@@ -294,9 +294,9 @@ def test_fits_take_each_ball_about_its_own_pivot_and_none_takes_both(apart):
         assert abs(fit["length"].value - BALL.length) < 3.0 * fit["length"].sigma
         assert fit.dataset.attrs["ball"] == ball
     toy = ll.LatoLato(length=0.363, mass=0.1, damping=0.003, radius=0.02, restitution=0.9)
-    with pytest.raises(InputError, match="pivots of their own"):
+    with pytest.raises(InputError, match="separate pivots"):
         ll.fit_model(apart, toy)
-    with pytest.raises(InputError, match="pivots of their own"):
+    with pytest.raises(InputError, match="separate pivots"):
         ll.fit_restitution(apart, length=0.363)
 
 

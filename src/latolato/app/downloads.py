@@ -130,7 +130,7 @@ def prepare_animation(body: Any) -> Job:
     ------
     InputError
         For bad input.
-        Without the extra `video`.
+        If the extra `video` is missing.
     """
     from latolato.figures.animate import check_target
 

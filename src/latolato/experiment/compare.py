@@ -1,4 +1,4 @@
-"""Measurement beside computation: one entry for motion, trials on a map and response curves."""
+"""Compare measurement and computation: motion, trials on a map, and response curves."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
     measured : xarray.Dataset
         A track table or a trial table.
     computed : System, Fit or xarray.Dataset
-        Beside a track table: a system or a fit of one (`latolato.fit_model`, `latolato.fit_decay`)
-        whose motion is computed on the measured drive. Beside trials: a sweep's dataset, whose
-        classes they are compared with, or a system or fit, whose response curves they are.
+        For a track table: a system or a fit of one (`latolato.fit_model`, `latolato.fit_decay`)
+        whose motion is computed on the measured drive. For trials: a sweep's dataset, whose
+        classes are compared with theirs, or a system or fit, whose response curves are.
     drive : Drive or "measured", optional
         How the pivot of a track table moves, by default as it was measured.
     **options
-        Those of `compare_motion`, `compare_map` or `compare_response` in
-        `latolato.experiment.comparison`: ``sigmas`` and ``draws`` for the uncertainty (of a fit its
-        own deviations), ``match``, ``initial_offset``, ``duration`` and so on.
+        Options of `compare_motion`, `compare_map` or `compare_response` in
+        `latolato.experiment.comparison`: ``sigmas`` and ``draws`` for the uncertainty (by default
+        that of the fit), ``match``, ``initial_offset``, ``duration`` and so on.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def compare(measured: xr.Dataset, computed: Any, drive: Any = None, **options: A
 
         return compare_motion(measured, computed, drive, **options)
     if drive is not None:
-        raise InputError("trials tell their own drive: leave out drive")
+        raise InputError("trials contain their own drive: omit drive")
     if isinstance(computed, System):
         from latolato.experiment.comparison.response import compare_response
 
@@ -94,12 +94,12 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
     Raises
     ------
     InputError
-        If the fit is of no system.
+        If the fit does not define a complete system.
     """
     system = fit.system
     if system is None:
         raise InputError(
-            f"a fit of {fit.kind} names no whole system: use a fit of a model, or of a decay with "
-            "its mass"
+            f"a fit of {fit.kind} does not define a complete system: use a fit of a model, "
+            "or of a decay with its mass"
         )
     return system, {f.name: fit[f.name].sigma for f in fields(system) if f.name in fit}

@@ -1,4 +1,4 @@
-"""What the container of a video says: the rate of filming, how it is shown, whether it is whole."""
+"""What a container declares: the rate of filming, how it is shown, whether it is complete."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def write_video(
     Raises
     ------
     InputError
-        Without the extra `video`.
+        If the extra `video` is missing.
     """
     av = import_av()
     options = {"movflags": "+faststart", "video_track_timescale": str(TICKS)}

@@ -1,4 +1,4 @@
-"""Tables of other programs become track tables: Tracker's exports, phone sensors, spreadsheets."""
+"""Import tables of other programs: exports of Tracker, phone sensors, spreadsheets."""
 
 from __future__ import annotations
 
@@ -60,30 +60,31 @@ def import_table(
     y_axis: str = "up",
     angle_sigma: float | None = None,
 ) -> xr.Dataset:
-    """Return the track table in a text file of another program.
+    """Return a track table from a text file of another program.
 
     Parameters
     ----------
     path : str or Path
-        A table of numbers with a line of names above them, cells parted by tabs, semicolons,
-        commas or blanks. Further lines above, and comments, are passed over; numbers may have
-        decimal commas unless commas part the cells.
+        A table of numbers below a line of names, with cells separated by tabs, semicolons,
+        commas or blanks. Further lines above, and comments, are skipped; numbers may have decimal
+        commas unless commas separate the cells.
     columns : mapping of str to str, optional
-        For each column of the track table the file's: ``{"time": "t [s]", "angle_1":
-        "theta [deg]"}``. The unit stands in brackets here or in the file's own names, as in
-        "Time (s)". By default columns called t, theta, x and y are taken. Instead of an angle
-        ``angular_velocity_1`` may stand, a gyroscope's rate about the axis of the swing.
+        For each column of the track table, the column of the file:
+        ``{"time": "t [s]", "angle_1": "theta [deg]"}``.
+        The unit is given in brackets, here or in the file's own names, as in
+        "Time (s)". By default columns called t, theta, x and y are used. Instead of an angle
+        you may give ``angular_velocity_1``, a gyroscope's rate about the axis of the swing.
     length, radius : float, optional
         Pivot to ball centre and the ball's radius [m], kept with the table.
     pivot : pair of float, optional
-        Where the pivot is in the file's coordinates [m], where angles come from positions and the
+        Position of the pivot in the file's coordinates [m], if angles come from positions and the
         file has no pivot.
     angle_from : {"down", "right"}
         Direction from which the file counts angles, counter-clockwise: "right" is the x axis.
     y_axis : {"up", "down"}
-        Way in which the file's y grows.
+        Direction in which the file's y increases.
     angle_sigma : float, optional
-        Standard deviation of the angles [rad], where the file has none.
+        Standard deviation of the angles [rad], if the file has none.
 
     Returns
     -------
@@ -94,8 +95,8 @@ def import_table(
     Raises
     ------
     InputError
-        For missing or double columns, missing or unfit units, cells that are no numbers, times
-        that do not increase, and positions without a pivot.
+        For missing or duplicate columns, missing or unsuitable units, cells that are not numbers,
+        times that do not increase, and positions without a pivot.
     OSError
         If the file cannot be read.
     """
@@ -111,7 +112,7 @@ def import_table(
         text = _split(raw)
         mapping = _usual(text.names) if columns is None else dict(columns)
         if "time" not in mapping:
-            raise InputError("which column is the time?", way_out="say it as in time = 't [s]'")
+            raise InputError("which column is the time?", way_out="name it, as in time = 't [s]'")
         series = {target: _column(text, target, name) for target, name in mapping.items()}
         if y_axis == "down":
             series = {name: -v if name.endswith("_y") else v for name, v in series.items()}
@@ -157,20 +158,20 @@ def _split(raw: bytes) -> _Text:
         if body is not None:
             break
     else:
-        raise InputError("it holds no rows of numbers below a line of names")
+        raise InputError("it has no rows of numbers below a line of column names")
     width = len(rows[body])
     while body > 0 and _is_sparse(rows[body - 1], width, delimiter):
         body -= 1
     named = [row for row in rows[:body] if len(row) == width and any(row)]
     if not named:
         raise InputError(
-            f"it has no names above its {width} columns: put a line such as 't [s]' there"
+            f"it has no names above its {width} columns: add a header line such as 't [s]'"
         )
     names = [name.strip().lstrip("#%").strip().strip('"') for name in named[-1]]
     numbers = [row for row in rows[body:] if any(row)]
     for i, row in enumerate(numbers):
         if len(row) != width:
-            raise InputError(f"row {i + 1} has {len(row)} cells below {width} names")
+            raise InputError(f"row {i + 1} has {len(row)} cells, but there are {width} names")
     return _Text(names, [list(cells) for cells in zip(*numbers, strict=True)], delimiter != ",")
 
 
@@ -222,9 +223,7 @@ def _usual(names: list[str]) -> dict[str, str]:
     if "angle_1" in mapping:
         mapping = {k: v for k, v in mapping.items() if k in ("time", "angle_1")}
     if "time" not in mapping or len(mapping) < 2:
-        raise InputError(
-            f"say what its columns are, as in time = 't [s]'; it has {', '.join(names)}"
-        )
+        raise InputError(f"name its columns, as in time = 't [s]'; it has {', '.join(names)}")
     return mapping
 
 

@@ -1,4 +1,4 @@
-"""Draws what was found onto the video itself, to be looked at."""
+"""Draws the tracked pivot and balls onto the video, for inspection."""
 
 from __future__ import annotations
 
@@ -90,9 +90,9 @@ def write_overlay(
 ) -> Path:
     """Write the video with pivot, rods and balls drawn on it, and return the path.
 
-    Circles are in the colour of the sample's flag, which is written beside them unless it is ok;
-    number and time of the frame stand in the corner. The frames keep their times. The file appears
-    whole or not at all.
+    Circles have the colour of the sample's flag, which is written next to them unless it is ok;
+    the number and time of the frame are in the corner. The frames keep their times. The file is
+    written completely or not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a user can say about a video: options of `latolato track`, fields of a page."""
+"""What a user can declare about a video: options of `latolato track`, fields of a page."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ CLIP = (
     ),
     Parameter(
         name="click_frame", owner="clip", kind=int, allowed=NON_NEGATIVE,
-        description="number of the frame in which you point at pivot and balls; the first one "
-        "of the file is 0; by default the first one used",
+        description="number of the frame in which you point at pivot and balls, counted from "
+        "0 at the start of the file; by default the first frame used",
         quantity=Quantity("", "", "frame in which you point at pivot and balls"),
     ),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How good a track table is: shares of flags, typical errors, the pivot's plain harmonic."""
+"""The quality of a track table: shares of flags, typical errors, and the pivot's harmonic."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def typical_sigma(table: xr.Dataset) -> float | None:
 
 
 def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
-    """Return where a pivot is that the picture does not show, and how well it is known, in words.
+    """Describe where a pivot outside the picture is, and how well it is known.
 
     None for a pivot in the picture, and where there is none.
     """
@@ -50,13 +50,13 @@ def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
     shared = "angles and scale" if attributes.get("scale_source") == "length" else "angles"
     return (
         f"out of the picture at ({attributes['origin_u']:.0f}, {attributes['origin_v']:.0f}) "
-        f"{known}, taken to rest; {shared} are known to "
+        f"{known}, assumed at rest; {shared} are known to "
         f"{100.0 * attributes['angle_scale_sigma']:.2g} %"
     )
 
 
 def clock_text(attributes: Mapping[str, Any]) -> str:
-    """Return why a table's times are not those of its file, from its attributes; "" if they are."""
+    """Return why a table's times differ from those of its file; "" if they do not."""
     factor, filmed = attributes.get("slow_motion", 1.0), attributes.get("capture_rate")
     if filmed is None:
         return "" if factor == 1.0 else f"times divided by {factor:g}"
@@ -108,7 +108,7 @@ class Harmonic:
 
 
 def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
-    """Return the pivot's harmonic, None for a pivot that rests or is unknown."""
+    """Return the pivot's harmonic, None for a pivot that is at rest or unknown."""
     heights, times = pivot_heights(table), table["time"].values
     ok = np.isfinite(heights)
     if ok.sum() < 16:

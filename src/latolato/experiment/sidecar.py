@@ -1,4 +1,4 @@
-"""The set-up of a tracking, kept beside its table as TOML: enough to make the same table again."""
+"""The set-up of a track, kept next to its table as TOML: enough to make the same table again."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ Pivot = Place | Literal["outside"]
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """Everything beside the video that a track table depends on.
+    """Everything besides the video that a track table depends on.
 
     Parameters
     ----------
     pivot : tuple of float or None
-        Column and row of the pivot in the clicked frame as displayed [pixels]; None where it is not
-        in the picture.
+        Column and row of the pivot in the clicked frame as displayed [pixels]; None if it is not in
+        the picture.
     balls : tuple of tuple of float
         The same of each ball's centre.
     pivot_2 : tuple of float or None
@@ -50,7 +50,7 @@ class Setup:
     click_frame : int
         Number in the file of the frame in which pivot and balls are pointed at.
     region : tuple of float or None
-        Left, top, right and bottom of the part in which balls are looked for [pixels].
+        Left, top, right and bottom of the part in which to look for balls [pixels].
     shape : str
         How balls are recognised: ``"disc"`` or ``"template"``.
     patch : float or None
@@ -73,7 +73,7 @@ class Setup:
         Number in the file of a frame, ball from 1 on, column and row of the ball's centre there
         [pixels], as set by hand.
     is_proposed : bool
-        Whether nobody pointed at pivot or balls: they were found in the video.
+        Whether pivot and balls were found in the video instead of pointed at.
     """
 
     pivot: Place | None
@@ -216,9 +216,9 @@ def _parsed(path: Path) -> dict[str, Any]:
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"it is no TOML file: {error}") from None
+        raise InputError(f"it is not a TOML file: {error}") from None
     except RecursionError:
-        raise InputError("it is nested too deep for a set-up") from None
+        raise InputError("it is nested too deeply for a set-up") from None
     if not isinstance(tables.get("sha256"), str):
         raise InputError("it does not name its video (sha256)", way_out="remove it")
     return tables
@@ -254,7 +254,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
     if not isinstance(balls, list) or len(balls) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
     if has_own_pivots and len(balls) != 2:
-        raise InputError("geometry.own_pivots are those of two balls")
+        raise InputError("geometry.own_pivots needs two balls")
     return Setup(
         pivot=pivots.get("pivot"),
         pivot_2=pivots.get("pivot_2"),

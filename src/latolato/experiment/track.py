@@ -1,4 +1,4 @@
-"""A video becomes a table of angles about the moving pivot."""
+"""Turns a video into a table of angles about the moving pivot."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from latolato.experiment.sidecar import (
     with_changes,
     write_sidecar,
 )
-from latolato.experiment.track_table import track_table
+from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.follow import Corrections, follow
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
@@ -39,6 +39,7 @@ from latolato.experiment.tracking.learn_template import ROUND, learn_template_mo
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
+from latolato.experiment.tracking.steady import Bar, Steadier, steadied
 from latolato.experiment.tracking.wander import follow_path, period_of
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
@@ -63,6 +64,8 @@ _PATTERN, _UNEXPLAINED = 0.05, 0.1
 # Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
 # learning the scene.
 _READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# How far from where it is clicked, and from its rod, a ball may reach, as a share of the arm.
+_ABOUT = 0.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
 
@@ -120,33 +123,33 @@ def track(
     sidecar: str | Path | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Return where pivot and balls are in every frame of a video, with angles and their errors.
+    """Track pivot and balls in every frame of a video; return angles with their errors.
 
     Parameters
     ----------
     path : str or Path
         The video.
     pivot : sequence of float or "outside", or a sequence of two of these, optional
-        Column and row of the pivot in the clicked frame as displayed [pixels]. A pivot out of the
-        picture must rest: declare its place (which counts as known to 2 % of its distance from
-        the ball), or say ``"outside"`` to have it fitted from the arc on which the ball runs. Two
-        are the own pivots of two balls, in their order if these are pointed at.
+        Column and row of the pivot in the clicked frame as displayed [pixels]. A pivot outside the
+        picture must be at rest: declare its position (assumed known to 2 % of its distance from
+        the ball), or pass ``"outside"`` to fit it from the arc of the ball. Give two if two balls
+        have separate pivots, in the order of the balls if these are pointed at.
     balls : int or sequence of sequence of float, optional
         How many balls swing, 1 or 2; or column and row of each ball's centre in the clicked frame.
-        What is not pointed at is found in the video, and a warning names it.
+        Whatever you do not point at is found in the video, and a warning says where.
     start, end : float, optional
         First and last instant used, as in the column ``time`` [s].
     click_frame : int, optional
-        Number of the clicked frame: that in which pivot and balls are pointed at, or found. The
-        first one of the file is 0; by default it is the first one used.
+        Number of the clicked frame, in which pivot and balls are pointed at or found, counted
+        from 0 at the start of the file; by default the first frame used.
     region : sequence of float, optional
-        Left, top, right and bottom of the part of the picture in which balls are looked for
+        Left, top, right and bottom of the part of the picture in which to look for balls
         [pixels]; the pivot may lie outside.
     length : float, optional
-        From pivot to ball centre [m]: the scale of the picture. Without it the scale is that of
-        the stick, without that one of the radius; the others are checked against it. Without any,
-        angles are known, and positions in pixels only (columns ``pivot_u``, ``ball_1_u`` and so
-        on).
+        From pivot to ball centre [m]; it sets the scale of the picture. Without it the stick sets
+        the scale, and without a stick the radius; the others are checked against the scale.
+        Without any of them, angles are known, but positions only in pixels (columns ``pivot_u``,
+        ``ball_1_u`` and so on).
     radius : float, optional
         Radius of a ball [m].
     stick : sequence of sequence of float, optional
@@ -159,24 +162,24 @@ def track(
         pointed at, which turns with the pendulum: rings, blocks, bottles.
     patch : float, optional
         Side of the square about the click that the template is made of [pixels]. By default 2.8
-        radii, where radius and scale are known, else 0.3 of the distance from pivot to click.
+        radii if radius and scale are known, otherwise 0.3 of the distance from pivot to click.
     corrections : mapping, optional
-        Places that are set by hand: ``{frame: {ball: (u, v)}}`` with the number of the frame as in
-        the table, the ball's number, and column and row of its centre [pixels]. Tracking goes on
-        from there. They join those of a sidecar.
+        Positions set by hand: ``{frame: {ball: (u, v)}}`` with the number of the frame as in
+        the table, the ball's number, and column and row of its centre [pixels]. Tracking continues
+        from there. They are added to those of a sidecar.
     gravity : float, optional
         Gravitational acceleration [m/s^2], by default 9.8.
     optics : Optics, optional
         Row time of a rolling shutter and radial distortion of the lens.
     slow_motion : float, optional
         How many times slower than life the video plays: 8 for 240 Hz played at 30 Hz. By default
-        what the file declares without doubt, else 1.
+        the factor that the file declares unambiguously, otherwise 1.
     limits : Limits, optional
-        Largest duration, size and memory that a video may ask for.
+        Largest duration, size and memory that a video may need.
     sidecar : str or Path, optional
-        Keeps the set-up. It is read if it exists and neither pivot nor balls are pointed at; it is
-        always written. What is given here as well replaces what a sidecar says. Without it the
-        set-up of no earlier table is used.
+        File that keeps the set-up. It is read if it exists and neither pivot nor balls are pointed
+        at; it is always written. Arguments given here override the sidecar. Without it no earlier
+        set-up is used.
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
 
@@ -187,7 +190,7 @@ def track(
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
-        hidden), manual (set by hand, to 1 pixel), predicted (carried on by the equation of motion)
+        hidden), manual (set by hand, to 1 pixel), predicted (continued by the equation of motion)
         and lost. The attribute
         ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
         the picture and the arc does not show one at rest: angles are then NaN, flags are about the
@@ -195,32 +198,32 @@ def track(
         ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
         two all angles share the relative error ``angle_scale_sigma``, which is in no
         ``angle_sigma_1``. The second ball's own pivot has columns ``pivot_2_x`` and so on, and
-        attributes that end in ``_2``. ``warnings`` repeats what was warned of.
+        attributes that end in ``_2``. ``warnings`` repeats the warnings.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     InputError
-        If it is no video, cannot be decoded, exceeds a limit, has time stamps that do not increase,
-        a ball lies outside the frame or a pivot too far from it, no ball is found, what was
-        followed is not the ball, the camera moves, one length cannot be that of two balls about
-        pivots of their own, or the sidecar is another video's.
-        Without the extra `video`.
+        If the file is not a video, cannot be decoded, exceeds a limit or has time stamps that do
+        not increase; if a ball lies outside the frame or a pivot too far from it; if no ball is
+        found, or the tracked object is not the ball; if the camera moves; if one length cannot fit
+        two balls on separate pivots; or if the sidecar belongs to another video. If the extra
+        `video` is missing.
 
     Warns
     -----
     RuntimeWarning
-        For a set-up that was read, what was found instead of pointed at, a radius or a stick that
-        does not fit the scale, a path that is no circle, an unknown direction of gravity, an
-        unknown geometry.
+        For a set-up that was read, positions that were found instead of pointed at, a radius or a
+        stick that does not fit the scale, a path that is not a circle, an unknown direction
+        of gravity, or an unknown geometry.
 
     Notes
     -----
     Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
     the prediction; balls cannot pass each other. The track must pass the checks of
-    `latolato.experiment.tracking.gate`. It can miss: balls of other sizes or colours than each
-    other, a perspective that is not seen in the circle, and what each of the checks can miss.
+    `latolato.experiment.tracking.gate`. It can miss two balls of different sizes or colours, a
+    perspective that the circle does not show, and what each of the checks can miss.
 
     See Also
     --------
@@ -315,7 +318,7 @@ def prepare(
         setup = _checked(setup, video)
         if pivot is not None and clicks is not None:
             return Task(video, _right_first(setup))
-        sample = _sample_of(video, setup, progress)
+        video, sample = _read(video, setup, progress)
         known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
         proposal, size = propose(
             video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
@@ -357,7 +360,9 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     """Return the track table of a prepared video; what is to be warned of joins the task's list."""
     video, setup = task.video, task.setup
     with reading(video.path):
-        sample = task.sample or _sample_of(video, setup, progress)
+        if task.sample is None:
+            task.video, task.sample = _read(video, setup, progress)
+        sample = task.sample
         if setup.has_own_pivots:
             table = _apart(task, sample, progress)
         else:
@@ -366,6 +371,29 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
                 table = _table(task, [found])
             else:
                 table = _wandered(task, sample, found)
+    if isinstance(task.video.steadier, Steadier):
+        task.warnings.append(
+            f"the camera moves by up to {task.video.steadier.moved:.1f} pixels: corrected on the "
+            "background"
+        )
+        table.attrs["camera_motion"] = task.video.steadier.moved
+    repeats = _telling_repeats(table, sample.repeats)
+    if repeats:
+        task.warnings.append(
+            f"{_some_frames(repeats, 'repeats', 'repeat')} the previous picture: such frames are "
+            "out of date and not measured"
+            + (
+                "; they do so regularly, as after a conversion to another frame rate: times are "
+                "assumed to be even, not as in the file"
+                if sample.is_converted
+                else ""
+            )
+        )
+    if sample.gaps.any():
+        task.warnings.append(
+            f"{_some_frames(sample.gaps.sum(), 'is', 'are')} missing according to the time "
+            f"stamps, the longest gap is {np.diff(sample.times).max():.3g} s"
+        )
     if progress:
         progress(1.0)
     missing = video.expected_count - table.sizes["frame"]
@@ -388,6 +416,22 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
     return table
 
 
+def _some_frames(count: int, one: str, many: str) -> str:
+    """Return how many frames do something, in words."""
+    return f"{count} frame {one}" if count == 1 else f"{count} frames {many}"
+
+
+def _telling_repeats(table: xr.Dataset, repeats: np.ndarray) -> int:
+    """Return how many repeated pictures are not measured although those around them are."""
+    flags = [table[f"flag_{ball}"].values for ball in range(1, balls_of(table) + 1)]
+    is_measured = np.all(np.isin(flags, MEASURED), axis=0)
+    fresh = np.flatnonzero(~repeats)
+    numbers = np.flatnonzero(repeats & ~is_measured)
+    later = np.searchsorted(fresh, numbers)
+    around = (fresh[np.clip(k, 0, len(fresh) - 1)] for k in (later - 1, later))
+    return int(np.all([is_measured[k] for k in around], axis=0).sum())
+
+
 def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     """Return the part of a video that a set-up names, at the file's own pace if none is known."""
     start = -math.inf if setup.start is None else setup.start
@@ -398,13 +442,18 @@ def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     return replace(video, region=setup.region)
 
 
-def _sample_of(video: Video, setup: Setup, progress: Progress | None) -> Sample:
-    """Return the first reading of a video that shows a motion."""
+def _read(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video, Sample]:
+    """Return a video as a camera at rest would have taken it, and its first reading."""
     tell = progress and (lambda share: progress(_READ * share))
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
-        raise InputError(f"it has {len(sample.times)} frames, a motion needs {_FEWEST} or more")
-    return sample
+        raise InputError(f"it has {len(sample.times)} frames, but tracking needs {_FEWEST} or more")
+    hidden = []
+    for k, ball in enumerate(setup.balls):
+        own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot
+        arm = math.dist(ball, own or (0.5 * video.width, 0.0))
+        hidden.append(Bar(np.array(ball), np.array(own or ball), _ABOUT * arm))
+    return steadied(video, sample, hidden)
 
 
 def _checked(setup: Setup, video: Video) -> Setup:
@@ -438,7 +487,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
         if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
             raise InputError(
                 f"the pivot at ({u:g}, {v:g}) is farther than {reach:.0f} pixels from the picture",
-                way_out=f"say '{OUTSIDE}' to have it fitted from the arc",
+                way_out=f"use '{OUTSIDE}' to fit it from the arc",
             )
     return setup
 
@@ -505,7 +554,7 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
         raise InputError(
-            "a bob that is no disc can be followed about a pivot in the picture only",
+            "a bob that is not a disc can only be followed about a pivot in the picture",
             way_out="point at the pivot, or at a disc on the bob",
         )
     corrections = _corrections(task, sample)
@@ -571,7 +620,7 @@ def _followed(
     scale = scale_of(setup, size, (arm, 0.0))
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
-        raise InputError("pivot and ball must lie apart, 8 pixels or more")
+        raise InputError("pivot and ball must be at least 8 pixels apart")
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
     if is_off and setup.shape == "disc":
@@ -597,6 +646,9 @@ def _believed(
     radius: float | None = None,
 ) -> Positions:
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
+    if isinstance(task.video.steadier, Steadier):
+        unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
+        seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
     share = float(seen.is_measured.mean())
     places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
     factor = task.setup.slow_motion
@@ -626,6 +678,9 @@ def _calibrated(
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
     measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    if isinstance(video.steadier, Steadier):
+        places = video.steadier.deviations(len(seen.times))
+        measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)
     stiffness = setup.gravity / setup.length if setup.length else None
     task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
     if scene.look.is_spinning:
@@ -634,7 +689,7 @@ def _calibrated(
         measured.sigmas = np.hypot(measured.sigmas, unsure)
         task.warnings.append(
             "the ball has a pattern that turns with it: where the pattern resembles the "
-            f"background, angles are off by {1e3 * unsure:.2g} mrad and more"
+            f"background, angles are off by {1e3 * unsure:.2g} mrad or more"
         )
     return measured
 
@@ -706,8 +761,8 @@ def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
         _warn_of(task, track, scale)
     if scale is None:
         task.warnings.append(
-            "the length is unknown: positions are in pixels only; give the length for the scale, "
-            "or a stick, or the radius of a ball"
+            "the length is unknown, so positions are in pixels only; to set the scale, give the "
+            "length, a stick, or the radius of a ball"
         )
     attributes = {
         **_declared(task, "metric" if scale else "angles"),
@@ -740,8 +795,8 @@ def _scale(task: Task, tracks: list[_Track]) -> Scale | None:
     if setup.length and longest[0] / shortest[0] - 1.0 > doubt:
         raise InputError(
             f"the balls are {arms[0, 0]:.0f} and {arms[1, 0]:.0f} pixels from their pivots: one "
-            "length cannot be that of both",
-            way_out="leave the length out, and give it to fits of each ball",
+            "length cannot fit both",
+            way_out="omit the length here, and give it in the fit of each ball",
         )
     arm, radius = arms.mean(axis=0), looks.mean(axis=0)
     return scale_of(setup, (video.width, video.height), tuple(arm), tuple(radius))
@@ -755,9 +810,9 @@ def _warn_of(task: Task, track: _Track, scale: Scale | None) -> None:
         u, v = track.measured.pivots[0]
         and_scale = ", and the scale," if scale and scale.source == "length" else ""
         task.warnings.append(
-            f"the pivot is not in the picture: it is taken to rest at ({u:.0f}, {v:.0f}), the "
-            f"centre of the ball's arc; all angles{and_scale} share an error of "
-            f"{100.0 * hinge.scale_sigma:.2g} %"
+            "the pivot is not in the picture: it is assumed to be at rest at "
+            f"({u:.0f}, {v:.0f}), the centre of the ball's arc; all angles{and_scale} share an "
+            f"error of {100.0 * hinge.scale_sigma:.2g} %"
         )
     if scale is None:
         return
@@ -815,8 +870,8 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
     task.warnings.append(
-        f"{path.doubt}: the geometry is unknown, there are no angles, the ball's places are in "
-        "pixels; its period is in the table's attributes"
+        f"{path.doubt}: the geometry is unknown, so there are no angles and the ball's positions "
+        "are in pixels; its period is in the table's attributes"
     )
     period, sigma = period_of(seen.times, seen.centres[:, 0])
     if math.isnan(period):

@@ -1,4 +1,4 @@
-"""The track table: what was measured in every frame of a video, one ball or two.
+"""The track table: what was measured in every frame of a video, for one ball or two.
 
 One row per decoded frame, in SI units, with the origin at the mean pivot, x to the right and y up.
 Every part of the experiment chain reads and writes tables through this module.
@@ -56,10 +56,10 @@ def track_table(
     ----------
     columns : mapping of str to array_like, shape (frame,)
         Named as in `COLUMNS` and `OWN_PIVOT_COLUMNS`, in SI units, and `PICTURE_COLUMNS`, in
-        pixels. `time` is needed;
-        `frame` counts from 0 if it is left out; any ``_2`` makes it a table of two balls. Numbers
-        that are left out are NaN; a flag that is left out is "ok" where its angle is known and
-        "lost" elsewhere.
+        pixels. `time` is required;
+        `frame` counts from 0 if it is omitted; any ``_2`` makes it a table of two balls. Omitted
+        numbers are NaN; an omitted flag is "ok" where its angle is known and "lost"
+        elsewhere.
     attributes : mapping, optional
         Numbers and texts that go with the table: ``source``, ``source_sha256``, ``length`` [m],
         ``radius`` [m], ``metres_per_pixel`` and so on; None is left out.
@@ -101,7 +101,7 @@ def track_table(
     for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(
-                f"column '{name}' must have {count} rows as time has", value=values.shape
+                f"column '{name}' must have {count} rows, like time", value=values.shape
             )
     arrays.setdefault("frame", np.arange(count))
     _check_increasing("time", arrays["time"])
@@ -122,12 +122,12 @@ def track_table(
 
 
 def checked_table(table: Any, *needed: str) -> xr.Dataset:
-    """Return a track table, or raise if it is none or a needed column holds no number.
+    """Return a track table, or raise if it is not one or a required column has no numbers.
 
     Raises
     ------
     InputError
-        If it is not a track table, or a needed column is missing or empty.
+        If it is not a track table, or a required column is missing or empty.
     """
     import xarray as xr
 
@@ -148,13 +148,13 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
         if not np.any(np.isfinite(table[name].values)):
             raise InputError(
                 f"the {table[name].attrs.get('long_name', name)} was not measured",
-                way_out=f"the column '{name}' of the track table holds no number",
+                way_out=f"the column '{name}' of the track table holds no numbers",
             )
     return table
 
 
 def balls_of(table: xr.Dataset) -> int:
-    """Return how many balls a table is about."""
+    """Return how many balls a table describes."""
     return 2 if "angle_2" in table.variables else 1
 
 
@@ -197,13 +197,13 @@ def _of_first(name: str) -> str:
 def write_table(table: xr.Dataset, path: str | Path) -> Path:
     """Write a track table as CSV, Parquet or NetCDF by its suffix and return the path.
 
-    The file appears whole or not at all; see `latolato.io.column_files.write_columns`.
+    The file is written completely or not at all; see `latolato.io.column_files.write_columns`.
 
     Raises
     ------
     InputError
         If it is not a track table or the suffix is unknown.
-        For Parquet without the extra `parquet`.
+        For Parquet, if the extra `parquet` is missing.
     OSError
         If the file cannot be written.
     """
@@ -228,13 +228,13 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
 
 
 def read_table(path: str | Path) -> xr.Dataset:
-    """Return the track table in a file, checked as `track_table` does.
+    """Return the track table in a file, checked as in `track_table`.
 
     Raises
     ------
     InputError
-        For an unknown suffix, an empty file, a file of something else, missing columns, missing or
-        other units, and what `track_table` refuses.
+        For an unknown suffix, an empty file, a file with other content, missing columns, missing or
+        different units, and anything `track_table` refuses.
     OSError
         If the file cannot be read.
     """
@@ -333,7 +333,9 @@ def _check_increasing(name: str, values: Any) -> None:
     """Raise InputError unless each value is known and larger than the one before."""
     if not np.all(np.isfinite(values)):
         row = int(np.argmin(np.isfinite(values)))
-        raise InputError(f"must be known in every row, which row {row + 1} breaks", parameter=name)
+        raise InputError(
+            f"must be known in every row, but is missing in row {row + 1}", parameter=name
+        )
     falls = np.flatnonzero(np.diff(values) <= 0)
     if falls.size:
         i = int(falls[0])

@@ -28,7 +28,7 @@ _KIND = "trials"
 BORDERLINE = 3.0
 TEXTS = {
     "set": "set of trials with the same driving amplitude",
-    "source": "file that the trial is from",
+    "source": "file from which the trial comes",
     "class": "class of motion: none, weak (settled at 45 deg) or strong (90 deg at any time)",
     "set_by": "how the set was decided: folder, amplitude or given",
     "note": "remarks about the trial",
@@ -111,8 +111,9 @@ def trial_table(
     Parameters
     ----------
     columns : mapping of str to array_like, shape (trial,)
-        Named as in `COLUMNS`, in SI units. Needed are `drive_amplitude`, `drive_frequency` or
-        `frequency_ratio`, and `class` or both angles. What can be computed from others is.
+        Named as in `COLUMNS`, in SI units. Required are `drive_amplitude`, `drive_frequency`
+        or `frequency_ratio`, and `class` or both angles. Columns that follow from others are
+        computed.
     attributes : mapping, optional
         ``gravity`` [m/s^2] and other numbers and texts.
 
@@ -216,7 +217,7 @@ def about(name: str) -> dict[str, str]:
 
 
 def checked_trials(trials: Any) -> xr.Dataset:
-    """Return a trial table, or raise InputError if it is none."""
+    """Return a trial table, or raise InputError if it is not one."""
     import xarray as xr
 
     if not isinstance(trials, xr.Dataset):
@@ -232,12 +233,12 @@ def checked_trials(trials: Any) -> xr.Dataset:
 
 
 def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
-    """Write a trial table as CSV or NetCDF by its suffix, whole or not at all; return the path.
+    """Write a trial table as CSV or NetCDF by its suffix and return the path.
 
     Raises
     ------
     InputError
-        If it is no trial table or the suffix is unknown.
+        If it is not a trial table or the suffix is unknown.
     OSError
         If the file cannot be written.
     """
@@ -264,14 +265,14 @@ def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset
     """Return the trial table in a CSV or NetCDF file.
 
     A CSV needs a line of column names; cells may carry units (``12 mm``, ``95 deg``), or names
-    (``drive_amplitude [mm]``), and lines that begin with ``#`` are comments. Columns that are not
-    of a trial table are left out.
+    (``drive_amplitude [mm]``), and lines that begin with ``#`` are comments. Columns that do not
+    belong to a trial table are ignored.
 
     Raises
     ------
     InputError
-        For an unknown suffix, missing columns, cells that are no numbers (naming the row), and
-        what `trial_table` refuses.
+        For an unknown suffix, missing columns, cells that are not numbers (naming the row), and
+        anything `trial_table` refuses.
     OSError
         If the file cannot be read.
     """
@@ -306,7 +307,7 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     headings = {name_and_unit(heading): values for heading, (values, _) in parts.items()}
     if "stabilised_angle" in parts:  # as tables were written before
         raise InputError(
-            "the column stabilised_angle is called largest_angle_after_transient now",
+            "the column stabilised_angle is now called largest_angle_after_transient",
             way_out="rename it, and its _sigma",
         )
     columns: dict[str, Any] = {}

@@ -53,7 +53,7 @@ def trial_of(
     start: float | None = None,
     end: float | None = None,
 ) -> dict[str, Any]:
-    """Return the row of a trial table that a track table makes, in SI units.
+    """Return the row of a trial table that a track table gives, in SI units.
 
     Parameters
     ----------
@@ -66,13 +66,13 @@ def trial_of(
     transient : float, optional
         Time after `start` at which the last part begins [s]; by default two thirds of the record.
     start, end : float, optional
-        Piece of the table that is used [s].
+        Part of the table to use [s].
 
     Raises
     ------
     InputError
-        For bad input, a pivot at rest, and angles that are not known.
-        Without lmfit.
+        For bad input, a pivot at rest, or unknown angles.
+        If lmfit is missing.
 
     Notes
     -----
@@ -82,10 +82,10 @@ def trial_of(
     largest of n noisy turning points is too large: with m the expected largest of n standard
     normal numbers, noise s and motion that varies by v itself, ``m (sqrt(v^2 + s^2) - v)`` is
     taken off. The standard deviation is that of the largest of n,
-    ``sqrt(v^2 + s^2)/sqrt(1 + 0.8 ln n)``, and half of what was taken off; v counts for the angle
-    after the transient only, which another record of
-    the same motion would show otherwise. Numbers that the tracker predicted do not count. With
-    steps of the frequency the drive is that of the last stage.
+    ``sqrt(v^2 + s^2)/sqrt(1 + 0.8 ln n)``, and half of what was taken off; v counts only for the
+    angle after the transient, which would differ in
+    another record of the same motion. Angles that the tracker predicted do not count. If the
+    frequency has steps, the drive is that of the last stage.
     """
     from latolato.experiment.fits.drive import fit_drive
 
@@ -155,7 +155,7 @@ def collect_trials(
     workers: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Return the trial table of track tables and videos; a bad file does not stop the others.
+    """Return a trial table from track tables and videos; a bad file does not stop the others.
 
     Parameters
     ----------
@@ -163,12 +163,13 @@ def collect_trials(
         Folders (with their folders), track tables and videos. A video is tracked first; one whose
         table lies in the same folder is not tracked again.
     length, radius, pivot, balls : optional
-        For `latolato.track`, the same for all videos; without places they are found in each video.
+        For `latolato.track`, the same for all videos; without positions, pivot and balls are found
+        in each video.
     gravity, transient, start, end
         As for `trial_of`.
     sets : {"auto", "folder", "amplitude"}
-        What makes a set: its folder, or amplitudes that lie together; by default folders if there
-        are several.
+        What defines a set: its folder, or amplitudes close to each other; by default folders if
+        there are several.
     workers : int
         Processes.
     progress : callable, optional
@@ -178,12 +179,12 @@ def collect_trials(
     -------
     xarray.Dataset
         A trial table (`latolato.experiment.trial_table`) ordered by set and frequency. Its
-        attribute ``failed`` names each file that gave no trial, and why, parted by ``|``.
+        attribute ``failed`` lists each file that gave no trial and the reason, separated by ``|``.
 
     Raises
     ------
     InputError
-        If there is no file, or none of them gives a trial.
+        If there is no file, or no file gives a trial.
 
     Warns
     -----
@@ -230,12 +231,12 @@ def collect_trials(
 
 
 def files_of(sources: Sequence[Any]) -> list[Any]:
-    """Return track tables and videos in the order given; a folder's are sorted by name.
+    """Return track tables and videos in the given order; those of a folder are sorted by name.
 
     Raises
     ------
     FileNotFoundError, InputError
-        If there is no such file, or a folder has none.
+        If there is no such file, or a folder contains none.
     """
     import xarray as xr
 
@@ -340,7 +341,9 @@ def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     flag = table[f"flag_{ball}"].values.astype(str)
     good = np.isfinite(angle) & np.isin(flag, MEASURED)
     if good.sum() < 8:
-        raise InputError(f"ball {ball} was seen in {good.sum()} frames, a trial needs at least 8")
+        raise InputError(
+            f"ball {ball} was seen in {good.sum()} frames, but a trial needs at least 8"
+        )
     sigma = table[f"angle_sigma_{ball}"].values[good]
     known = np.isfinite(sigma) & (sigma > 0.0)
     sigma = filled(sigma) if known.any() else np.full(good.sum(), noise_of(angle[good]))

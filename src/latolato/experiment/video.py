@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -66,7 +66,7 @@ class Limits:
     frames : int
         Number of frames.
     memory : float
-        What learning from its frames takes at most [bytes].
+        Most memory that learning from its frames may take [bytes].
     """
 
     duration: float = 3600.0
@@ -133,7 +133,9 @@ class Video:
     first_frame : int
         Number in the file of the first of these frames.
     region : tuple of float, optional
-        Left, top, right and bottom of the part in which balls are looked for [pixels].
+        Left, top, right and bottom of the part in which to look for balls [pixels].
+    steadier : callable, optional
+        Changes each frame to what a camera at rest would have taken.
     """
 
     path: Path
@@ -154,6 +156,7 @@ class Video:
     end: float = math.inf
     first_frame: int = 0
     region: tuple[float, float, float, float] | None = None
+    steadier: Callable[[Frame], Frame] | None = None
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -199,12 +202,12 @@ class Video:
                     first, size = time, (picture.width, picture.height)
                 if (picture.width, picture.height) != size:
                     raise InputError(
-                        f"frame {number} has another size than those before, {picture.width} x "
+                        f"frame {number} differs in size from those before it: {picture.width} x "
                         f"{picture.height} pixels"
                     )
                 if not time > last:
                     raise InputError(
-                        f"time stamps must increase, frame {number} is at {time:.6g} s after "
+                        f"time stamps must increase, but frame {number} is at {time:.6g} s after "
                         f"{last:.6g} s",
                         way_out=_WRITE_AGAIN,
                     )
@@ -216,7 +219,8 @@ class Video:
                     count = number - self.first_frame + 1
                     self.limits.check("frames", count, f"{count} frames are there")
                     planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
-                    yield Frame(count - 1, time, *planes)
+                    frame = Frame(count - 1, time, *planes)
+                    yield self.steadier(frame) if self.steadier else frame
                 last = time
                 number += 1
             else:
@@ -243,17 +247,17 @@ def open_video(
     start: float = -math.inf,
     end: float = math.inf,
 ) -> Video:
-    """Return what a video file is, after its frames up to the first at `start` were decoded.
+    """Open a video file, decoding its frames up to the first at `start`.
 
     Parameters
     ----------
     path : str or Path
         The video.
     slow_motion : float
-        How many times slower than life it plays: a 240 fps recording stored at 30 fps has 8. By
-        default what the file declares without doubt, else 1.
+        How many times slower than life it plays: 8 for a 240 fps recording stored at 30 fps. By
+        default the factor that the file declares unambiguously, otherwise 1.
     limits : Limits
-        Refuse what is larger.
+        Refuse larger videos.
     start, end : float
         Times between which frames are decoded later, both included [s].
 
@@ -262,7 +266,7 @@ def open_video(
     FileNotFoundError
         If there is no such file.
     InputError
-        If it is no video, holds no picture, exceeds a limit or ends before `start`.
+        If it is not a video, has no pictures, exceeds a limit or ends before `start`.
         If PyAV is missing.
     """
     path = Path(path)
@@ -273,7 +277,7 @@ def open_video(
         _check_file(path)
         with _opened(path) as container:
             if not len(container.streams):
-                raise _unreadable(path, "it cannot be read as a video: nothing is in it")
+                raise _unreadable(path, "it cannot be read as a video: it is empty")
             if not container.streams.video:
                 raise _unreadable(path, "it holds no video stream, only sound or data")
             stream = container.streams.video[0]

@@ -41,7 +41,7 @@ def read_columns(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
     ------
     InputError
         For files of another kind, and for rows of unequal length.
-        For Parquet without the extra `parquet`.
+        For Parquet, if the extra `parquet` is missing.
     """
     if suffix == ".parquet":
         return _read_parquet(path)

@@ -78,7 +78,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     InputError
         If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
         and Parquet.
-        For Parquet without the extra `parquet`.
+        For Parquet, if the extra `parquet` is missing.
     OSError
         If the file cannot be written.
     """

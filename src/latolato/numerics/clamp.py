@@ -1,7 +1,7 @@
 """The fixed-step clamp: classical Runge-Kutta with reflection on overlap, an artefact by design.
 
-It shows what a program without contact location does: the ball is moved back onto the wall, so
-energy appears from nowhere and a ball at rest is set in motion by rounding and step size.
+It shows what a program without contact location does: it moves the ball back onto the wall, so
+energy appears from nowhere, and rounding and step size set a ball at rest in motion.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Compiles kernels with numba and keeps them on disk, keyed by everything they depend on.
 
-numba's own cache looks at the file of the outermost function only. Ours hashes all sources of the
+numba's own cache looks only at the file of the outermost function. Ours hashes all sources of the
 kernel layers together with the library versions, so an edit anywhere below a kernel recompiles it.
 """
 

@@ -1,10 +1,10 @@
 """Many trajectories of one ball at once, in the lanes of vector registers.
 
-All lanes take a full step together; each keeps its own time, step and laws. What a lane cannot do
-in a full step is done for it alone afterwards: an ordinary impact here, everything else (start,
+All lanes take a full step together; each keeps its own time, step and laws. Anything that a lane
+cannot do in a full step is then done for it alone: an ordinary impact here, everything else (start,
 rest, release, grazing, stops) by one step of the trajectory of a single run. A lane whose point is
-finished takes up the next one. What a lane computes depends on nothing but its point, so results
-are the same in any lane, chunk and order.
+finished takes up the next one. What a lane computes depends only on its point, so results are the
+same in any lane, chunk and order.
 
 The drive is ``strength cos(phase)``: its cosine is rotated from stage to stage instead of being
 computed. Velocities are in radians per step. Parts: `lane_rows` (where numbers lie), `lane_flight`

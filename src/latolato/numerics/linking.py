@@ -1,9 +1,9 @@
 """Links and optimises a kernel once, with all its parts.
 
-numba optimises every function that it compiles together with all that it calls, and makes machine
-code of it. The parts of a kernel lie ten calls deep, so the same code would be gone through at
-every level: half of the time that compiling took. Here a part is left as numba lowered it; the
-kernel gathers what it calls, directly or not, and only then is anything optimised.
+numba optimises every function that it compiles together with everything that it calls, and makes
+machine code of it. The parts of a kernel are ten calls deep, so numba would process the same code
+at every level: half of the compile time. Here a part stays as numba lowered it; the
+kernel gathers what it calls, directly or not, and only then is optimised.
 """
 
 from __future__ import annotations

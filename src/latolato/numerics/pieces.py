@@ -2,7 +2,7 @@
 
 A piece takes and returns numbers and addresses of arrays and records, as C has them. What calls it
 knows its address and does not depend on the code behind it, so a sweep with other observables
-needs new pieces for these and nothing else. Plain Python and GPUs call the same functions directly.
+only needs new pieces for these. Plain Python and GPUs call the same functions directly.
 
 Nothing here imports a compiler: `latolato.numerics.shipped` has the package's own pieces, and
 `latolato.numerics.compiled` is imported where a piece is not among them.

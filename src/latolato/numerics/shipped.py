@@ -1,8 +1,8 @@
 """Pieces that come with the package as LLVM bitcode: compiled for this processor without numba.
 
 `make kernels` compiles the pieces of `latolato.numerics.pieces.every_recipe` into ``kernels.zip``,
-with a digest of the sources that they were made of. Where these have been edited since, or where
-the bitcode cannot be used, numba compiles instead. Machine code is kept in the cache folder.
+with a digest of their sources. If the sources have changed since, or the bitcode cannot be used,
+numba compiles instead. Machine code is kept in the cache folder.
 """
 
 from __future__ import annotations

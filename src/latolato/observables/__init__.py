@@ -1,7 +1,7 @@
-"""Numbers gathered while a trajectory runs; every module of this folder is loaded by discovery.
+"""Numbers gathered while a trajectory runs; every module of this folder is discovered and loaded.
 
-Adding an observable is one file with one class and the `register` decorator; see
-`latolato.observables.base.Observable` for what it may say.
+To add an observable, write one file with one class and the `register` decorator;
+see `latolato.observables.base.Observable` for what it may define.
 """
 
 from __future__ import annotations

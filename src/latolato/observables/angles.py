@@ -1,4 +1,4 @@
-"""Largest angles, what follows from them, and whether motion started by itself."""
+"""Largest angles, quantities that follow from them, and whether motion started by itself."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 @observables.register("largest_angle")
 @dataclass(frozen=True, kw_only=True)
 class LargestAngle(Observable):
-    """Largest absolute angle at any time, transient included; unwrapped if the ball rotates."""
+    """Largest absolute angle at any time, with the transient; unwrapped if the ball rotates."""
 
     variables: ClassVar[Any] = {"largest_angle": QUANTITIES["largest_angle"]}
     needs: ClassVar[frozenset[str]] = frozenset({"turn"})

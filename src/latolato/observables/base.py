@@ -1,9 +1,9 @@
-"""What every observable offers: numbers gathered while a trajectory runs, nothing stored.
+"""What every observable offers: numbers gathered while a trajectory runs, without storing it.
 
 An observable owns some *slots* of an accumulator array: first its parameters, in the order of its
-fields, then its variables, then what else it has to remember. The engine calls its formulas at the
-start, at every step, contact and mark, and at the end, with the accumulator, the index `i` of its
-first slot and the distance `n` between slots: slot m is ``acc[i + m * n]``. They run as plain
+fields, then its variables, then anything else it has to remember. The engine calls its formulas at
+the start, at every step, contact and mark, and at the end, with the accumulator, the index `i` of
+its first slot and the distance `n` between slots: slot m is ``acc[i + m * n]``. They run as plain
 Python, compiled, in SIMD lanes, on a GPU and in a web page, so they use :mod:`math` only; write
 `step` without branches around assignments (use ``a if condition else b``), then lanes stay fast.
 
@@ -74,7 +74,7 @@ class Segment(NamedTuple):
 class Outcome(NamedTuple):
     """State, works and times of a ball at the end of a run.
 
-    Works and losses [J] are those of the observed time, of both balls for a `BallPair`.
+    Works and losses [J] are those of the observed time, for both balls of a `BallPair`.
     """
 
     angle: float  # rad
@@ -101,10 +101,10 @@ class Observable:
     ----------
     variables : mapping of str to Quantity
         The variables of the dataset, in the order of their slots: one each, or as many as the
-        further dimension is long, for exponents always four.
+        further dimension is long, but always four for exponents.
     needs : set of str
         What costs extra: ``"energy"`` and ``"turn"`` of a `Segment`, which sweeps find faster if
-        they are named here, ``"works"``, ``"compression"``.
+        you name them here, ``"works"``, ``"compression"``.
     start : formula ``(acc, i, n, angle)``
         Before the run; all slots behind the parameters are zero.
     step : formula ``(acc, i, n, segment)``
@@ -114,7 +114,7 @@ class Observable:
     mark : formula ``(acc, i, n, number, t, angle, velocity)``
         At the instants that `marks` asks for.
     restart : formula ``(acc, i, n, angle, velocity)``
-        When the transient ends; by default what was gathered is kept.
+        When the transient ends; by default the slots keep their values.
     tangent : formula ``(acc, i, n, size, time, spread, jacobian)``
         After every step and event, with the matrix ``jacobian[row, column]`` by which it changes
         small deviations of the `size` numbers of the state (angle and angular velocity of the
@@ -127,12 +127,12 @@ class Observable:
         A further dimension of the variables: ``sample`` (one for each mark), ``exponent`` (one for
         each number of the state) or none.
     angles : int
-        How many angles the system must have; 0 if any number will do.
+        How many angles the system must have; 0 for any number.
     plain : set of str
         The variables that do not have that dimension.
     mirrored : bool
-        Whether it belongs to the mirror-symmetric motion of two equal balls; roundings are kept
-        from breaking the symmetry then.
+        Whether it belongs to the mirror-symmetric motion of two equal balls; rounding is then
+        kept from breaking the symmetry.
     of_strings : bool
         Whether the system must hang on strings.
     is_joint : bool
@@ -167,7 +167,7 @@ class Observable:
 
     @property
     def marks(self) -> int:
-        """How many of the last drive periods' ends are to be marked."""
+        """How many ends of the last drive periods to mark."""
         return 0
 
     @property
@@ -180,7 +180,7 @@ class Observable:
 
     @property
     def slots(self) -> int:
-        """How many slots it owns: parameters, variables, and what else it has to remember."""
+        """How many slots it owns: parameters, variables, and anything else it has to remember."""
         return len(self.parameters) + max(self.memory, sum(self.widths.values()))
 
     @property
@@ -200,7 +200,7 @@ class Observable:
         Raises
         ------
         InputError
-            If one of them uses a slot behind it.
+            If one of them uses a slot beyond it.
         """
         import numpy as np
 

@@ -135,7 +135,7 @@ class ImpactSpeed(Observable):
 class RestFraction(Observable):
     """Share of the time after the transient in lasting contact, or held by Coulomb friction.
 
-    Balls of a `BallPair` in lasting contact may swing together; that time counts too.
+    The balls of a `BallPair` may swing together in lasting contact; that time counts too.
     """
 
     variables: ClassVar[Any] = {"rest_fraction": Quantity("1", "", "share of time at rest")}

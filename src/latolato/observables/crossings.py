@@ -53,8 +53,8 @@ class Crossings(Observable):
     """Passages of a ball through the positions +-`crossing_angle` (Paper, criterion 2).
 
     Angles count modulo 2 pi, so a rotating pendulum keeps counting; with ``unwrapped=True`` only
-    the two angles themselves count. Turns within a step are located on its quintic; a passage and
-    a return whose depth is below the error of a step can be missed, both at once.
+    the two angles themselves count. Turning points within a step are located on its quintic. A
+    passage and its return can both be missed if their depth is below the error of a step.
     """
 
     variables: ClassVar[Any] = {"crossings": QUANTITIES["crossings"]}

@@ -1,4 +1,4 @@
-"""What becomes of small deviations: the matrix of a run, and the Lyapunov exponents."""
+"""How small deviations evolve: the matrix of a run, and the Lyapunov exponents."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Deviations(Observable):
-    """The matrix by which a run changes small deviations; not registered, as it is no number."""
+    """The matrix by which a run changes small deviations; not registered, as it is not a number."""
 
     start: ClassVar[Any] = staticmethod(_start)
     tangent: ClassVar[Any] = staticmethod(_gather)
@@ -157,9 +157,9 @@ class LyapunovExponent(_Exponents):
     """Largest Lyapunov exponent after the transient.
 
     Benettin et al., Meccanica 15 (1980) 9, with the saltation matrices of impacts. Minus infinity
-    where the motion forgets its past: it rests, or meets a wall without rebound. Slack strings
-    count from taut to taut; NaN where none tightens, and where balls meet at the very instant at
-    which a string tightens.
+    if the motion forgets its past: it rests, or meets a wall without rebound. Slack strings
+    count from taut to taut; NaN if none tightens, or if balls meet at the very instant at which a
+    string tightens.
     """
 
     variables: ClassVar[Any] = {
@@ -174,8 +174,8 @@ class LyapunovSpectrum(_Exponents):
     """All Lyapunov exponents after the transient, and how well the sum rule holds.
 
     The exponents add up to the mean divergence of the flow plus ``2 f ln e`` at f impacts per
-    second; the residual is what is missing. With strings that go slack the laws of motion do not
-    tell the sum, and the residual is NaN.
+    second; the residual is the difference. If strings go slack, the laws of motion do not determine
+    the sum, and the residual is NaN.
     """
 
     variables: ClassVar[Any] = {
@@ -236,8 +236,8 @@ class TransverseExponent(Observable):
     """Growth rate of small departures from mirror symmetry, for two equal balls started mirrored.
 
     The mean angle S of both obeys ``S'' + gamma S' + (g + y0'')/l cos(angle) S = 0`` along the
-    mirrored motion (linear drag); impacts leave it alone. Where the rate is negative the one-ball
-    model describes the pair. The computed motion is kept symmetric, whatever roundings would do.
+    mirrored motion (linear drag); impacts do not change it. If the rate is negative, the one-ball
+    model describes the pair. The computed motion is kept symmetric despite rounding.
     """
 
     variables: ClassVar[Any] = {

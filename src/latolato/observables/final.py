@@ -54,9 +54,9 @@ def _finish_works(acc: Any, i: int, n: int, end: Outcome) -> None:
 @observables.register("energy_ledger")
 @dataclass(frozen=True, kw_only=True)
 class EnergyLedger(Observable):
-    """Work of the drive and the losses after the transient, each from its own quadrature.
+    """Work of the drive and losses after the transient, each from its own quadrature.
 
-    Of one ball, or of both balls of a `BallPair` together.
+    For one ball, or for both balls of a `BallPair` together.
     """
 
     variables: ClassVar[Any] = {
@@ -104,8 +104,8 @@ def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocit
 class PoincareSection(Observable):
     """Angle and angular velocity at the end of each of the last `periods` drive periods.
 
-    The instants are whole multiples of the drive period, the last not after the duration; a step
-    ends at each. NaN where the run is shorter than that many periods.
+    The instants are whole multiples of the drive period, the last one not later than the duration;
+    a step ends at each. NaN if the run is shorter than that many periods.
     """
 
     variables: ClassVar[Any] = {

@@ -76,9 +76,9 @@ def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
 class FirstPassage(Observable):
     """Time at which the absolute angle first reaches `threshold_angle`, NaN if it never does.
 
-    Counted from the beginning of the run, transient included; the angle is unwrapped. The passage
-    is located on the quintic of its step; one whose height above the threshold is below the error
-    of a step can be missed.
+    Counted from the beginning of the run, including the transient; the angle is unwrapped. The
+    passage is located on the quintic of its step. It can be missed if its height above the
+    threshold is below the error of a step.
     """
 
     variables: ClassVar[Any] = {"first_passage": QUANTITIES["first_passage"]}

@@ -108,14 +108,14 @@ def find_period(
     frequency : float
         Of the drive [rad/s].
     longest : int
-        Largest lag that is tried.
+        Largest lag to try.
     angle_tolerance : float
         Largest distance that counts as recurrence [rad].
 
     Returns
     -------
     period, residual : float
-        The lag in drive periods (NaN if none recurs) and the largest distance
+        The lag in drive periods (NaN if no lag recurs) and the largest distance
         ``max(|wrap(angle)|, |velocity|/frequency)`` between samples that far apart [rad], of the
         closest lag where none recurs.
     """
@@ -133,8 +133,8 @@ def find_mirror(numbers: Any, at: Samples, frequency: float, period: float) -> t
     """Return how far periodic samples are from their mirror image, and the shift of the closest.
 
     The mirror image of one ball is ``-angle``, of two balls ``(-angle of the other)``. A motion is
-    symmetric if it equals its image, maybe some whole drive periods later. `period` is the result
-    of `find_period`, other parameters are the same; NaN where the period is.
+    symmetric if it equals its image, possibly some whole drive periods later. `period` is the
+    result of `find_period`, other parameters are the same; NaN where the period is.
     """
     residual, shift = math.inf, math.nan
     for lag in range(at.marks):
@@ -299,12 +299,12 @@ class ResponsePeriod(_Period):
     grazing (2: periodic without rest, with an impact slower than that) and aperiodic (3: chaotic,
     quasiperiodic, longer than `longest`, or not settled yet). NaN where the run is too short.
 
-    `windings` are half the passages through the hanging position per drive period: swings per
-    drive period. `turns_per_period` are net turns per drive period; a rotating pendulum passes the
-    hanging position once per turn. `impacts_per_period` counts impacts. All are over the largest
-    whole number of response periods watched. `mirror_residual` is the distance of a periodic
-    motion of one angle without walls from its mirror image, `mirror_shift` drive periods later.
-    `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
+    `windings` are swings per drive period: half the passages through the hanging
+    position. `turns_per_period` are net turns per drive period; a rotating pendulum passes the
+    hanging position once per turn. `impacts_per_period` counts impacts. All of them cover the
+    largest whole number of response periods watched. `mirror_residual` is the distance of a
+    periodic motion of one angle without walls from its mirror image, `mirror_shift` drive periods
+    later. `largest_angle_watched` is the largest angle from hanging, modulo 2 pi: pi for rotation.
     """
 
     variables: ClassVar[Any] = _VARIABLES
@@ -313,7 +313,7 @@ class ResponsePeriod(_Period):
 @observables.register("response_samples")
 @dataclass(frozen=True, kw_only=True)
 class ResponseSamples(_Period):
-    """What `ResponsePeriod` finds, with the samples it finds it from.
+    """The results of `ResponsePeriod`, with the samples that they come from.
 
     The samples are those of `PoincareSection`: the ends of ``3 longest`` drive periods.
     """

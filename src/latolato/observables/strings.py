@@ -1,4 +1,4 @@
-"""Of balls on strings: how long they are slack, and how hard they are pulled taut."""
+"""Strings: how long they are slack, and how hard they pull taut."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class FirstSlack(Observable):
 @observables.register("largest_string_impulse")
 @dataclass(frozen=True, kw_only=True)
 class LargestStringImpulse(Observable):
-    """Largest impulse by which a string pulls, when it tightens or its ball is hit."""
+    """Largest impulse with which a string pulls when it tightens or its ball is hit."""
 
     variables: ClassVar[Any] = {"largest_string_impulse": QUANTITIES["largest_string_impulse"]}
     of_strings: ClassVar[bool] = True
@@ -68,7 +68,7 @@ class LargestStringImpulse(Observable):
 @observables.register("retension_loss")
 @dataclass(frozen=True, kw_only=True)
 class RetensionLoss(Observable):
-    """Energy lost after the transient when strings become taut, of both balls for a pair."""
+    """Energy lost after the transient when strings become taut; for a pair, of both balls."""
 
     variables: ClassVar[Any] = {"retension_loss": QUANTITIES["retension_loss"]}
     of_strings: ClassVar[bool] = True

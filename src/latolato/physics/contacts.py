@@ -1,4 +1,4 @@
-"""Contact of the two balls: geometry, impact with restitution, and the contact laws on offer."""
+"""Contact of the two balls: geometry, impact with restitution, and the available contact laws."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ContactLaw:
     fixed_step : float or None
         The step [s] of a law whose result depends on it; small deviations have no meaning then.
     fastest_rate : float
-        The fastest angular rate of what the law adds to the motion [rad/s], which steps resolve.
+        The fastest angular rate of what the law adds to the motion [rad/s]; steps resolve it.
     stores_energy : bool
         Whether balls in contact hold energy that samples do not show, as a spring does.
     """
@@ -72,8 +72,8 @@ class ClampContact(ContactLaw):
     """The fixed-step artefact that the paper's pictures probably contain.
 
     Classical Runge-Kutta steps of `clamp_step` seconds; a ball found beyond a wall is put back on
-    it with its velocity reflected. Its result depends on the step and breaks the energy ledger:
-    use it to reproduce such pictures, never to learn about the toy.
+    it with its velocity reflected. The result depends on the step and breaks the energy ledger:
+    use it to reproduce such pictures, never to study the toy.
     """
 
     motion: ClassVar[str] = "clamp"
@@ -89,7 +89,7 @@ class ClampContact(ContactLaw):
         return self.clamp_step
 
     def check_system(self, system: Any) -> None:
-        """Raise InputError for two balls that move on their own."""
+        """Raise InputError for two balls that move independently."""
         if system.angles == 2:
             raise InputError(
                 "{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
@@ -162,8 +162,9 @@ def contact_separation(right: Any, left: Any) -> float:
     Raises
     ------
     InputError
-        If the balls can never meet, or a rod or string would hit the other ball first: one at
-        least ``sqrt(l^2 - r^2)`` long touches the other's ball at the separation ``asin(r/l)``.
+        If the balls can never meet, or a rod or string would hit the other ball first: a rod
+        or string at least ``sqrt(l^2 - r^2)`` long touches the other ball at the separation
+        ``asin(r/l)``.
     """
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
     separation, problem = meeting(l1, l2, r1, r2)
@@ -205,7 +206,7 @@ def pair_impact(
 ) -> tuple[float, float]:
     """Return both angular velocities after an impact (Paper eq11, for any lengths).
 
-    Angular momentum about the pivot is kept for every restitution: with
+    Angular momentum about the pivot is conserved for every restitution: with
     ``P = (I1 w1 + I2 w2)/(I1 + I2)`` and ``D = w1 - w2``,
     ``w1 -> P - e I2 D/(I1 + I2)`` and ``w2 -> P + e I1 D/(I1 + I2)``.
     """

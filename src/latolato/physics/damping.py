@@ -54,8 +54,8 @@ def drift(
 
     Notes
     -----
-    A velocity against its sign grows without bound within ``1/(c2 |w|)``: d is 0 then, and both
-    results are NaN. So a step that ends with NaN went far beyond a turning point.
+    A velocity against its sign grows without bound within ``1/(c2 |w|)``: d is then 0, and both
+    results are NaN. A step that ends with NaN has thus gone far beyond a turning point.
     """
     # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
     slowed = velocity - velocity * (rate * reach)
@@ -73,8 +73,8 @@ def drift_in_plane(
 ) -> tuple[float, float, float, float]:
     """Return how far a ball travels in the plane [m], x and y, and its velocity afterwards [m/s].
 
-    The drag is against the velocity, whose direction stays: `drift` of the speed. Here `quadratic`
-    is quadratic_damping/(mass length^2) [1/m].
+    The drag opposes the velocity and keeps its direction: this is `drift` of the speed. Here
+    `quadratic` is quadratic_damping/(mass length^2) [1/m].
     """
     if quadratic < _NONE:
         kept = rate * reach

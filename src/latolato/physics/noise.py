@@ -25,8 +25,8 @@ class VelocityKicks:
     The kicks come at fixed instants whatever the step, so that a seed gives the same noise at
     every tolerance. They are drawn by a counter-based generator (Philox 4x64; Salmon et al., 2011,
     *Parallel random numbers: as easy as 1, 2, 3*) with the key
-    (noise_seed, noise_stream): every stream of every seed is an independent sequence that needs no
-    other one to be drawn first, and a longer run begins with the kicks of a shorter one.
+    (noise_seed, noise_stream): every stream of every seed is an independent sequence that can be
+    drawn without any other, and a longer run begins with the kicks of a shorter one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The systems: one pendulum, its linearisation, the mirror-symmetric pair and two free balls.
+"""The systems: one pendulum, its linearisation, the mirror-symmetric pair, and two free balls.
 
 Every ball on a rod or a taut string obeys (Paper eq10, with the drags of
 `latolato.physics.damping`)
@@ -134,7 +134,7 @@ class Ball:
 class System:
     """What every system has: gravity, the restoring law and the balls it is made of.
 
-    A subclass declares its fields, `balls` (right ball first) and, where balls meet,
+    A subclass declares its fields, `balls` (right ball first) and, if balls meet,
     `separation_low` and `separation_high`. `suspension`, `string_restitution` and `drag_frame` are
     fields of those that can hang on strings.
     """
@@ -259,7 +259,7 @@ class LatoLato(OneBall):
 class BallPair(System):
     """Two balls on one pivot, each with its own angle, that collide (Paper eq11 in full).
 
-    ``right`` and ``left`` may differ in everything, but both hang on rods or both on strings.
+    ``right`` and ``left`` may differ in every parameter, but both hang on rods or both on strings.
     Energies are per ball, works and losses are sums over both.
     """
 
@@ -299,7 +299,7 @@ class BallPair(System):
 def equivalent_pendulum(
     length: float, mass: float, rod_mass: float = 0.0, radius: float = 0.0
 ) -> tuple[float, float]:
-    """Return length [m] and mass [kg] of the point pendulum that moves like rod and solid ball.
+    """Return length [m] and mass [kg] of the point pendulum equivalent to a rod with a solid ball.
 
     A uniform rod reaches from the pivot to the ball's centre. The equivalent pendulum has the
     same moment of inertia about the pivot and the same static moment:

@@ -1,4 +1,4 @@
-"""Force along the rod: positive pulls the ball, negative would let a string go slack."""
+"""Force along the rod: positive pulls the ball; at negative values a string would go slack."""
 
 from __future__ import annotations
 

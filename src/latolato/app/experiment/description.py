@@ -124,7 +124,7 @@ class Description:
         )
 
     def apparatus(self, table: xr.Dataset) -> Apparatus:
-        """Return what is known of what swings; the length is the table's where none is given."""
+        """Return what is known about what swings; the length is the table's where none is given."""
         from latolato.experiment.fits.apparatus import Apparatus
 
         known = {name: getattr(self, name) for name in SHARED if getattr(self, name) is not None}

@@ -43,7 +43,7 @@ def finding_of(
     if drive:
         sentences = [_driven(table, drive, trial)]
     elif decay:
-        sentences = [_free(decay), "The pivot rests. Larger swings are a little slower."]
+        sentences = [_free(decay), "The pivot is at rest. Larger swings are a little slower."]
     else:
         sentences = [_plain(table)]
     if balls_of(table) == 2:
@@ -63,7 +63,7 @@ def answer_of(
     trial: Mapping[str, Any] | None,
     apparatus: Apparatus,
 ) -> list[dict[str, Any]]:
-    """Return the few numbers that a video was filmed for, in the order in which they are read.
+    """Return the few numbers that a video was filmed for, in reading order.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def answer_of(
     trial : mapping, optional
         The row of the trial table, if the pivot is driven.
     apparatus : Apparatus
-        What was measured beside the video. With the length, gravity is a result; without it, the
+        What was measured besides the video. With the length, gravity is a result; without it, the
         length is one, with the gravity of `fit_decay`.
 
     Returns
@@ -163,7 +163,7 @@ def _driven(table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any
         return f"{text} The motion has not settled in this video."
     words = {
         "none": "The swing ends below 45°",
-        "weak": "The swing lasts, beyond 45°",
+        "weak": "The swing lasts and goes beyond 45°",
         "strong": "That is beyond 90°: strong motion",
     }
     return f"{text} {words[trial['class']]}{', but only just' if trial['borderline'] else ''}."
@@ -174,7 +174,7 @@ def _free(decay: Mapping[str, Any]) -> str:
     text = f"It swings {_text(decay['natural_frequency'], 1.0 / math.tau)} times a second"
     half = _half_life(decay)
     if half is None:
-        return f"{text}; that its swing fades was not found: film it for longer."
+        return f"{text}; no decay of its swing was found: film for longer."
     return f"{text} and loses half of its swing every {plus_minus(*half)} s."
 
 
@@ -195,7 +195,7 @@ def _plain(table: xr.Dataset) -> str:
             "No swing was found. At least three swings must be seen: film for longer, or correct "
             "the set-up."
         )
-    return f"It swings once in {plus_minus(period, sigma)} s."
+    return f"One swing takes {plus_minus(period, sigma)} s."
 
 
 def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> str:
@@ -208,7 +208,10 @@ def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> str
     sides = {"below": (angles < quarter).any(), "above": (angles >= quarter).any()}
     where = " and".join(f" {side}" for side, is_there in sides.items() if is_there)
     if not restitution:
-        return f"The balls touch{where}. What a collision does is not seen: film it faster."
+        return (
+            f"The balls touch{where}. The effect of a collision could not be measured: film at a "
+            "higher frame rate."
+        )
     kept = _text(restitution["restitution"])
     return f"The balls clack{where}: a collision keeps {kept} of their speed."
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Progress(Protocol):
-    """What a job is given to say how far it is."""
+    """What a job uses to report its progress."""
 
     def __call__(self, share: float, stage: str = ...) -> None:
         """Tell the part of a stage that is done."""
@@ -31,7 +31,7 @@ def prepare(request: Any, store: Store) -> Job:
     Raises
     ------
     InputError
-        For anything that is not known, before a process begins.
+        For anything unknown, before a process begins.
     """
     import anyio
 
@@ -44,7 +44,7 @@ def prepare(request: Any, store: Store) -> Job:
     desk = store.desk(request.get("desk"))
     do = checked_choice("do", request.get("do"), ("look", "track", "fit", "export", "example"))
     if len(desk.running) >= store.allowance.waiting:
-        raise TooLargeError(f"{len(desk.running)} jobs wait already")
+        raise TooLargeError(f"{len(desk.running)} jobs are waiting already")
     work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
     if do == "example":
         work["kind"] = checked_choice("kind", request.get("kind"), EXAMPLES)
@@ -52,7 +52,7 @@ def prepare(request: Any, store: Store) -> Job:
     else:
         clip = desk.clip(request.get("clip"))
         if not clip.is_whole:
-            raise InputError(f"{clip.name} is still on its way")
+            raise InputError(f"{clip.name} is still being uploaded")
         if not clip.about and do != "look":
             raise InputError(f"{clip.name} could not be read")
     if do == "export":
@@ -123,10 +123,10 @@ def _reason(code: int, clip: Clip) -> str:
     if code == -getattr(signal, "SIGKILL", 9):
         return f"work on {clip.name} took too much memory or time: cut the video or scale it down"
     if code == -getattr(signal, "SIGXFSZ", 25):
-        return f"what was made of {clip.name} is too large: cut the video or scale it down"
+        return f"the result for {clip.name} is too large: cut the video or scale it down"
     if code < 0:
-        return f"reading {clip.name} broke the decoder: is the file whole? Convert it to MP4"
-    return f"work on {clip.name} ended without an answer: is the file whole?"
+        return f"reading {clip.name} crashed the decoder: is the file complete? Convert it to MP4"
+    return f"work on {clip.name} ended without an answer: is the file complete?"
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
@@ -146,7 +146,7 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
 
         return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
-        raise InputError("this video needs more memory than it may take: scale it down") from None
+        raise InputError("this video needs more memory than is allowed: scale it down") from None
     except (InputError, OSError) as error:
         raise InputError(one_line(error, job)) from None
 

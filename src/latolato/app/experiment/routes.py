@@ -1,4 +1,4 @@
-"""Videos of an experiment: upload, work on them with progress, results; gone with their page.
+"""Videos of an experiment: upload, work with progress, and results, all removed with their page.
 
 A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
 receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
@@ -40,7 +40,7 @@ def routes() -> list[BaseRoute]:
 
 
 async def _upload(request: Request) -> Response:
-    """Receive one video; nothing is left of one that is refused or breaks off."""
+    """Receive one video; one that is refused or interrupted leaves nothing behind."""
     store: Store = request.app.state.clips
     try:
         desk = store.desk(request.query_params.get("desk"))
@@ -58,9 +58,9 @@ async def _upload(request: Request) -> Response:
     except InputError as error:
         return refusal(status_of(error), error)
     except TimeoutError:
-        return refusal(408, InputError(f"the upload of {clip.name} stood still"))
+        return refusal(408, InputError(f"the upload of {clip.name} stalled"))
     except (ClientDisconnect, OSError) as error:
-        why = f"the upload of {clip.name} broke off: {type(error).__name__}"
+        why = f"the upload of {clip.name} was interrupted: {type(error).__name__}"
         return refusal(400, InputError(why))
     finally:
         if not clip.is_whole:

@@ -1,4 +1,4 @@
-"""Uploaded videos on the server: few, of limited size, in a folder that goes with their page."""
+"""Uploaded videos on the server: few, of limited size, removed with their page."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ COPY = "copy.mp4"
 
 @dataclass(frozen=True, kw_only=True)
 class Allowance:
-    """What uploads and the work on them may take.
+    """Limits of uploads and of the work on them.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class Clip:
     size : int
         Bytes received, and later of all that was made of them.
     is_whole : bool
-        Whether it is all there: uploaded, or painted.
+        Whether it is complete: uploaded, or painted.
     about : dict
         The results of the work on it.
     trial : dict, optional
@@ -274,7 +274,7 @@ class Store:
             If there is none: its page has closed.
         """
         if not isinstance(key, str) or key not in self.desks:
-            raise InputError("this page is not connected: load it again")
+            raise InputError("this page is not connected: reload it")
         return self.desks[key]
 
     def clip(self, key: str) -> Clip | None:

@@ -1,4 +1,4 @@
-"""What is done with an uploaded video, in a process of its own (see `jobs`)."""
+"""The work on an uploaded video, in a separate process (see `jobs`)."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
-        raise InputError(f"{job['name']} has {len(times)} frames, a motion needs {_FEWEST} or more")
+        raise InputError(
+            f"{job['name']} has {len(times)} frames, but tracking needs {_FEWEST} or more"
+        )
     block = pack({"first": times[0]}, {"time": np.array(times) - times[0]})
     (Path(job["folder"]) / TIMES).write_bytes(block)
     result: dict[str, Any] = {
@@ -116,7 +118,7 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     """Track a video, write its table, and return what the table and the usual fits say."""
     description = Description.from_json(job["description"])
     if not description.balls:
-        raise InputError("balls must be pointed at: one place or two")
+        raise InputError("point at one ball or two")
     path, limits = Path(job["path"]), Limits(**job["limits"])
     optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
     names = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",

@@ -1,1 +1,1 @@
-"""From pixels to angles: lens, hinge, gravity's direction, honest deviations."""
+"""From pixels to angles: lens, hinge, direction of gravity, realistic deviations."""

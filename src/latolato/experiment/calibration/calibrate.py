@@ -1,8 +1,8 @@
 """From pixels to angles about the moving pivot: centre of the circle, scale, direction of gravity.
 
-The centre that a template gives lies near the hinge, not on it. Seen from the moving pivot, the
-ball runs on a circle about the hinge, which shows the offset when the arc is wide. A circle fitted
-in the image instead would be biased, for a driven pivot moves in phase with the swing.
+The centre that a template gives is near the hinge, not exactly on it. Seen from the moving pivot,
+the ball runs on a circle about the hinge, which shows the offset when the arc is wide. A circle
+fitted in the image instead would be biased, for a driven pivot moves in phase with the swing.
 """
 
 from __future__ import annotations
@@ -13,7 +13,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from latolato.experiment.calibration.circle import Circle
-from latolato.experiment.calibration.deviations import SYSTEMATIC, honest_deviations, scatter_of
+from latolato.experiment.calibration.deviations import (
+    SYSTEMATIC,
+    honest_deviations,
+    scatter_of,
+    time_scatter,
+)
 from latolato.experiment.calibration.gravity import (
     STROKE,
     Gravity,
@@ -44,8 +49,8 @@ class Calibration:
     gravity : Gravity
         The direction of gravity.
     angle_offset_sigma : float
-        Standard deviation of what all angles have in common: gravity's direction and the hinge's
-        place [rad].
+        Standard deviation of the error that all angles share: direction of gravity and position
+        of the hinge [rad].
     warnings : list of str
         What the user should know.
     """
@@ -88,7 +93,7 @@ def calibrate(
     optics : Optics
         What is declared of the camera.
     circle : Circle
-        Where a pivot is that the picture does not show.
+        The pivot, if the picture does not show it.
     """
     optics = optics or Optics()
     if circle is None:
@@ -136,6 +141,17 @@ def calibrate(
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
     honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    is_broken = np.isin(seen.flags, ("collision", "lost"))
+    late = time_scatter(seen.times, angles, is_clean, is_broken, noise / hinge.arm)
+    if late > 0.0:
+        speeds = np.gradient(angles, seen.times, axis=0)
+        # Next to unknown angles, the fastest.
+        speeds[np.isnan(speeds)] = np.nanmax(np.abs(speeds))
+        honest = np.hypot(honest, late * speeds)
+        warnings.append(
+            f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
+            "include that"
+        )
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
@@ -144,7 +160,7 @@ def calibrate(
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:
             warnings.append(
-                "the ball's path is bent as by a lens (lens, perspective or rolling shutter): "
+                "the ball's path is distorted (lens, perspective or rolling shutter): "
                 f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
                 "declare the lens (--lens-k1) or the shutter (--row-time)"
             )
@@ -153,9 +169,9 @@ def calibrate(
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
         warnings.append(
-            "gravity's direction cannot be found (no drive's axis is seen, and no free swing about "
-            "a pivot at rest): angles are from straight down in the picture, give or take "
-            f"{math.degrees(down.sigma):.0f} degrees"
+            "the direction of gravity cannot be found (the clip shows neither the axis of a drive "
+            "nor a free swing about a pivot at rest): angles are measured "
+            f"from straight down in the picture, ± {math.degrees(down.sigma):.0f} degrees"
         )
     return Calibration(
         angles - down.direction,

@@ -1,4 +1,4 @@
-"""The circle on which balls run about a pivot at rest that the picture does not show."""
+"""The circle on which balls move about a pivot at rest that the picture does not show."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Circle:
     residual : float
         Robust standard deviation of the distances from it [pixels].
     is_declared : bool
-        Whether a place that the user declared is part of it.
+        Whether it uses a position that the user declared.
     warnings : list of str
         What the user should know.
     """
@@ -82,9 +82,9 @@ def fit_circle(
 
     Notes
     -----
-    The covariance holds what is seen: the scatter of the distances, or how 12 pieces of the clip
-    differ in what they say about the arm if that is more. And it holds what no scatter shows: 0.15
-    pixels that all samples share, and a lens of ``k1 = 0.01`` if none is declared.
+    The covariance includes what is seen: the scatter of the distances, or the differences between
+    the arms of 12 pieces of the clip if these are larger. It also includes what no scatter shows:
+    0.15 pixels that all samples share, and a lens of ``k1 = 0.01`` if none is declared.
     """
     known = np.isfinite(places).all(axis=-1)
     frames, _ = np.nonzero(known)
@@ -275,30 +275,30 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
 
     Notes
     -----
-    A pivot that moves out of sight shows in distances from the circle that are no function of the
-    place and its speed, but of time: those are taken for a motion of the pivot that one harmonic
-    describes. It can miss a motion that is bound to the swing, at just twice its frequency: the
-    path is then bent as by another arm.
+    A pivot that moves outside the picture shows in distances from the circle that depend on time
+    instead of position and speed; one harmonic of the pivot's motion describes them. It can miss
+    a motion locked to the swing at exactly twice its frequency, which bends the path like a
+    different arm.
     """
     if circle is None:
-        return "the ball was seen too seldom to show where its pivot is"
+        return "the ball was seen too rarely to locate its pivot"
     if circle.scale_sigma > _STRAIGHT:
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
         return (
-            "the path is too straight to show where the pivot is: it is farther than about "
+            "the path is too straight to locate the pivot: it is more than about "
             f"{least:.0f} pixels from the ball"
         )
     for ball in range(places.shape[1]):
         moves = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
         if moves is not None:
             return (
-                f"the pivot seems to move out of sight, by {moves[0]:.1f} pixels at "
+                f"the pivot seems to move outside the picture, by {moves[0]:.1f} pixels at "
                 f"{moves[1]:.2g} Hz"
             )
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
         return (
-            f"the path is no circle about one pivot: it is {circle.residual:.1f} pixels off the "
-            "best one"
+            f"the path is not a circle about one pivot: it is {circle.residual:.1f} pixels off the "
+            "best fit"
         )
     return None
 

@@ -11,6 +11,10 @@ SYSTEMATIC = 0.05
 # Samples from which on distances from the circle show errors, and the distance from which it is
 # no chance [standard deviations].
 _FEW, _FAR_OFF = 20, 4.0
+# How many intervals seven samples may span to reveal errors of time stamps; how much more fast
+# balls must scatter along their path than across, how much larger errors of time may be, since
+# neighbouring ones go together, and how large they must be to count [intervals].
+_SPAN, _SHOWN, _ROUGH_TIMES, _LEAST_OFF = 14.0, 3.0, 1.5, 0.02
 # How much larger errors along the circle may be than across.
 _ROUGH = 2.0
 
@@ -26,12 +30,12 @@ def honest_deviations(
 ) -> np.ndarray:
     """Return standard deviations that are not below the scatter seen in the clip [rad].
 
-    A fit's residuals know nothing of errors that neighbouring pixels share (compression, texture)
-    nor of the pivot's. Two things do, and the larger raises all deviations by one factor: the
-    scatter about the quintic through the six neighbours, and the distances from the circle (`off`,
-    `spreads` as the fits say [pixels]), which also see what lasts for many frames. The quintic is
-    believed up to twice the other: fast swings between contacts are none. A ball that is far off
-    the circle is no better known along it.
+    The residuals of a fit do not show errors that neighbouring pixels share (compression, texture),
+    nor those of the pivot. Two quantities do, and the larger one raises all deviations by one
+    factor: the scatter about the quintic through the six neighbours, and the distances from the
+    circle (`off`, `spreads` as the fits say [pixels]), which also see what lasts for many frames.
+    The quintic counts up to twice the other, because fast swings between contacts are not quintics.
+    A ball that is far off the circle is no better known along it.
     """
     raised: np.ndarray = np.hypot(sigmas, SYSTEMATIC / arm)
     stated = np.hypot(spreads, SYSTEMATIC)
@@ -55,10 +59,68 @@ def honest_deviations(
     return raised
 
 
+def time_scatter(
+    times: np.ndarray,
+    angles: np.ndarray,
+    is_clean: np.ndarray,
+    is_broken: np.ndarray,
+    noise: float,
+) -> float:
+    """Return how much time stamps are off [s], 0 if the angles do not show it.
+
+    Fast balls then deviate from what their neighbours predict more along their path than across it,
+    by their speed times that error. An error below a fiftieth of the time between frames does not
+    show, nor does any error in a motion without seven samples from contact to contact.
+
+    Parameters
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    angles : numpy.ndarray, shape (frame, ball)
+        Angles [rad].
+    is_clean, is_broken : numpy.ndarray of bool, shape (frame, ball)
+        Samples that are believed, and those about which the motion is not smooth.
+    noise : float
+        Scatter of the places across the path over the arm [rad].
+    """
+    rests, speeds = [], []
+    if angles.shape[1] == 2:  # balls may meet between frames, where they turn from each other
+        ways = np.sign(np.diff(angles[:, 0] - angles[:, 1]))
+        is_broken = is_broken.copy()
+        is_broken[1:-1] |= (ways[1:] * ways[:-1] <= 0.0)[:, None]
+    for b in range(angles.shape[1]):
+        seen = np.flatnonzero(is_clean[:, b] & np.isfinite(angles[:, b]))
+        if len(seen) < _FEW:
+            continue
+        parts, late = np.cumsum(is_broken[:, b])[seen], times[seen]
+        is_smooth = parts[6:] == parts[:-6] - is_broken[seen[:-6], b]
+        is_smooth &= late[6:] - late[:-6] <= _SPAN * float(np.median(np.diff(times)))
+        rests.append(np.abs(_left_over(late, angles[seen, b]))[is_smooth])
+        speeds.append(np.abs(np.gradient(angles[seen, b], late)[3:-3])[is_smooth])
+    rest, speed = (np.concatenate(each) if each else np.empty(0) for each in (rests, speeds))
+    if len(rest) < _FEW:
+        return 0.0
+    is_fast = speed >= np.median(speed)
+    along = 1.4826 * float(np.median(rest[is_fast]))
+    off = _ROUGH_TIMES * 1.4826 * float(np.median(rest[is_fast] / speed[is_fast]))
+    is_shown = along > _SHOWN * noise and off > _LEAST_OFF * float(np.median(np.diff(times)))
+    return off if is_shown else 0.0
+
+
 def scatter_of(times: np.ndarray, values: np.ndarray) -> float:
-    """Return the noise of a smooth series: what its neighbours do not predict (robust)."""
+    """Return the noise of a smooth series: what neighbours do not predict (robust)."""
     if len(values) < 20:
         return math.nan
+    rest = _left_over(times, values)
+    rest = rest[np.isfinite(rest)]
+    return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
+
+
+def _left_over(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return what the quintic through six neighbours leaves of values, but of the outer three.
+
+    It is scaled to have the deviation of the values.
+    """
     others = np.array([-3, -2, -1, 1, 2, 3])
     at = np.arange(3, len(values) - 3)
     apart = times[at[:, None] + others] - times[at][:, None]
@@ -68,6 +130,4 @@ def scatter_of(times: np.ndarray, values: np.ndarray) -> float:
             if j != k:
                 weights[:, j] *= apart[:, k] / (apart[:, k] - apart[:, j])
     rest = values[at] - np.sum(weights * values[at[:, None] + others], axis=1)
-    rest = rest / np.sqrt(1.0 + np.sum(weights**2, axis=1))
-    rest = rest[np.isfinite(rest)]
-    return 1.4826 * float(np.median(np.abs(rest))) if len(rest) >= 10 else math.nan
+    return np.asarray(rest / np.sqrt(1.0 + np.sum(weights**2, axis=1)))

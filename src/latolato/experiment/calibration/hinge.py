@@ -96,7 +96,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
     if bent > limit or oval > 1.5 * limit or too_far:
         warning = (
-            f"the ball does not run on a circle about the pivot (centre off by "
+            f"the ball does not move on a circle about the pivot (centre off by "
             f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens, "
             "perspective or rolling shutter; the pivot is used as clicked"
         )

@@ -99,7 +99,7 @@ def lens_errors(
     size: tuple[int, int],
     noise: float,
 ) -> np.ndarray | None:
-    """Return by how much a lens that the path shows would change angles [rad], None without one.
+    """Return by how much a lens that the path shows would change angles [rad], None if none shows.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             f"{_number(factor * slow_motion)} from {part.begin:.2f} to {part.end:.2f} s"
             for part, factor in zip(parts, factors, strict=True)
         )
-        known = "" if stiffness else ", if its fastest part is not slow"
+        known = "" if stiffness else ", if its fastest part is at normal speed"
         # Times of a part are divided by its own slow motion.
         each = ", ".join(
             f"start {part.begin / factor:.2f} and end {part.end / factor:.2f} s with slow motion "
@@ -114,8 +114,8 @@ def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -
             for part, factor in zip(parts, factors, strict=True)
         )
         return [
-            f"the clip changes its pace (slow motion {paces}{known}): track its parts by "
-            f"themselves, {each}"
+            f"the clip changes its pace (slow motion {paces}{known}): track its parts "
+            f"separately, {each}"
         ]
     longest = int(np.argmax([part.end - part.begin for part in parts]))
     factor, part = float(factors[longest]), parts[longest]
@@ -135,17 +135,17 @@ def _number(factor: float) -> str:
 
 
 def parts_of(motion: Motion) -> list[Part]:
-    """Return the parts of a clip that play at different paces; none if the motion does not tell.
+    """Return the parts of a clip with different paces; none if the motion does not show them.
 
     Notes
     -----
     The equation of motion about a moving pivot, ``a'' + y'' sin(a) + x'' cos(a) = -k sin(a) - c
     a'`` with the pivot's place (x, y) in arms, averaged with weights ``(1 - u^2)^2`` of the time u.
-    Its left side is made of differences of slopes, so that uneven time stamps do no harm. The
-    parts are those that leave over least, with a price for each (Jackson et al., IEEE Signal Proc.
+    Its left side uses differences of slopes, so uneven time stamps do no harm. The parts are
+    those with the least residual plus a penalty for each (Jackson et al., IEEE Signal Proc.
     Lett. 12 (2005) 105); parts whose k agree are one. It can miss changes by less than a factor of
-    1.25, parts of less than half a swing and balls that touch too often, and take a ball that a
-    hand swings for one that swings freely.
+    1.25, parts shorter than half a swing, and balls that touch too often. It can mistake a ball
+    swung by hand for one that swings freely.
     """
     parts: list[tuple[int, int, Part]] = []
     for first, last in _stretches(motion):

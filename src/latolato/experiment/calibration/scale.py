@@ -14,14 +14,14 @@ from latolato.experiment.sidecar import Setup
 
 @dataclass(frozen=True)
 class Scale:
-    """What tells the size of a picture.
+    """What sets the scale of a picture.
 
     Attributes
     ----------
     metres : float
         Metres per pixel.
     share : float
-        Its standard deviation over itself.
+        Its relative standard deviation.
     source : str
         ``"length"``, ``"stick"`` or ``"radius"``.
     """
@@ -57,7 +57,8 @@ def scale_of(
 
     Notes
     -----
-    An end of the stick is clicked to 1 pixel in each direction, its length to the root of 2.
+    A click on an end of the stick is accurate to 1 pixel in each direction, the stick's length to
+    the square root of 2.
     """
     if setup.length:
         return Scale(setup.length / arm[0], arm[1] / arm[0], "length")

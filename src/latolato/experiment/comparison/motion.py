@@ -1,4 +1,4 @@
-"""A measured motion beside the computed one on the measured drive: residuals and phase."""
+"""Compare a measured motion with the one computed on the measured drive: residuals and phase."""
 
 from __future__ import annotations
 
@@ -56,21 +56,21 @@ def compare_motion(
     Parameters
     ----------
     table : xarray.Dataset
-        A track table; samples that are not flagged ok are left out.
+        A track table; samples that are not flagged ok are ignored.
     system : Pendulum, LatoLato or BallPair
         What is computed.
     drive : Drive or "measured", optional
-        How the pivot moves, by default as it was measured, as for `latolato.fit_model`.
+        How the pivot moves; by default as measured, as in `latolato.fit_model`.
     ball, start, end : optional
         As for `latolato.fit_model`.
     match : float, optional
-        Time from the start on in which the computed motion is fitted to the measured one [s], by
-        its initial angle and velocity only; by default 4 natural periods. After that it is a
-        prediction.
+        Time after the start during which the computed motion is fitted to the measured one [s],
+        by its initial angle and velocity only; by default 4 natural periods. After that it is
+        a prediction.
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units.
     draws : int
-        Motions with other starts and parameters within their deviations.
+        Number of motions computed with starts and parameters drawn within their deviations.
     seed : int
         Of these.
 
@@ -86,7 +86,7 @@ def compare_motion(
     ------
     InputError
         For bad input.
-        Without lmfit.
+        If lmfit is missing.
 
     Notes
     -----
@@ -139,7 +139,7 @@ def compare_motion(
         "largest_angle_computed": (_top(computed), "largest computed angle", "rad"),
         LATE: (_top(data.values[late]), "largest measured angle there", "rad"),
         f"{LATE}_computed": (_top(computed[late]), "largest computed angle there", "rad"),
-        "followed_until": (followed, "time until which it follows", "s"),
+        "followed_until": (followed, "time until which the computation follows", "s"),
     }
     variables: dict[str, Any] = {
         "time": variable("sample", data.times, "time"),
@@ -154,7 +154,7 @@ def compare_motion(
             "sample", residual, "angle_residual", "measured minus computed angle"
         ),
         "phase_difference": plain("sample", phase, "phase of measured over computed swing", "rad"),
-        "likeness": plain("sample", likeness, "likeness of measured and computed swing"),
+        "likeness": plain("sample", likeness, "similarity of measured and computed swing"),
         **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
     }
     attributes = {

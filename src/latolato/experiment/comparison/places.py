@@ -1,4 +1,4 @@
-"""Trials over a computed map: where their classes agree, and how surely."""
+"""Compare trials with a computed map: where their classes agree, and how certain that is."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def compare_map(
     draws: int = 60,
     seed: int = 0,
 ) -> xr.Dataset:
-    """Return trials beside the classes of a map: agreement with its uncertainty, boundaries.
+    """Compare trials with the classes of a map: agreement with its uncertainty, boundaries.
 
     Parameters
     ----------
@@ -54,29 +54,29 @@ def compare_map(
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units: ``{"length": 5e-4, ...}``.
     draws : int
-        How often all trials are computed again with parameters within their uncertainty; 0
-        leaves that out.
+        How often all trials are computed again with parameters drawn within their uncertainty;
+        0 skips this.
     seed : int
         Of these draws.
 
     Returns
     -------
     xarray.Dataset
-        On ``trial`` the classes measured and of the map's cell, and in what share of the draws
-        they agree; on ``boundary`` where motion begins and ends in each set, measured (midway
-        between neighbours) and on the map; the share that agrees with its 95 percent interval,
-        Cohen's kappa, the table of classes; and the map.
+        On ``trial`` the measured class, the class of the map's cell, and the share of the draws
+        in which they agree; on ``boundary`` where motion begins and ends in each set, measured
+        (midway between neighbours) and on the map; the share that agrees with its 95 percent
+        interval, Cohen's kappa, the table of classes; and the map.
 
     Raises
     ------
     InputError
-        For bad input, other axes, and trials of which none lies on the map.
+        For bad input, other axes, or if none of the trials lies on the map.
 
     Notes
     -----
     In a draw each trial gets an amplitude, a frequency and angles within its own deviations, and
-    all trials share one value of each uncertain parameter. A length that is wrong makes the
-    picture's scale, and so all amplitudes, wrong by the same share. The trials are run at these
+    all trials share one value of each uncertain parameter. A wrong length makes the picture's
+    scale, and so all amplitudes, wrong by the same share. The trials are run at these
     places with everything else as the map's plan says, and trials are taken at random with
     replacement: the interval holds both what the parameters leave open and chance
     (`agreement_sigma_parameters` and `agreement_sigma_binomial` tell them apart).
@@ -172,8 +172,10 @@ def _agreement(measured: Any, computed: Any, again: _Draws | None) -> dict[str, 
         "agreement": plain((), share, "share of trials whose class is the map's"),
         "agreement_low": plain((), low, "low end of its 95 % interval"),
         "agreement_high": plain((), high, "high end of its 95 % interval"),
-        "agreement_sigma_binomial": plain((), binomial, "its deviation by chance"),
-        "agreement_sigma_parameters": plain((), by_parameters, "its deviation by the parameters"),
+        "agreement_sigma_binomial": plain((), binomial, "its deviation due to chance"),
+        "agreement_sigma_parameters": plain(
+            (), by_parameters, "its deviation due to the parameters"
+        ),
         "kappa": plain((), kappa, "Cohen's kappa"),
         "confusion": plain(
             ("measured", "computed"), table, "trials by measured and computed class"

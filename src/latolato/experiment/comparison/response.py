@@ -1,4 +1,4 @@
-"""Response curves: settled angle against frequency for each set, with the place of its peak."""
+"""Response curves: settled angle against frequency for each set, with the position of its peak."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _OBSERVABLES = ("mean_energy", "crossings", "largest_angle", LATE, "top_contacts
 
 @dataclass(frozen=True)
 class Peak:
-    """Where a response curve is largest: place, its deviation, height and how it was found."""
+    """The maximum of a response curve: position, its deviation, height, and how it was found."""
 
     place: float
     sigma: float
@@ -72,13 +72,13 @@ def compare_response(
     duration, transient : float
         Of the computed runs [s].
     initial_angle, initial_offset : float, optional
-        Their start [rad], as for `latolato.sweep`; some motion depends on it.
+        Their start [rad], as for `latolato.sweep`; some motions depend on it.
     points : int
         Points of a computed curve, from 10 percent of the measured range below it to above it.
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units.
     draws : int
-        Curves with other parameters, for the deviation of the computed peaks.
+        Number of curves computed with other parameters, for the deviation of the computed peaks.
     seed : int
         Of all draws.
 
@@ -92,8 +92,8 @@ def compare_response(
     A peak is the vertex of the parabola through the largest angle and its neighbours if both are
     at least half as large; its deviation is that of redrawn angles and frequencies, and half its
     distance from the largest sample. Where the curve falls off a cliff, the peak lies between the
-    largest sample and the neighbour at the cliff: the middle of that gap, give or take
-    gap/sqrt(12). At the end of a set it is the last sample, give or take one gap.
+    largest sample and the neighbour at the cliff: the middle of that gap, ±
+    gap/sqrt(12). At the end of a set it is the last sample, ± one gap.
     """
     import xarray as xr
 
@@ -299,5 +299,5 @@ def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
         apart += abs(one.place - other.place) > 3.0 * math.hypot(one.sigma, other.sigma)
     words = f"The response peaks of {', '.join(parts)}."
     if apart:
-        return f"{words} {apart} of {len(names)} lie apart by more than 3 deviations."
-    return f"{words} All agree within 3 deviations."
+        return f"{words} {apart} of {len(names)} differ by more than 3 standard deviations."
+    return f"{words} All agree within 3 standard deviations."

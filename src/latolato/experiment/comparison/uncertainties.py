@@ -45,7 +45,7 @@ def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str
     Raises
     ------
     InputError
-        For a name that the system has not, and a negative deviation.
+        For a name that the system does not have, or a negative deviation.
     """
     known = [f.name for f in fields(system) if isinstance(getattr(system, f.name, None), float)]
     deviations = {}

@@ -1,4 +1,4 @@
-"""What is known about an experiment before anything is fitted."""
+"""What is known about an experiment before any fit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MASS, _DAMPING, _RESTITUTION, _SMALL = 0.1, 0.003, 0.9, 1.0 / 12.0
 
 @dataclass(frozen=True, kw_only=True)
 class Apparatus:
-    """What is known about the pendulum before anything is fitted, in SI units; None is unknown."""
+    """What is known about the pendulum before any fit, in SI units; None means unknown."""
 
     length: float | None = None
     radius: float | None = None

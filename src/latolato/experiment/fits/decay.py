@@ -85,20 +85,21 @@ def fit_decay(
     compare: bool = True,
     profile: bool = True,
 ) -> Fit:
-    """Return damping, decay rate and length from a ball that swings freely on a pivot at rest.
+    """Return damping, decay rate and length of a ball that swings freely on a pivot at rest.
 
     Paper eq7 in full, and the envelope of eq13.
 
     Parameters
     ----------
     table : xarray.Dataset
-        A track table; samples that are not flagged ok are left out.
+        A track table; samples that are not flagged ok are ignored.
     length : float, optional
         Pivot to ball centre [m]; by default the table's, else that from the dynamics.
     mass : float, optional
-        Mass of the ball [kg]; without it there is a decay rate but no C.
+        Mass of the ball [kg]; without it the fit gives a decay rate but no C.
     radius : float, optional
-        Radius of a solid ball [m]; `centre_length`, where its centre is, is then estimated too.
+        Radius of a solid ball [m]; `centre_length`, the distance to its centre, is then estimated
+        too.
     method : {"both", "equation", "envelope"}
         Which models are fitted; the envelope is that of the turning points.
     law : str
@@ -113,9 +114,9 @@ def fit_decay(
     end : float, optional
         Last instant used [s].
     compare : bool
-        Whether all drag laws are fitted and compared, as far as their fits converge.
+        Whether to fit and compare all drag laws whose fits converge.
     profile : bool
-        Whether 95 percent intervals are profiled, rather than taken from the covariance.
+        Whether to profile 95 percent intervals instead of taking them from the covariance.
 
     Returns
     -------
@@ -129,23 +130,23 @@ def fit_decay(
     Raises
     ------
     InputError
-        For bad input, a pivot that moves, and angles without a free swing.
-        Without lmfit.
+        For bad input, a pivot that moves, or angles without a free swing.
+        If lmfit is missing.
     ConvergenceError
-        If neither the law nor a part of it can be fitted.
+        If neither the law nor any part of it can be fitted.
 
     Notes
     -----
     With c = C/(m l), c2 = C2/(m l), c0 = C0/(m l) the angle obeys
     ``th'' = -(g/l) sin(th) - c th' - c2 th'|th'| - c0 sgn th'`` about `angle_offset`, from a free
-    start. C is ``c m l`` with the given length, or the one from the dynamics. Angles are seen about
-    a pivot that lies aside by what the table knows about it (`latolato.experiment.fits.sight`).
-    Correlated residuals are allowed for as `latolato.experiment.fits.least_squares` tells. Laws are
+    start. C is ``c m l`` with the given length, or the one from the dynamics. The true pivot may
+    lie beside the table's, within the table's uncertainty (`latolato.experiment.fits.sight`).
+    Correlated residuals are treated as in `latolato.experiment.fits.least_squares`. Laws are
     compared by BIC with the number of effective samples, all with the correlation and the samples
-    of the fullest law that converges. Where the terms of a law cannot be told apart its fit may not
-    converge: then the numbers are those of the best law with fewer terms, and the verdict says so.
-    A drag that the three terms do not describe (a string that rubs, a draught)
-    shows as correlation of the residuals only.
+    of the fullest law that converges. If the terms of a law cannot be told apart, its fit may not
+    converge: the numbers are then those of the best law with fewer terms, and the verdict says so.
+    A drag that the three terms do not describe (a string that rubs, a draught) shows as correlation
+    of the residuals only.
     """
     lmfit_module()
     checked_table(table)
@@ -154,7 +155,7 @@ def fit_decay(
         raise InputError(f"unknown drag law '{law}'", way_out=suggest(law, ["best", *LAWS]))
     if method == "envelope" and law != "linear":
         raise InputError(
-            "the envelope of eq13 is of linear drag", way_out=f"use method 'equation' for {law}"
+            "the envelope of eq13 assumes linear drag", way_out=f"use method 'equation' for {law}"
         )
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     mass = None if mass is None else checked_number("mass", mass, POSITIVE, "kg")
@@ -172,8 +173,9 @@ def fit_decay(
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
         raise InputError(
-            f"the angle goes {reach:.3g} rad to one side, more than half a turn, which no free "
-            "swing does: are these degrees? Or give start, from when on it swings"
+            f"the angle reaches {reach:.3g} rad on one side, more than half a turn, which no free "
+            "swing does: are the angles in degrees? If not, set start to the time when it begins "
+            "to swing"
         )
     swings = swings_of(data.times, data.values - np.median(data.values))
     swings = Swings(
@@ -258,7 +260,7 @@ def _by_equation(
         sentences.append(_law_verdict(laws, chosen))
     if chosen != law:
         sentences.append(
-            f"The fit with {law} drag did not converge: these are the numbers of {chosen} drag."
+            f"The fit with {law} drag did not converge: these are the numbers for {chosen} drag."
         )
     curves: dict[str, tuple[str, Any]] = {}
     if laws:
@@ -318,7 +320,7 @@ def _check_rest(piece: xr.Dataset, length: float) -> None:
         raise InputError(
             f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay "
             "needs a pivot at rest",
-            way_out="use fit_model, or start and end for the piece at rest",
+            way_out="use fit_model, or set start and end to a part where it is at rest",
         )
 
 
@@ -560,8 +562,8 @@ class _Body:
             if abs(away) > limit:
                 words += (
                     f" The declared length {self.length:g} m is {abs(100 * away):.2g} % "
-                    f"{'less' if away > 0 else 'more'} than the dynamics say: check it, gravity, "
-                    "or the mass of the rod."
+                    f"{'less' if away > 0 else 'more'} than the dynamics give: check the length, "
+                    "gravity, or the mass of the rod."
                 )
         if (~solution.kept).any():
             words += f" {int((~solution.kept).sum())} outliers were left out."
@@ -571,7 +573,7 @@ class _Body:
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
     """Return which drag law a comparison prefers, and whether the chosen one is doubtful."""
     if not laws:
-        return f"The {len(LAWS)} drag laws could not be compared: no fit of theirs converged."
+        return f"The {len(LAWS)} drag laws could not be compared: none of their fits converged."
     lost = [name for name in LAWS if name not in laws]
     order = sorted(laws, key=lambda name: laws[name].bayes)
     best = order[0]

@@ -1,4 +1,4 @@
-"""How the pivot was driven: amplitudes, frequency, phases, overtones, drift and steps."""
+"""How the pivot was driven: amplitude, frequency, phase, overtones, drift and steps."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def fit_drive(
 ) -> Fit:
     """Return amplitude, frequency and phase of the pivot's motion, its overtones and steps.
 
-    With amplitude and phase of the horizontal motion where the table has it.
+    Includes amplitude and phase of the horizontal motion if the table has it.
 
     Parameters
     ----------
@@ -68,13 +68,13 @@ def fit_drive(
         A track table; `pivot_y` is fitted, from its first to its last passage through the middle,
         and `pivot_x` at the same instants.
     stages : int, optional
-        Number of stages of constant frequency; by default found, up to 4.
+        Number of stages of constant frequency; by default it is found, up to 4.
     start : float, optional
         First instant used [s].
     end : float, optional
         Last instant used [s].
     profile : bool
-        Whether 95 percent intervals of amplitude and frequency are profiled.
+        Whether to profile the 95 percent intervals of amplitude and frequency.
 
     Returns
     -------
@@ -90,8 +90,8 @@ def fit_drive(
     Raises
     ------
     InputError
-        For bad input and a pivot that does not move up and down.
-        Without lmfit.
+        For bad input, or a pivot that does not move up and down.
+        If lmfit is missing.
 
     Notes
     -----
@@ -142,7 +142,9 @@ def fit_drive(
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
     elif drift:
         words.append("It is steady.")
-    words.append(f"The uncertainty of the amplitude leaves out that of {_scale_words(table)}.")
+    words.append(
+        f"The uncertainty of the amplitude does not include that of {_scale_words(table)}."
+    )
     curves = {
         "time": ("sample", data.times),
         "pivot_height": ("sample", data.values),
@@ -205,7 +207,7 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     time, height = table["time"].values, table["pivot_y"].values
     good = np.isfinite(height) & within(time, start, end)
     if good.sum() < 16:
-        raise InputError(f"the pivot is known in {good.sum()} samples, a fit needs at least 16")
+        raise InputError(f"the pivot is known in {good.sum()} samples, but a fit needs at least 16")
     time, height = time[good], height[good]
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
@@ -235,7 +237,7 @@ def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError
     up, scatter, length = 1e3 * reach, 1e3 * noise, float(piece.attrs.get("length") or 0.0)
     if "pivot_x" in piece.variables and is_driven(piece, length, "pivot_x"):
         return InputError(
-            f"the pivot moves sideways only, by {1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm "
+            f"the pivot moves only sideways, by {1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm "
             f"either way: a drive is fitted to its height, which changes by {up:.3g} mm, its track "
             f"scatters by {scatter:.3g} mm",
             way_out="use fit_model, which follows the pivot's track, or MeasuredPivot",
@@ -413,23 +415,23 @@ def _drive(solution: Solution, shape: Shape, overtones: list[_Overtone]) -> tupl
     if shape.crank:
         q = p["crank_ratio"]
         words = (
-            f"The second harmonic ({share:.2g} % of the amplitude) is that of a crank with "
+            f"The second harmonic ({share:.2g} % of the amplitude) matches a crank with "
             f"A0/L = {abs(q):.3g} ± {solution.sigma('crank_ratio'):.1g} and its guide "
             f"{'above' if q > 0.0 else 'below'}."
         )
     elif second.amplitude > 4.0 * second.sigma:
-        words = f"A second harmonic of {share:.2g} % of the amplitude is not that of a crank."
+        words = f"A second harmonic of {share:.2g} % of the amplitude does not match a crank."
     else:
-        words = f"No second harmonic is seen (below {400 * second.sigma / amplitude:.2g} %)."
+        words = f"No second harmonic was detected (below {400 * second.sigma / amplitude:.2g} %)."
     if abs(second.sine) > max(4.0 * second.sigma, abs(second.cosine)) and shape.crank:
-        words += " It is not in phase, so that a crank alone does not explain it."
+        words += " It is not in phase, so a crank alone does not explain it."
     if shape.stages > 1:
         first: Any = {"drive_amplitude": amplitude, "drive_phase": phase}
         times = [0.0, *(p[name] for name in shape.times)]
         rates = [p[name] for name in shape.frequencies]
         ramp = min(max(p.get("ramp", 0.0), 0.0), float(np.min(np.diff(times))))
         if shape.crank:
-            words += " The schedule of frequencies has it left out."
+            words += " The schedule of frequencies omits it."
         drive: Drive = FrequencySchedule(times=times, drive_frequencies=rates, ramp=ramp, **first)
         return drive, words
     if shape.drifts_about is not None and p["frequency_drift"] != 0.0:

@@ -123,7 +123,7 @@ def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
     """Return a drive with the horizontal motion if it can have one, and a sentence on that."""
     size = across.amplitude.scaled(1e3, "mm")
     if not across.is_seen:
-        return drive, f"No horizontal motion is seen ({size})."
+        return drive, f"No horizontal motion was detected ({size})."
     lead = across.lead.scaled(math.copysign(1.0, across.lead.value), "rad")
     order = "ahead of" if across.lead.value > 0.0 else "behind"
     words = f"Horizontally it moves with {size}, {lead} {order} the height"

@@ -75,7 +75,7 @@ def fit_envelope(
         raise InputError(
             "an envelope needs at least 6 turning points",
             value=len(swings.times),
-            way_out="use a longer piece or method 'equation'",
+            way_out="use a longer part or method 'equation'",
         )
     times = swings.times - swings.times[0]
     signs = np.sign(swings.angles)

@@ -3,8 +3,8 @@
 A first fit shows how residuals of neighbouring samples go together; with that correlation
 residuals are whitened (generalised least squares, first-order autoregression in continuous time,
 so that gaps and variable frame rates are right) and fitted again. What correlation is left is
-allowed for by the prewhitened estimator of Andrews & Monahan (1992), which may only widen. What all
-samples share shows in no scatter: parameters may carry what is known of them beforehand.
+allowed for by the prewhitened estimator of Andrews & Monahan (1992), which may only widen. Errors
+that all samples share do not show as scatter, so parameters may have priors.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _ROUNDS = 2
 
 
 class ConvergenceError(InputError):
-    """Samples that do not determine the parameters of a fit: its search does not converge."""
+    """The samples do not determine the parameters of a fit, and its search does not converge."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Solution:
     chi_square : float
         Reduced, of the whitened residuals over their sigmas.
     effective_samples : float
-        Independent samples that would tell a mean as well.
+        Number of independent samples that would determine a mean equally well.
     """
 
     names: tuple[str, ...]
@@ -186,7 +186,7 @@ def solve(
         Derivatives of the model, shape (sample, name), where something faster than differences
         of the model is known.
     limit : int
-        Trials after which a fit is given up.
+        Number of trials after which a fit gives up.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def solve(
     if len(data) < 2 * loose:
         raise InputError(
             f"{len(data)} samples are too few to fit {', '.join(names)}",
-            way_out=f"take a longer piece, of {2 * loose} samples or more",
+            way_out=f"use a longer part, of {2 * loose} samples or more",
         )
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
@@ -300,7 +300,7 @@ def _minimizer(
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
     names = ", ".join(minimizer.params)
-    way_out = "fit fewer parameters, or another piece"
+    way_out = "fit fewer parameters, or use another part"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

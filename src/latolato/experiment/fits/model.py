@@ -57,7 +57,7 @@ def fit_model(
     window: Annotated[float | None, "s"] = None,
     profile: bool = False,
 ) -> Fit:
-    """Return the parameters of a system that describe measured angles best.
+    """Return the parameters of a system that best describe measured angles.
 
     Paper eq10 with impacts by eq11, as `simulate` solves them. The pivot moves as it was measured
     unless a drive is given; the values of the system are first guesses of what varies.
@@ -65,7 +65,7 @@ def fit_model(
     Parameters
     ----------
     table : xarray.Dataset
-        A track table; samples that are not flagged ok are left out.
+        A track table; samples that are not flagged ok are ignored.
     system : Pendulum, LatoLato or BallPair
         What moves; its values are first guesses of what varies, and held otherwise.
     drive : Drive or "measured", optional
@@ -73,33 +73,33 @@ def fit_model(
         `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves more than 2
         percent of the amplitude; "measured" takes the spline always.
     vary : sequence of str, optional
-        Parameters that are fitted: of the system, of the drive, and ``angle_offset``; by default
+        Parameters to fit: of the system, of the drive, and ``angle_offset``; by default
         `length`, `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and
         so on.
     ball : int, optional
-        Which ball a system of one angle is about; by default 1, and for a `LatoLato` with both
+        Which ball a system of one angle describes; by default 1, and for a `LatoLato` with both
         balls in the table half the difference of their angles.
     start : float, optional
         First instant used [s].
     end : float, optional
         Last instant used [s].
     window : float, optional
-        Time after which the motion begins afresh [s]; by default as long as the model follows.
+        Time after which the motion gets a new start [s]; by default as long as the model follows.
     profile : bool
-        Whether 95 percent intervals are profiled.
+        Whether to profile 95 percent intervals.
 
     Returns
     -------
     Fit
-        With what varied under its own name.
+        With each fitted parameter under its own name.
 
     Raises
     ------
     InputError
-        For bad input, parameters that the system has not and those that no motion tells (mass).
-        Without lmfit.
+        For bad input, parameters that the system does not have or that no motion determines (mass).
+        If lmfit is missing.
     ConvergenceError
-        If the fit does not converge in the shortest windows either.
+        If the fit does not converge even in the shortest windows.
 
     Notes
     -----
@@ -108,9 +108,9 @@ def fit_model(
     up to the whole record while the scatter of the residuals grows by less than 15 percent: a
     regular motion ends in one window, a chaotic one in as many as it takes. How the uncertainty
     of the pivot's motion changes the parameters is part of their standard deviations: the fit is
-    repeated with drives that the track allows as well. The angle of the hanging ball and where the
-    pivot lies beside its place in the table are fitted along (`latolato.experiment.fits.sight`).
-    Gravity and length cannot be told apart on a pivot at rest.
+    repeated with drives that the track allows as well. The angle of the hanging ball and the
+    pivot's offset from its position in the table are fitted as well
+    (`latolato.experiment.fits.sight`). Gravity and length cannot be told apart on a pivot at rest.
     """
     lmfit_module()
     checked_table(table)
@@ -167,8 +167,8 @@ fits.register("model")(
         function=fit_model,
         title="Model",
         is_slow=True,
-        hint="Length, damping and restitution that describe the whole motion best, on the "
-        "measured pivot. The computed motion is then laid over video and curve.",
+        hint="The length, damping and restitution that best describe the whole motion about "
+        "the measured pivot. The computed motion is then drawn over the video and the curve.",
         is_predicted=True,
     )
 )
@@ -193,7 +193,7 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
         vary = [vary]
     for name in vary:
         if name.endswith("mass"):
-            raise InputError("mass acts through damping/mass only: vary damping and give the mass")
+            raise InputError("mass acts only through damping/mass: vary damping and give the mass")
         if name.endswith("radius"):
             raise InputError("the radius is geometry: measure it")
         if name not in known:
@@ -361,13 +361,13 @@ def _verdict(
     count = len(model.windows)
     words = f"{values[0].upper()}{values[1:]}; the angle is described to "
     words += f"{1e3 * solution.scatter:.3g} mrad"
-    words += " in one piece." if count == 1 else f" in {count} pieces that begin afresh."
+    words += " in one piece." if count == 1 else f" in {count} pieces, each with its own start."
     if lost:
         pieces = "one piece" if lost == 1 else f"{lost} pieces"
         words += f" The fit in {pieces} did not converge."
     if unknown:
         words += (
-            f" {unknown} of the fits that tell how the pivot's uncertainty counts did not "
+            f" {unknown} of the fits that propagate the pivot's uncertainty did not "
             "converge: the standard deviations are too small."
         )
     share = float(np.mean(~solution.kept))

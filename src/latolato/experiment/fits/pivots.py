@@ -145,7 +145,7 @@ def _spline(table: xr.Dataset, length: float, span: tuple[float, float], swings:
     time = time[known]
     if not len(time) or time[0] > span[0] or time[-1] < span[1]:
         raise InputError(
-            "the pivot is not known over all of the motion: give start and end, or the drive"
+            "the pivot is not known for the whole motion: give start and end, or the drive"
         )
     places = {column: table[column].values[known] for column in columns}
     noises = {column: noise_of(place) for column, place in places.items()}

@@ -1,4 +1,4 @@
-"""The fits by name: what commands and pages know about each."""
+"""The fits by name, with what commands and pages need from each."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class FitKind:
     ----------
     function : callable
         Takes a track table and keyword arguments and returns a `Fit`. The options of
-        ``latolato fit NAME`` are made from its signature and docstring.
+        ``latolato fit NAME`` come from its signature and docstring.
     title : str
         Heading on a page.
     headline : tuple of str
@@ -33,7 +33,7 @@ class FitKind:
     is_slow : bool
         Whether a page waits for a click before it fits.
     hint : str
-        What a page then says next to the button.
+        Text that a page then shows next to the button.
     fewest_balls : int
         How many balls a table must have for a page to offer the fit.
     system : callable

@@ -57,10 +57,10 @@ def fit_restitution(
     start: Annotated[float | None, "s"] = None,
     end: Annotated[float | None, "s"] = None,
 ) -> Fit:
-    """Return the coefficient of restitution of every visible impact, and of all together.
+    """Return the coefficient of restitution of every visible impact, and of all impacts together.
 
-    Paper eq11: of a table with two balls from their relative angular velocity, of one with one
-    ball from its own at a wall.
+    Paper eq11: for a table with two balls from their relative angular velocity, for one ball
+    from its own at a wall.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def fit_restitution(
     drive : Drive, optional
         How the pivot moves; by default as measured.
     ball : int
-        Which ball meets a wall, of a table with one.
+        Which ball meets a wall, in a table with one ball.
     start : float, optional
         First instant used [s].
     end : float, optional
@@ -91,19 +91,19 @@ def fit_restitution(
     Raises
     ------
     InputError
-        For bad input, and if no impact is seen well enough.
+        For bad input, or if no impact is seen well enough.
 
     Notes
     -----
-    Before and after each turn of the separation the pendulum equation is fitted to up to 0.25 s of
-    each ball's samples, with the drag that all flights share as one more unknown; both are carried
-    to the instant at which they meet. Impacts with fewer than 5 samples on a side (a rattle of
-    short bounces), with closing speeds below 0.2 rad/s or 12 of their standard deviations are
+    Before and after each reversal of the separation the pendulum equation is fitted to up to 0.25 s
+    of each ball's samples, with the drag that all flights share as one more unknown; both are
+    carried to the instant at which they meet. Impacts with fewer than 5 samples on a side (a rattle
+    of short bounces), with closing speeds below 0.2 rad/s or 12 of their standard deviations are
     counted as unseen. The pooled deviation grows with the scatter of the impacts, so that it holds
     if e varies; the verdict mentions a dependence on speed.
     """
     if has_own_pivots(checked_table(table)):
-        raise InputError("the balls hang from pivots of their own: their impacts are not fitted")
+        raise InputError("the balls hang from separate pivots: their impacts cannot be fitted")
     length = length_of(table, length)
     if length is None:
         raise InputError(
@@ -128,8 +128,8 @@ def fit_restitution(
     unseen = len(record.turns) - len(impacts)
     if not impacts:
         raise InputError(
-            f"no impact is seen well enough: {unseen} turns of the angle are smooth, too "
-            "slow or have too few samples",
+            f"no impact was seen well enough: {unseen} reversals of the angle are smooth, "
+            "too slow or have too few samples",
             way_out="use a faster camera",
         )
     each = np.array([i.restitution for i in impacts])
@@ -160,7 +160,7 @@ def fit_restitution(
     }  # fmt: skip
     verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
     if unseen:
-        verdict += f" {unseen} further turns show no measurable impact."
+        verdict += f" {unseen} further reversals show no measurable impact."
     return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
 
 
@@ -251,7 +251,7 @@ def _record(table: xr.Dataset, ball: int, start: float | None, end: float | None
     gap = angles[0] - angles[1] if two else angles[0]
     instants = _turns(time, gap)
     if not instants:
-        raise InputError("no impact is seen: the angle between the balls never turns round")
+        raise InputError("no impact was seen: the angle between the balls never reverses")
     turns = [_Turn(instant, *_sides(time, gap, instants, k)) for k, instant in enumerate(instants)]
     return _Record(time, angles, sigmas, gap, turns)
 

@@ -1,4 +1,4 @@
-"""What every fit gives: estimates with their uncertainty, a plain verdict and curves to draw."""
+"""What every fit returns: estimates with their uncertainty, a plain verdict and curves to draw."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _PARTS = {
 class Estimate:
     """A fitted number with its standard deviation and 95 percent interval, in `unit`.
 
-    Without an interval it is the value and 1.96 standard deviations either way.
+    Without an interval it is the value ± 1.96 standard deviations.
     """
 
     value: float
@@ -67,12 +67,12 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit's result; everything in it lives in one dataset, which files can hold.
+    """The result of a fit, kept in one dataset, which can be saved to a file.
 
     ``fit["damping"]`` is an `Estimate`, ``fit.verdict`` a sentence for people, ``fit.drive`` and
-    ``fit.system`` are the laws that were found (or None), ``fit.dataset`` is all of it with the
-    fitted curves: for an estimate `name` the variables `name`, ``name_sigma``, ``name_low`` and
-    ``name_high``.
+    ``fit.system`` are the laws that were found (or None), and ``fit.dataset`` holds everything
+    with the fitted curves: for an estimate `name` the variables `name`, ``name_sigma``,
+    ``name_low`` and ``name_high``.
     """
 
     dataset: xr.Dataset
@@ -103,7 +103,7 @@ class Fit:
 
     @property
     def system(self) -> System | None:
-        """The system with its fitted parameters, None where the fit does not tell all of them."""
+        """The system with its fitted parameters, None if the fit does not determine all of them."""
         from latolato.physics.pendulum import systems
 
         system: System | None = self._law("system_description", systems)
@@ -129,7 +129,7 @@ class Fit:
         return Estimate(float(variable), sigma, variable.attrs["units"], *ends)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return estimates, verdict and attributes as JSON knows them; NaN is None."""
+        """Return estimates, verdict and attributes as JSON types; NaN becomes None."""
         return {
             "fit": self.kind,
             "verdict": self.verdict,
@@ -155,7 +155,7 @@ class Fit:
 
 
 def load_fit(path: str | Path) -> Fit:
-    """Return the fit in a file that `Fit.save` wrote.
+    """Return a fit from a file that `Fit.save` wrote.
 
     Raises
     ------

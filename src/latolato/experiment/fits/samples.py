@@ -46,7 +46,9 @@ def samples_of(
     is_clean = np.isin(table[f"flag_{ball}"].values.astype(str), CLEAN)
     good = np.isfinite(angle) & is_clean & within(time, start, end)
     if good.sum() < 8:
-        raise InputError(f"ball {ball} has {good.sum()} samples flagged ok, a fit needs at least 8")
+        raise InputError(
+            f"ball {ball} has {good.sum()} samples flagged ok, but a fit needs at least 8"
+        )
     sigma = table[f"angle_sigma_{ball}"].values[good]
     return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
 
@@ -67,8 +69,8 @@ def of_own_pivot(
         return table, ball
     if system.angles == 2 or isinstance(system, LatoLato):
         raise InputError(
-            f"the balls of a {type(system).__name__} hang from one pivot, those of this table from "
-            "pivots of their own",
+            f"the balls of a {type(system).__name__} hang from one pivot, but those of this table "
+            "from separate pivots",
             way_out="use a Pendulum for each ball",
         )
     return table_of_ball(table, ball or 1), 1

@@ -1,9 +1,9 @@
 """How a table sees angles: about a pivot that lies a little beside the place it was taken to be.
 
-Errors that all samples of a table share show in no scatter, yet bend angles in step with the swing.
-Fits carry them as parameters whose standard deviations are known beforehand: where the pivot is;
-what the image of a ball shifts by while it is smeared; what the path is bent by along itself, which
-is what it was seen to be bent by across.
+Errors that all samples of a table share do not show as scatter, yet bend angles in step with the
+swing. Fits include them as parameters with known standard deviations: the position of the pivot;
+the shift of a ball's smeared image; and the distortion along the path, taken to equal the one seen
+across it.
 """
 
 from __future__ import annotations

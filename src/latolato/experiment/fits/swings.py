@@ -91,7 +91,7 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
         shape = math.sqrt(float(weights @ inverse @ weights))
         rows.append((middle + late / rate, top, shape, half, spread))
     if not rows:
-        raise InputError("no swing is seen: the angle does not cross zero twice beyond its noise")
+        raise InputError("no swing was found: the angle does not cross zero twice beyond its noise")
     tops, angles_there, shapes, halves, spreads = np.array(rows).T
     # One scatter for all: that of a single half swing is too uncertain to weigh it by.
     return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
@@ -100,12 +100,12 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
 def free_start(times: Floats, angles: Floats) -> float:
     """Return the instant from which a ball swings freely [s]: after the hand that held it let go.
 
-    A ball that stays near its largest angle longer than a swing would is being held; what follows
-    is used from the next zero crossing on, clear of the release.
+    A ball that stays near its largest angle longer than a swing would is being held; the motion is
+    used from the next zero crossing after that, clear of the release.
     """
     zeros = crossings(times, angles)
     if len(zeros) < 3:
-        raise InputError("no free swing is seen: the angle crosses zero less than three times")
+        raise InputError("no free swing was found: the angle crosses zero fewer than three times")
     period = 2.0 * float(np.median(np.diff(zeros)))
     largest = float(np.max(np.abs(angles)))
     first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
@@ -115,7 +115,7 @@ def free_start(times: Floats, angles: Floats) -> float:
         return float(times[0])
     later = zeros[zeros > times[left]]
     if len(later) < 3:
-        raise InputError("no free swing is seen after the release", way_out="give start")
+        raise InputError("no free swing was found after the release", way_out="give start")
     return float(later[0])
 
 

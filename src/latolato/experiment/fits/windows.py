@@ -1,4 +1,4 @@
-"""A model of angles over windows that begin afresh: robust where motion is long or chaotic."""
+"""A model of angles over windows with separate starts: robust for long or chaotic motion."""
 
 from __future__ import annotations
 
@@ -220,8 +220,8 @@ def _within_walls(system: System, angles: Floats) -> Floats:
 def window_starts(data: Data, length: float, angles: int) -> Floats:
     """Return instants about `length` seconds apart at which the motion is smooth.
 
-    Near a contact the state cannot be guessed from the samples, so each start is moved to where a
-    parabola fits best within a quarter of the length.
+    Near a contact the samples do not give a good guess of the state, so each start is moved to
+    where a parabola fits best within a quarter of the length.
     """
     first, last = float(np.min(data.times)), float(np.max(data.times))
     count = max(1, round((last - first) / length)) if math.isfinite(length) else 1

@@ -1,4 +1,4 @@
-"""Named ways of filming that tests, reports and the command line share: `conditions`."""
+"""Named filming conditions that tests, reports and the command line share: `conditions`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Condition:
     def make(
         self, scene: Mapping[str, Any] | None = None, camera: Mapping[str, Any] | None = None
     ) -> tuple[Scene, Camera]:
-        """Return scene and camera, with further values in the place of the condition's.
+        """Return scene and camera, with further values overriding the condition's.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""What a synthetic video shows and how it is filmed: options with units, ranges and meanings."""
+"""What a synthetic video shows and how it is filmed: options with units and ranges."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ def _text(default: str, description: str, choices: tuple[str, ...] = ()) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """What stands in front of the camera; lengths in m, positions from the mean pivot, y up.
+    """What is in front of the camera; lengths in m, positions from the mean pivot, y up.
 
-    A length of the mechanism given as 0 leaves that part out.
+    A length of 0 omits that part of the mechanism.
     """
 
     ball_colour: str = _text("#e8590c", "colour of the ball, or of the right one of two")
     left_ball_colour: str = _text("", "colour of the left ball; empty for the same")
-    ball_radius: float = _number(0.0, "m", "radius of a ball where the run names none; 0: l/15")
+    ball_radius: float = _number(0.0, "m", "radius of a ball if the run has none; 0: l/15")
     centre_length: float = _number(0.0, "m", "pivot to the ball's centre; 0: the length of the run")
-    ambient: float = _number(0.35, "1", "light from everywhere; 1 draws flat discs", UNIT_INTERVAL)
+    ambient: float = _number(0.35, "1", "ambient light; 1 draws flat discs", UNIT_INTERVAL)
     gloss: float = _number(0.25, "1", "strength of the highlight", UNIT_INTERVAL)
-    metal: float = _number(0.0, "1", "1 for a ball that mirrors its surroundings", UNIT_INTERVAL)
-    pattern: float = _number(0.0, "1", "width of a band around the ball over its diameter",
+    metal: float = _number(0.0, "1", "1 for a ball that reflects its surroundings", UNIT_INTERVAL)
+    pattern: float = _number(0.0, "1", "width of a band around the ball, relative to its diameter",
                              Range(0.0, 1.0))  # fmt: skip
     pattern_colour: str = _text("#f4f1e8", "colour of the band")
     light_x: float = _number(-0.45, "1", "direction to the light: right", Range(-1.0, 1.0))
     light_y: float = _number(0.6, "1", "direction to the light: up", Range(-1.0, 1.0))
-    rod_width: float = _number(0.004, "m", "width of rods; strings have about 0.001")
+    rod_width: float = _number(0.004, "m", "width of rods; strings are about 0.001")
     rod_colour: str = _text("#4a4d52", "colour of rods or strings")
     block_width: float = _number(0.05, "m", "width of the block that carries the pivot")
     block_height: float = _number(0.03, "m", "height of the block")
@@ -60,7 +60,7 @@ class Scene:
     background: str = _text("plain", "what the wall looks like", BACKGROUNDS)
     wall_colour: str = _text("#d9d6ce", "colour of the wall")
     contrast: float = _number(0.5, "1", "strength of gradient, texture or wood", UNIT_INTERVAL)
-    shadow_darkness: float = _number(0.0, "1", "light that the shadow takes", UNIT_INTERVAL)
+    shadow_darkness: float = _number(0.0, "1", "light that the shadow removes", UNIT_INTERVAL)
     shadow_x: float = _number(0.03, "m", "shift of the shadow to the right", Range())
     shadow_y: float = _number(-0.03, "m", "shift of the shadow upwards", Range())
     shadow_softness: float = _number(0.008, "m", "width of the shadow's edge", POSITIVE)
@@ -91,7 +91,7 @@ class Scene:
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """How the scene is filmed; pixels count from the left upper corner of the picture shown.
+    """How the scene is filmed; pixels count from the upper left corner of the picture shown.
 
     The time stamp of a frame is the middle of the exposure of its row `stamp_row`. With a
     `row_time` row i of the stored picture is exposed ``(i - stamp_row (rows - 1)) row_time``
@@ -107,29 +107,29 @@ class Camera:
     pixels_per_metre: float = _number(0.0, "1/m", "scale; 0: the motion fills the picture")
     pivot_u: float = _number(-1.0, "pixel", "mean pivot from the left; -1: fitted", Range())
     pivot_v: float = _number(-1.0, "pixel", "mean pivot from the top; -1: fitted", Range())
-    roll: float = _number(0.0, "rad", "turn of the scene in the picture, counter-clockwise",
+    roll: float = _number(0.0, "rad", "rotation of the scene in the picture, counter-clockwise",
                           Range(-3.2, 3.2))  # fmt: skip
     rotation: int = field(
         default=0,
         metadata={
-            "description": "turn that a player applies, clockwise [deg]",
+            "description": "rotation that a player applies, clockwise [deg]",
             "choices": ROTATIONS,
         },
     )
     row_time: float = _number(0.0, "s", "time between rows of a rolling shutter")
-    stamp_row: float = _number(0.0, "1", "row that the time stamp is of: 0 first, 1 last",
+    stamp_row: float = _number(0.0, "1", "row to which the time stamp refers: 0 first, 1 last",
                                UNIT_INTERVAL)  # fmt: skip
     k1: float = _number(0.0, "1", "radial lens coefficient", Range(-0.5, 0.5))
     k2: float = _number(0.0, "1", "second radial lens coefficient", Range(-0.5, 0.5))
     focal_length: float = _number(0.0, "pixel", "focal length; 0: half the diagonal")
-    exposure: float = _number(0.25, "1", "part of the frame time that is exposed",
+    exposure: float = _number(0.25, "1", "share of the frame time that is exposed",
                               Range(0.0, 1.0, open_low=True))  # fmt: skip
     sub_exposures: int = field(
-        default=8, metadata={"description": "moments averaged at least in an exposure"}
+        default=8, metadata={"description": "least number of instants averaged over an exposure"}
     )
     blur: float = _number(0.7, "pixel", "standard deviation of the optical blur", Range(0.0, 20.0))
     brightness: float = _number(1.0, "1", "light that reaches the sensor", Range(0.0, 4.0, True))
-    electrons: float = _number(12000.0, "1", "electrons of a white pixel; few make shot noise",
+    electrons: float = _number(12000.0, "1", "electrons in a white pixel; few give shot noise",
                                POSITIVE)  # fmt: skip
     read_noise: float = _number(8.0, "1", "read noise [electrons]")
     vignetting: float = _number(0.08, "1", "light lost in the corners", UNIT_INTERVAL)

@@ -1,4 +1,4 @@
-"""Synthetic videos: a run filmed by a camera whose every property is known, with the true table."""
+"""Synthetic videos: a run filmed by a camera with known properties, with the true table."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def synthesise_video(
     truth: str | Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Write a video of a run as H.264 in MP4 and return the track table that is true of it.
+    """Write a video of a run as H.264 in MP4 and return its true track table.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def synthesise_video(
     seed : int
         Of texture, noise and time stamps; the same seed gives the same frames.
     truth : str or Path, optional
-        Where the table is written: ``.csv``, ``.parquet`` or ``.nc``.
+        Where to write the table: ``.csv``, ``.parquet`` or ``.nc``.
     progress : callable, optional
         Called with the fraction done.
 
@@ -114,10 +114,10 @@ def synthesise_video(
     Raises
     ------
     InputError
-        For a dataset that is no run, one that stops early, and one that is too short.
-        Without the extra `video`.
+        For a dataset that is not a run, a run that stops early, or one that is too short.
+        If the extra `video` is missing.
     OSError
-        If a file cannot be written; nothing is left of it.
+        If a file cannot be written; no partial file remains.
 
     Notes
     -----
@@ -275,7 +275,7 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     count = math.floor(room / pause + 1e-9) + 1
     if count < 2:
         raise InputError(
-            f"the run must hold two frames of {pause:g} s",
+            f"the run must last at least two frames of {pause:g} s",
             value=float(run["time"][-1]),
             way_out="give a longer duration",
         )

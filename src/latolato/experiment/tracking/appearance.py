@@ -1,4 +1,4 @@
-"""What balls and background look like: learned from a sample of frames before tracking."""
+"""What balls and background look like, learned from a sample of frames before tracking."""
 
 from __future__ import annotations
 

@@ -43,6 +43,8 @@ _SMEAR = 1.0
 _UNSURE_EXPOSURE = 0.04
 # Contacts this much before the middle of an exposure count as its own: a share of the interval.
 _BEFORE = 0.25
+# How far a ball may have moved since the picture that a frame repeats [pixels].
+_STALE = 0.5
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # Error of a place within a smear, as a share of the error of the smear's length.
@@ -77,12 +79,15 @@ def follow(
     out.body = scene.look.body
     follower = _Follower(scene, sample.interval, stiffness, sample.click)
     follower.corrections = corrections or {}
+    repeats = sample.repeats
     for frame in video.frames():
         n = frame.number
         if n >= count:  # the file has grown since
             break
-        out.pivots[n] = follower.pivot_in(frame)
-        out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = follower.balls_in(frame)
+        frame = frame._replace(time=float(sample.times[n]))
+        out.pivots[n] = follower.pivot_in(frame, repeats[n])
+        centres, angles, sigmas, flags = follower.balls_in(frame, repeats[n])
+        out.centres[n], out.angles[n], out.sigmas[n], out.flags[n] = centres, angles, sigmas, flags
         out.spreads[n] = follower.spreads
         if progress and n % 16 == 0:
             progress(n / count)
@@ -129,13 +134,14 @@ class _Follower:
         # Contacts this close to the middle of an exposure [s] belong to it.
         self.near = (0.5 * scene.look.exposure + _UNSURE_EXPOSURE) * interval
 
-    def pivot_in(self, frame: Frame) -> np.ndarray:
-        """Return the pivot's place in a frame."""
+    def pivot_in(self, frame: Frame, is_stale: bool) -> np.ndarray:
+        """Return the pivot's place in a frame, or where it should be if that shows an older one."""
         tracker = self.scene.pivot
         guess, velocity, room = None, np.zeros(2), 0.0
         if len(self.pivots) >= 3:
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
             guess, velocity, room = self._extrapolated(frame.time)
+            guess = np.clip(guess, *tracker.reach)
         shift, cost = tracker.locate(frame.luma, guess, velocity, room)
         if guess is not None and cost > 1.4 * self.pivot_cost + 0.1:
             wide, wide_cost = tracker.locate(frame.luma, None, velocity)
@@ -145,6 +151,8 @@ class _Follower:
             exact = self._arrived(frame.time, shift)
             if np.max(np.abs(exact - velocity)) * tracker.exposure > _SMEAR:
                 shift, cost = tracker.locate(frame.luma, shift, exact)
+        if guess is not None and is_stale and not tracker.is_still:
+            shift, cost = guess, self.pivot_cost
         self.pivot_cost = 0.9 * self.pivot_cost + 0.1 * cost if guess is not None else cost
         self.pivots = [*self.pivots[-3:], (frame.time, shift)]
         place: np.ndarray = tracker.place(shift)
@@ -184,8 +192,13 @@ class _Follower:
         places = origin + place + velocity * passed + 0.5 * acceleration * passed**2
         return places, float(-acceleration[1])
 
-    def balls_in(self, frame: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return centres, angles, sigmas and flags of the balls in a frame."""
+    def balls_in(
+        self, frame: Frame, is_stale: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return centres, angles, sigmas and flags of the balls in a frame.
+
+        One that shows an older picture tells nothing of balls that should have moved since.
+        """
         scene, predictor = self.scene, self.predictor
         pivot = scene.pivot.place(self.pivots[-1][1])
         if not self.is_begun:
@@ -210,6 +223,13 @@ class _Follower:
             search(frame, pivot, expected)
         seen = self._measure(frame, pivot, places, expected, tolerant=0)
         bad = self._is_bad(pivot, seen, expected)
+        if is_stale:
+            turned = np.abs(expected.angles - predictor.angles)
+            is_old = np.abs(seen.angles - expected.angles) > 0.5 * turned
+            is_old |= seen.explained < _WHOLE * scene.explained
+            bad |= is_old & (turned * scene.arm > _STALE)
+            predictor.accept(frame.time, expected)
+            return self._verdict(frame, pivot, seen, bad, expected)
         if bad.any() and self._retry(frame, pivot, expected, bad):
             seen = self._measure(frame, pivot, places, expected, tolerant=2)
             bad = self._is_bad(pivot, seen, expected)

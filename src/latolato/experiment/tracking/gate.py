@@ -13,30 +13,22 @@ import numpy as np
 from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.tracking.steady import TOO_FAR, Bar, camera_motions, distance_of, reduced
 from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
 _RADIUS_RATIO = 1.5
 # How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
 _BESIDE, _SOON = 3.0, 3
-# Extent of a ball's path below which the ball rests [pixels].
-_RESTING = 2.0
-# Widths to which pictures are reduced to measure the camera's motion, and what changes far from
-# the ball [pixels].
-_WIDTH, _COARSE = 480, 160
-# Rows and columns of tiles, each of which gives one feature, and half the size of a feature's
-# neighbourhood [pixels].
-_TILES, _HALF = (8, 12), 10
-# How many times stronger than the typical place a feature must be, and how strong at least.
-_STRONG, _WEAKEST = 3.0, 1e-5
-# Fewest features that show a motion of the camera, the rows and columns of tiles over which they
-# must spread, and the share of all that must agree.
-_FEATURES, _SPREAD, _AGREEING = 8, 3, 0.5
-# Motion of the camera that is reported [pixels], and that is too large, as a share of the picture's
-# diagonal. A ball must move by more than a share of it.
-_MENTIONED, _TOO_FAR, _CARRIED = 1.0, 0.02, 0.3
-# How many frames are compared with the first one.
-_COMPARED = 24
+# Extent of a ball's path below which the ball rests [pixels], and the same in radii: the place of a
+# large disc on a wall is measured badly.
+_RESTING, _RESTING_RADII = 2.0, 0.1
+# Motion of the camera that is reported [pixels], and the share of it by which a ball must move.
+_MENTIONED, _CARRIED = 1.0, 0.3
+# Share of frames that need not show a small motion of the camera for it to be believed.
+_UNSHOWN = 0.5
+# Width to which pictures are reduced to see what changes far from the ball [pixels].
+_COARSE = 160
 # A pixel has changed if it differs by this many times the typical difference, and by this many
 # steps of 255. Colour counts more than light, which shadows change too.
 _CLEAR, _LEAST, _CHROMA = 3.0, 4.0, 2.0
@@ -170,7 +162,7 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
 
 
 def moving_ball(track: Positions) -> Finding | None:
-    """Check that each ball moves by more than two pixels.
+    """Check that each ball moves by more than two pixels, and a tenth of its radius.
 
     It can miss a thing at rest whose place is measured badly; `changing_pixels` sees that.
     """
@@ -179,7 +171,7 @@ def moving_ball(track: Positions) -> Finding | None:
         if len(places) < _FEWEST:
             continue
         extent = _extent(places)
-        if extent < _RESTING:
+        if extent < max(_RESTING, _RESTING_RADII * track.radius):
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
                 f"{extent:.1f} pixels in the whole clip: it rests",
@@ -191,19 +183,32 @@ def moving_ball(track: Positions) -> Finding | None:
 def resting_camera(sample: Sample, track: Positions) -> Finding | None:
     """Check that the camera moves by no more than 2 % of the diagonal, and balls do not with it.
 
-    It can miss a camera that moves in front of a wall without any features, that turns by a little
-    about the middle of the picture, or that moves between the frames of the sample only.
+    Where it moves by less, frames were corrected before, if the background shows that in all of
+    them. It can miss what `latolato.experiment.tracking.steady.camera_motions` can miss.
     """
-    moved, numbers, motions = camera_motion(sample, track)
+    number = sample.click if sample.click < len(track.times) else 0
+    hidden = []
+    for place in track.centres[number][np.isfinite(track.centres[number]).all(axis=-1)]:
+        pivot = track.pivots[number]
+        end = pivot if np.isfinite(pivot).all() else place
+        hidden.append(Bar(place, end, 1.5 * track.reach))
+    _, motions, unknown = camera_motions(sample, hidden)
+    moved = distance_of(motions)
     if math.isnan(moved) or moved < _MENTIONED:
         return None
     reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
-    if moved > _TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
+    if moved > TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
         return Finding(reason, "film with the camera at rest, on a tripod")
+    if unknown > _UNSHOWN:  # a small motion would be seen in the other frames, too
+        return None
     for ball in range(track.centres.shape[1]):
-        seen = track.is_measured[numbers, ball]
-        places = np.column_stack([track.centres[numbers[seen], ball], np.ones(seen.sum())])
-        own = np.einsum("kij,kj->ki", motions[seen], places)
+        own = np.array(
+            [
+                motion.matrix @ [*track.centres[number, ball], 1.0]
+                for number, motion in motions.items()
+                if number < len(track.times) and track.is_measured[number, ball]
+            ]
+        )
         extent = _extent(own) if len(own) >= _FEWEST else math.inf
         if extent < max(_RESTING, _CARRIED * moved):
             return Finding(
@@ -218,93 +223,6 @@ def _extent(places: np.ndarray) -> float:
     """Return how far places (place, 2) spread; the outermost may be mistakes."""
     low, high = np.quantile(places, [0.02, 0.98], axis=0)
     return float(np.hypot(*(high - low)))
-
-
-def camera_motion(sample: Sample, track: Positions) -> tuple[float, np.ndarray, np.ndarray]:
-    """Return how far the background moves away from its place in the first frame [pixels].
-
-    NaN if too few features show it. Also return the numbers of the frames that show it, and
-    matrices of shape (frame, 2, 3) that take their places to those of the first frame. Shi and
-    Tomasi, CVPR (1994) 593, for features; Lucas and Kanade's flow takes them to other frames,
-    where most of them must agree on a shift, a turn and a zoom. Things that move are outvoted.
-    """
-    cv2 = import_cv2()
-    frames = sample.frames[:: max(1, len(sample.frames) // _COMPARED)]
-    first = _reduced(cv2, frames[0])
-    scale = frames[0].luma.shape[1] / first.shape[1]
-    hidden = [
-        (place / scale, 1.5 * track.reach / scale + 3.0)
-        for place in track.centres[0]
-        if np.isfinite(place).all()
-    ]
-    points = _features(cv2, first, hidden)
-    numbers, shifts, motions = [], [], []
-    for frame in frames[1:] if len(points) >= _FEATURES else []:
-        motion = _motion(cv2, first, _reduced(cv2, frame), points)
-        if motion is not None:
-            numbers.append(frame.number)
-            shifts.append(scale * motion[0])
-            motions.append(motion[1] * [1.0, 1.0, scale])
-    # One frame alone may be a mistake.
-    moved = float(np.sort(shifts)[-2]) if len(shifts) > 1 else math.nan
-    return moved, np.array(numbers, int), np.array(motions).reshape(-1, 2, 3)
-
-
-def _reduced(cv2: Any, frame: Frame, widest: int = _WIDTH) -> np.ndarray:
-    """Return a frame's luma in a small picture."""
-    rows, columns = frame.luma.shape
-    width = min(widest, columns)
-    size = (width, max(1, round(rows * width / columns)))
-    small: np.ndarray = cv2.resize(
-        np.ascontiguousarray(frame.luma), size, interpolation=cv2.INTER_AREA
-    )
-    return small
-
-
-def _features(
-    cv2: Any, picture: np.ndarray, hidden: Sequence[tuple[np.ndarray, float]]
-) -> np.ndarray:
-    """Return the best feature of each tile that has a clear one, shape (feature, 2)."""
-    strength = cv2.cornerMinEigenVal(cv2.GaussianBlur(picture, (0, 0), 1.0), 7)
-    floor = max(_STRONG * float(np.median(strength)), _WEAKEST)
-    for (u, v), reach in hidden:
-        cv2.circle(strength, (round(float(u)), round(float(v))), math.ceil(reach), 0.0, -1)
-    rows, columns = picture.shape
-    inner = np.zeros_like(strength)
-    inner[_HALF:-_HALF, _HALF:-_HALF] = strength[_HALF:-_HALF, _HALF:-_HALF]
-    points = []
-    for i in range(_TILES[0]):
-        for j in range(_TILES[1]):
-            top, left = i * rows // _TILES[0], j * columns // _TILES[1]
-            tile = inner[top : (i + 1) * rows // _TILES[0], left : (j + 1) * columns // _TILES[1]]
-            at = np.unravel_index(int(np.argmax(tile)), tile.shape)
-            if tile[at] > floor:
-                points.append((left + at[1], top + at[0]))
-    return np.array(points, np.float32).reshape(-1, 2)
-
-
-def _motion(
-    cv2: Any, first: np.ndarray, later: np.ndarray, points: np.ndarray
-) -> tuple[float, np.ndarray] | None:
-    """Return how far the features moved and how they move back; None if they do not agree."""
-    options = {"winSize": (2 * _HALF + 1, 2 * _HALF + 1), "maxLevel": 4}
-    start = points[:, None]
-    there, seen, _ = cv2.calcOpticalFlowPyrLK(first, later, start, None, **options)
-    back, seen_back, _ = cv2.calcOpticalFlowPyrLK(later, first, there, None, **options)
-    is_back = np.hypot(*(back - start)[:, 0].T) < 0.5
-    kept = (seen[:, 0] > 0) & (seen_back[:, 0] > 0) & is_back
-    if kept.sum() < _FEATURES:
-        return None
-    before, after = points[kept], there[kept, 0]
-    motion, agreeing = cv2.estimateAffinePartial2D(after, before, ransacReprojThreshold=1.0)
-    if motion is None:
-        return None
-    agrees = agreeing[:, 0] > 0
-    tiles = (before[agrees, ::-1] * _TILES // np.array(first.shape)).astype(int)
-    rows, columns = (len(set(tiles[:, axis].tolist())) for axis in (0, 1))
-    if agrees.sum() < max(_FEATURES, _AGREEING * kept.sum()) or rows < _SPREAD or columns < _SPREAD:
-        return None
-    return float(np.median(np.hypot(*(after - before)[agrees].T))), motion
 
 
 def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
@@ -423,8 +341,7 @@ class _Coarse:
     def __init__(
         self, frames: list[Frame], centres: np.ndarray, radius: float, limit: float
     ) -> None:
-        cv2 = import_cv2()
-        self.pictures = [_reduced(cv2, frame, _COARSE) for frame in frames]
+        self.pictures = [reduced(frame, _COARSE) for frame in frames]
         scale = frames[0].luma.shape[1] / self.pictures[0].shape[1]
         self.centres, self.reach, self.limit = centres / scale, 1.5 * radius / scale + 1.0, limit
 

@@ -107,7 +107,7 @@ def learn_image_model(
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
     unseen_radius : float, optional
-        Of balls about a pivot that the picture does not show, which is taken to rest: their rough
+        Of balls about a pivot that the picture does not show, which is assumed at rest: their rough
         radius [pixels].
 
     Raises
@@ -175,7 +175,7 @@ def learn_image_model(
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
         if not look.scale > 0.0:
             raise InputError(
-                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like what is around it",
+                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like its surroundings",
                 way_out="point at the middle of the ball",
             )
         if round_ == 0:

@@ -1,4 +1,4 @@
-"""Learns a clip whose bobs are no discs: the pivot, and a template of the bob and of its body."""
+"""Learns a clip whose bobs are not discs: the pivot, and a template of the bob and of its body."""
 
 from __future__ import annotations
 
@@ -60,12 +60,12 @@ def learn_template_model(
     half : float or None
         Half the side of the patch about the click [pixels]; None: 0.15 of the arm.
     is_seen : bool
-        Whether the picture shows the pivot, which is else taken to rest.
+        Whether the picture shows the pivot; otherwise it is assumed at rest.
 
     Raises
     ------
     InputError
-        If the patch is found in no other frame.
+        If the patch is not found in any other frame.
     """
     frames = sample.from_click
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
@@ -135,7 +135,7 @@ def _learn(
     contrast = float(np.quantile(as_wall[inside], 0.95))
     if contrast < _PLAIN**2:
         raise InputError(
-            "the patch about the click looks like the wall",
+            "the patch around the click looks like the wall",
             way_out="point at the bob, or make the patch larger",
         )
     look.variance = np.where(inside, 2.0 * rest, math.inf)

@@ -155,10 +155,13 @@ class PivotTracker:
         low, high = np.floor(self.reach[0]), np.ceil(self.reach[1])
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
-            around = np.ceil(
-                self.enlarged * np.array([_ASIDE, _ROOM]) + np.array([_TILT, 1.0]) * room
+            usual = np.ceil(self.enlarged * np.array([_ASIDE, _ROOM]))
+            around = usual + np.ceil(np.array([_TILT, 1.0]) * room)
+            # Never much beyond the reach, however uncertain the guess is.
+            low, high = (
+                np.maximum(near - around, low - usual),
+                np.minimum(near + around, high + usual),
             )
-            low, high = near - around, near + around
         is_wide = guess is None or room >= _LEAST_NEXT
         # In an enlarged picture the template's details are too; the rest is refined below.
         fine = round(self.enlarged) if is_wide else 1

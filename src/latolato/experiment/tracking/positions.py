@@ -1,4 +1,4 @@
-"""Where pivot and balls are in every frame of a clip: what the tracker's steps hand on."""
+"""Where pivot and balls are in every frame of a clip: what the tracker's steps pass on."""
 
 from __future__ import annotations
 
@@ -82,8 +82,8 @@ class Positions:
     def covers(self, away: np.ndarray, angle: float, unsure: float) -> np.ndarray:
         """Return whether places (..., 2) from a ball's centre are under it.
 
-        A disc's edge is where it is said to be give or take `unsure` [pixels], that of a body to
-        a pixel.
+        A disc's edge is known to `unsure` [pixels], that of a body to a
+        pixel.
         """
         if self.body is None:
             disc: np.ndarray = np.hypot(away[..., 0], away[..., 1]) < max(self.radius - unsure, 1.5)

@@ -52,7 +52,7 @@ class Predictor:
     Parameters
     ----------
     stiffness : float
-        Gravity over length [1/s^2]; 0 if unknown, and the motion is taken as uniform.
+        Gravity over length [1/s^2]; if it is unknown, 0, and the motion is assumed uniform.
     gap : float
         Smallest angle between two balls [rad]; 0 for one ball.
     is_known : bool

@@ -1,4 +1,4 @@
-"""Finds pivot and balls of a clip that nobody pointed at: round things that move on a circle."""
+"""Finds pivot and balls of a clip without clicks: round things that move on a circle."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _EDGES = 9
 
 
 def proposal_text(setup: Setup) -> str:
-    """Return a proposal in words, with the options that say the same."""
+    """Return a proposal in words, with the equivalent options."""
     options = options_of(setup)
     if setup.pivot is None and not setup.has_own_pivots:
         return f"found in the video: {options}; no pivot was found in the picture"
@@ -78,9 +78,9 @@ def propose(
     video, sample : Video, Sample
         The clip and its first reading.
     pivot, balls : sequence, optional
-        What is known already [pixels]; a pivot ``"outside"`` is not looked for.
+        What is already known [pixels]; a pivot ``"outside"`` is not searched for.
     count : int, optional
-        How many balls swing; None finds out.
+        How many balls swing; None to find out.
     optics : Optics, optional
         The lens: circles are ovals in what it shows.
 
@@ -92,8 +92,8 @@ def propose(
     Notes
     -----
     Discs are what differs from the median over time. Their circle is fitted together with one
-    harmonic of the pivot; where that leaves too much, the pivot is followed in the picture from
-    where the circle's centre is, and both are repeated until they agree. It can miss: balls that
+    harmonic of the pivot; if the residual is too large, the pivot is followed in the picture from
+    the circle's centre, and both are repeated until they agree. It can miss: balls that
     rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
     """
     frames = sample.from_click

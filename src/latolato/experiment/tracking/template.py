@@ -1,4 +1,4 @@
-"""Bobs that are no discs: a patch about the click that turns with the pendulum, and is correlated.
+"""Bobs that are not discs: a patch around the click turns with the pendulum and is correlated.
 
 Lewis, Vision Interface (1995) 120, for the coefficient; Baker and Matthews, Int. J. Comput. Vis. 56
 (2004) 221, for its peak between pixels, with gain and bias free as in Evangelidis and Psarakis,

@@ -60,6 +60,8 @@ def follow_path(
         if progress and frame.number % 16 == 0:
             progress(frame.number / count)
     click = min(max(sample.click, 0), count)
+    # What a frame shows that repeats the one before is older than the frame.
+    repeats = sample.repeats
     for numbers in (range(click, count), range(click - 1, -1, -1)):
         tracks = [_Track(start) for start in starts]
         for number in numbers:
@@ -68,6 +70,8 @@ def follow_path(
                 if b in fixed:
                     track.places, track.missed = [fixed[b]], 0
                     out.centres[number, b], out.flags[number, b] = fixed[b], "manual"
+                    continue
+                if repeats[number]:
                     continue
                 disc = track.next(discs)
                 if disc is not None:

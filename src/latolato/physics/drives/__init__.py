@@ -1,10 +1,10 @@
 """Motions of the pivot: each a sequence of smooth stretches with scalar formulas.
 
 A drive is a frozen class with its parameters as fields, which the formula `write` turns into smooth
-stretches of the motion; integrators end a step where one begins. A `Stretch` is of one of a few
-forms (at rest, a cosine, a crank, a polynomial), and one compiled kernel serves all of them.
-Adding a drive is one file in this folder with one class and the `register` decorator: every module
-here is loaded by discovery. One whose motion is of another form brings formulas of its own, see
+stretches of the motion; integrators end a step where a stretch begins. A `Stretch` is of one of a
+few forms (at rest, a cosine, a crank, a polynomial), and one compiled kernel serves all of them. To
+add a drive, write one file in this folder with one class and the `register` decorator: every module
+here is discovered and loaded. A drive whose motion has another form provides its own formulas; see
 `Drive`.
 """
 

@@ -35,13 +35,13 @@ class Drive:
     moves : bool
         Whether the pivot moves at all.
     height, velocity, acceleration : formula
-        Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package know every form of `Stretch`;
-        a class with formulas of its own has kernels of its own.
+        Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package handle every form of `Stretch`;
+        a class with its own formulas has its own kernels.
     across, across_velocity, across_acceleration : formula
-        The same of the horizontal position, positive to the right; called only where the drive
+        The same for the horizontal position, positive to the right; called only if the drive
         `moves_across`.
     rotation : formula or None
-        Where the acceleration is ``strength cos(frequency t + phase)``: gives these three numbers
+        If the acceleration is ``strength cos(frequency t + phase)``: returns these three numbers
         of a stretch. Lanes then rotate the phase instead of computing cosines. Such a drive is one
         stretch, and its `write` works for arrays too.
     write : formula or None
@@ -78,9 +78,9 @@ class Drive:
         return [stretch for stretch in result if stretch.start <= duration]
 
     def course(self) -> tuple[list[Stretch], float]:
-        """Return all stretches that there are, and where the last one ends [s].
+        """Return all stretches and the time at which the last one ends [s].
 
-        One that never ends must be steady.
+        A stretch that never ends must be steady.
         """
         if self.write is None:
             raise TypeError(
@@ -90,7 +90,7 @@ class Drive:
 
     @property
     def is_cosine(self) -> bool:
-        """Whether the pivot moves as one steady cosine, which is where it has a `rotation`."""
+        """Whether the pivot moves as one steady cosine, that is, has a `rotation`."""
         return self.rotation is not None
 
     @property
@@ -102,7 +102,7 @@ class Drive:
     def fastest_frequency(self) -> float:
         """Largest angular frequency in the motion [rad/s]; sets the step.
 
-        A drive without `write` must give this and the next one.
+        A drive without `write` must define this and `largest_acceleration`.
         """
         return fastest_frequency(*self.course())
 
@@ -116,9 +116,9 @@ class Drive:
 class PeriodicDrive(Drive):
     """A drive that repeats itself: a function of ``drive_frequency t + drive_phase``.
 
-    Of that phase it has the period 2 pi, and the pivot rests at `drive_amplitude` zero; with a
-    `rotation` it is the cosine of that amplitude. Analyses that look once per drive period, follow
-    an orbit, or vary amplitude and frequency take every subclass.
+    Its period in that phase is 2 pi, and the pivot is at rest for a `drive_amplitude` of zero;
+    with a `rotation` it is the cosine of that amplitude. Analyses that look once per drive period,
+    follow an orbit, or vary amplitude and frequency take every subclass.
     """
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))

@@ -1,4 +1,4 @@
-"""Cosines whose frequency changes: stages with optional ramps, and the chirp."""
+"""Cosines with changing frequency: stages with optional ramps, and the chirp."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class FrequencySchedule(Drive):
     """Stages of constant frequency, phase-continuous, with an optional ramp between them.
 
     Stage k begins at ``times[k]`` (the first at 0) with ``drive_frequencies[k]``; with ``ramp > 0``
-    the frequency moves there linearly within `ramp` seconds from ``times[k]`` on.
+    the frequency changes to it linearly within `ramp` seconds after ``times[k]``.
 
     Notes
     -----
@@ -109,7 +109,7 @@ class FrequencySchedule(Drive):
 @drives.register("chirp")
 @dataclass(frozen=True, kw_only=True)
 class Chirp(Drive):
-    """A frequency that moves linearly within `sweep_time` and stays at its end value then."""
+    """A frequency that changes linearly during `sweep_time` and then stays at its final value."""
 
     write: ClassVar[Any] = staticmethod(write_chirp)
 

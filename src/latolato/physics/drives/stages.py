@@ -1,4 +1,4 @@
-"""A cosine whose amplitude and frequency both move smoothly from stage to stage."""
+"""A cosine whose amplitude and frequency both change smoothly from stage to stage."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class StagedHarmonic(Drive):
     """Stages of constant amplitude and frequency, with a smooth change at the start of each.
 
     Stage k begins at ``times[k]`` (the first at 0, without a change); within ``ramps[k]`` seconds
-    from there the amplitude moves along a cubic, the frequency along a line, from what they are to
-    ``drive_amplitudes[k]`` and ``drive_frequencies[k]``. A stage that begins before the last
-    change has ended goes on from where that is. `ramps` counts from the second stage on.
+    from then on the amplitude follows a cubic and the frequency a line, from their present values
+    to ``drive_amplitudes[k]`` and ``drive_frequencies[k]``. A stage that begins before the last
+    change has ended continues from the values reached. `ramps` counts from the second stage on.
 
     Notes
     -----
-    ``y0 = A(t) cos(phase(t))``: height and velocity of the pivot are continuous, so that no change
-    is a blow.
+    ``y0 = A(t) cos(phase(t))``: height and velocity of the pivot are continuous, so no change acts
+    as a blow.
     """
 
     write: ClassVar[Any] = staticmethod(write_stages)

@@ -1,6 +1,6 @@
 """Smooth stretches of the pivot's motion: the forms that all drives of the package are made of.
 
-A stretch says its form by a number, so that one compiled kernel serves every drive.
+A number gives the form of a stretch, so that one compiled kernel serves every drive.
 """
 
 from __future__ import annotations
@@ -383,7 +383,7 @@ def largest_acceleration(stretches: Any, end: float) -> float:
 def fastest_frequency(stretches: Any, end: float) -> float:
     """Return the largest angular frequency that matters in all stretches [rad/s].
 
-    That of a crank is its strongest overtone's, that of polynomials belongs to a cosine of the same
+    For a crank it is that of the strongest overtone, for polynomials that of a cosine of the same
     larger extent and acceleration.
     """
     fastest = steepest = 0.0

@@ -512,7 +512,7 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   clipDrop: "Drop a video here, or choose one",
   clipDropHint: "MP4, MOV, WebM, AVI: up to {size} MB, {minutes} minutes, {pixels}",
   clipPrivate: "It stays on this computer’s server and is removed when this page closes.",
-  exampleHint: "No video at hand? Let the computer film one, with known truth:",
+  exampleHint: "No video at hand? Let the computer film one with known true values:",
   example_decay: "A free swing that dies away",
   example_driven: "A pendulum on a driven pivot",
   example_toy: "Two colliding balls",
@@ -520,33 +520,33 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   step1: "Upload a video of a pendulum or of a Lato Lato. The camera must stand still.",
   step2: "The pivot and the balls are found automatically. Correct them in the first frame; give the "
     + "length from pivot to ball centre.",
-  step3: "Track it. Look at every frame, at the curves, and at what they say about the motion.",
+  step3: "Track it. Look at every frame and at the curves, and read what they say about the motion.",
   film: "Film your own in 60 seconds",
   film_hang: "Hang a ball that stands out from the wall on a rod or a string. Measure the length l from "
     + "the pivot to the middle of the ball.",
   film_place: "Put the phone on something firm, about three lengths away and at the height of the ball. "
     + "It must look straight at the wall.",
-  film_frame: "Have the pivot and the whole arc in the picture. Draw the ball a hand’s breadth aside, let "
-    + "go, and film 20 seconds or more.",
-  filmMore: "Collisions are seen better in slow motion. If the pivot does not fit into the picture, "
-    + "film all the same and say so after the upload.",
+  film_frame: "Keep the pivot and the whole arc in the picture. Pull the ball a hand’s breadth to the side, "
+    + "let go, and film for 20 seconds or more.",
+  filmMore: "Film collisions in slow motion. If the pivot does not fit into the picture, "
+    + "film anyway and say so after the upload.",
   clips: "Videos",
   clipRemove: "Remove {name}",
-  clipsLost: "The connection to the server was lost; its videos are gone.",
+  clipsLost: "The connection to the server was lost, and the videos there are gone.",
   uploadTooLarge: "{name} is larger than {limit} MB, the limit for an upload.",
-  clipLabel: "Frame of the video with what was found",
+  clipLabel: "Frame of the video with the pivot and balls found in it",
   setup: "Set-up",
   setupHint: "Drag the handles to pivot and ball centres, or move them with the arrow keys "
     + "(Shift: 10 pixels, Ctrl: a tenth).",
-  circle_disc: "The circle is as large as length and radius say: it should be the ball’s edge.",
-  circle_template: "The circle is the patch that is looked for: what swings should fill most of it.",
-  setupFound: "Found automatically: is it right?",
+  circle_disc: "The length and the radius set the size of the circle: it should match the ball’s edge.",
+  circle_template: "The circle marks the patch to look for: the swinging object should fill most of it.",
+  setupFound: "Found automatically. Is it right?",
   slowMotionDeclared: "Slow motion: {filmed} frames a second filmed, {shown} shown. Times are "
     + "divided by {factor}, as the file says, unless you give another factor.",
   slowMotionPossible: "The file says that {filmed} frames a second were filmed and {shown} are "
     + "shown: if this is slow motion, give the factor {factor}.",
   setupNotFound: "Nothing was found automatically. Put the handles on pivot and ball.",
-  setupNoPivot: "The pivot was not found. Put its handle there, or say that it is outside of the "
+  setupNoPivot: "The pivot was not found. Put its handle there, or say that it is outside the "
     + "picture:",
   setupAgain: "Correct the set-up",
   setupBack: "Back to the result",
@@ -554,7 +554,7 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   ballCount: "number of balls",
   scaleHint: "The length gives the scale; without it, a stick (under More) or the radius does. "
     + "With the mass, the decay rate gives a damping coefficient.",
-  pivotOutside: "the pivot is outside of the picture",
+  pivotOutside: "the pivot is outside the picture",
   shape: "what swings",
   shape_disc: "a ball",
   shape_template: "another shape",
@@ -594,24 +594,24 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   stage_fitting: "fitting",
   stage_drawing: "drawing",
   answer_period: "period",
-  answer_frequency: "swings a second",
+  answer_frequency: "swings per second",
   answer_small_period: "period of small swings",
-  answer_small_frequency: "small swings a second",
-  answer_half_life: "half of the swing is gone after",
+  answer_small_frequency: "small swings per second",
+  answer_half_life: "time to lose half of the swing",
   answer_length: "length, from g = {given} m/s²",
   answer_gravity: "g, from the length {given} m",
   answer_drive_amplitude: "amplitude of the pivot",
   answer_drive_frequency: "frequency of the pivot",
   answer_largest_angle: "largest angle",
-  answer_restitution: "speed kept by a collision",
+  answer_restitution: "share of the speed kept in a collision",
   findingHere: "The result will appear here once the video is tracked.",
   stageOf: "{stage} …",
   progressOf: "{stage}, {percent} %",
   frameRate: "{rate} frames a second",
   timeLeft: "about {left} left",
   frame: "Frame",
-  cannotPlay: "This browser does not play H.264, so there is no picture; tracking works all the "
-    + "same.",
+  cannotPlay: "This browser does not play H.264, so there is no picture. Tracking still "
+    + "works.",
   frameBack: "One frame back",
   frameOn: "One frame on",
   frameText: "frame {frame} of {count}, t = {time} s",
@@ -626,9 +626,9 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   flag_manual: "by hand",
   flag_manual_hint: "set by hand",
   flag_predicted: "predicted",
-  flag_predicted_hint: "not seen: carried on by the equation of motion",
+  flag_predicted_hint: "not seen: continued by the equation of motion",
   flag_lost: "lost",
-  flag_lost_hint: "not seen, no number given",
+  flag_lost_hint: "not seen: no value is given",
   flagCount: "{flag} {count}",
   curvePlace: "column of the ball [pixel]",
   curveResidual: "measured minus model [mrad]",
@@ -649,8 +649,8 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   export_report: "Report on the quality (HTML)",
   export_trials: "Trial table (CSV)",
   trials: "Trials",
-  trialsHint: "Every tracked video with a driven pivot is a trial: strong for 90° at any time, "
-    + "weak for 45° that last, else none.",
+  trialsHint: "Every tracked video with a driven pivot is a trial: strong if it reaches 90° at "
+    + "any time, weak if it settles at 45° or more, otherwise none.",
   set: "set",
   video: "video",
   trialAmplitude: "amplitude A₀ [mm]",

@@ -46,7 +46,7 @@ export function parseTrials(registry, text) {
   const lines = text.replace(/^\ufeff/, "").split(LINE_END);
   const columns = columnsOf(lines.filter((line) => !line.startsWith("#")));
   if (columns.has("stabilised_angle"))
-    throw new InputError("the column stabilised_angle is called largest_angle_after_transient now",
+    throw new InputError("the column stabilised_angle is now called largest_angle_after_transient",
       { wayOut: "rename it, and its _sigma" });
   /** @type {Columns} */
   const read = new Map();
