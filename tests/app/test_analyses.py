@@ -631,8 +631,8 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     assert field.get_attribute("aria-invalid") == "true"
     assert field.is_visible()  # though rare settings are folded
     steps = page.get_by_role("alert").filter(has_text="steps at most")
-    page.get_by_label("Shakes that are left out").fill("1e9")
-    page.get_by_label("Shakes that are left out").press("Enter")
+    page.get_by_label("Shakes to leave out").fill("1e9")
+    page.get_by_label("Shakes to leave out").press("Enter")
     page.get_by_text("Two samples are the same within").first.wait_for()
     field.fill("")
     page.get_by_role("button", name="Compute").click()

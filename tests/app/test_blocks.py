@@ -46,7 +46,7 @@ def test_evenly_spaced_numbers_are_sent_as_their_ends(first, width, count, broke
 def test_a_claim_of_very_many_numbers_is_no_block():
     entry = {"name": "time", "type": "even", "shape": [10**13], "first": 0.0, "last": 1.0}
     header = json.dumps({"arrays": [entry]}).encode()
-    with pytest.raises(ValueError, match="no block of arrays: 10000000000000 evenly"):
+    with pytest.raises(ValueError, match="not a block of arrays: 10000000000000 evenly"):
         unpack(len(header).to_bytes(4, "little") + header)
 
 
@@ -62,5 +62,5 @@ def test_an_array_that_pages_cannot_read_is_refused():
 
 @given(st.binary(max_size=200))
 def test_bytes_that_are_no_block_are_refused(noise):
-    with pytest.raises(ValueError, match="no block of arrays"):
+    with pytest.raises(ValueError, match="not a block of arrays"):
         unpack(noise)

@@ -165,10 +165,10 @@ def test_files_that_are_no_recordings_are_refused_in_a_sentence(page, tmp_path):
         "a,b\n1,2\n": "It is not a recording of latolato.",
         '{"name": "latolato"}': "It is not a recording of latolato.",
         "": "It is not a recording of latolato.",
-        text[: len(text) // 2]: "a part of it is missing",
-        json.dumps({**data, "arrays": without}): "a part of it is missing",
-        json.dumps({**data, "arrays": shorter}): "a part of it is missing",
-        json.dumps({**data, "about": None}): "a part of it is missing",
+        text[: len(text) // 2]: "but part of it is missing",
+        json.dumps({**data, "arrays": without}): "but part of it is missing",
+        json.dumps({**data, "arrays": shorter}): "but part of it is missing",
+        json.dumps({**data, "about": None}): "but part of it is missing",
         json.dumps({**data, "format": 99}): "It was made by a newer latolato.",
     }.items():
         path = tmp_path / "bad.json"

@@ -674,7 +674,7 @@ def test_a_link_with_a_score_is_computed_again(page, name):
     size, unit = (1e-3, "mm") if score.unit == "m" else (1, "s")
     text = f"{score.value / size:.4g} {unit}"
     page.goto("/?" + urlencode({**solved(name), "story.score": text}))
-    page.get_by_text("the score is right").wait_for()
+    page.get_by_text("recomputed the score: it is right").wait_for()
     found = page.locator(".story-number").get_attribute("data-value")
     assert float(found) == pytest.approx(score.value, rel=1e-5)
     page.goto("/?" + urlencode({**solved(name), "story.score": f"1 {unit}"}))
