@@ -467,7 +467,7 @@ def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(pa
     usual = low.evaluate(border)
     low.fill("abc")
     low.press("Tab")
-    line = page.get_by_role("alert").get_by_text("“abc” is no number")
+    line = page.get_by_role("alert").get_by_text("“abc” is not a number")
     line.wait_for()
     assert low.get_attribute("aria-invalid") == "true"
     assert low.evaluate(border) != usual

@@ -575,7 +575,7 @@ def test_a_stage_that_is_no_number_is_told(page):
     cell = page.get_by_label("angular frequency of each stage 2")
     cell.fill("slow")
     cell.press("Enter")
-    page.get_by_text("“slow” is no number").wait_for()
+    page.get_by_text("“slow” is not a number").wait_for()
     assert "drive_frequencies" not in page.url
 
 

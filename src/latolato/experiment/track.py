@@ -447,7 +447,9 @@ def _read(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video,
     tell = progress and (lambda share: progress(_READ * share))
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     if len(sample.times) < _FEWEST:
-        raise InputError(f"it has {len(sample.times)} frames, but tracking needs {_FEWEST} or more")
+        raise InputError(
+            f"it has too few frames, {len(sample.times)}: tracking needs {_FEWEST} or more"
+        )
     hidden = []
     for k, ball in enumerate(setup.balls):
         own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot

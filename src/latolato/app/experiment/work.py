@@ -54,7 +54,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(
-            f"{job['name']} has {len(times)} frames, but tracking needs {_FEWEST} or more"
+            f"{job['name']} has too few frames, {len(times)}: tracking needs {_FEWEST} or more"
         )
     block = pack({"first": times[0]}, {"time": np.array(times) - times[0]})
     (Path(job["folder"]) / TIMES).write_bytes(block)

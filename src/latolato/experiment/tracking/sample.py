@@ -79,6 +79,8 @@ class Sample:
         drawn pendulum's turning points, a frame may seem to. Of a picture that stays for more than
         half a dozen frames, only the first and last ones are found.
         """
+        if len(self.changes) < 2:  # the first frame, which repeats none
+            return np.zeros(len(self.changes), bool)
         about = np.lib.stride_tricks.sliding_window_view(
             np.pad(self.changes, _NEAR, constant_values=math.nan), 2 * _NEAR + 1
         )
