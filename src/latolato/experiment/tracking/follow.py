@@ -43,8 +43,9 @@ _SMEAR = 1.0
 _UNSURE_EXPOSURE = 0.04
 # Contacts this much before the middle of an exposure count as its own: a share of the interval.
 _BEFORE = 0.25
-# How far a ball may have moved since the picture that a frame repeats [pixels].
-_STALE = 0.5
+# How far a ball may have moved since the picture that a frame repeats [pixels], and how many of
+# the prediction's standard deviations from where it is expected show that it has.
+_STALE, _SURE = 0.5, 4.0
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # Error of a place within a smear, as a share of the error of the smear's length.
@@ -225,7 +226,9 @@ class _Follower:
         bad = self._is_bad(pivot, seen, expected)
         if is_stale:
             turned = np.abs(expected.angles - predictor.angles)
-            is_old = np.abs(seen.angles - expected.angles) > 0.5 * turned
+            # Where it turns round it may seem to rest, unless the prediction knows better.
+            known = _SURE * np.sqrt(expected.covariance[:, 0, 0])
+            is_old = np.abs(seen.angles - expected.angles) > np.maximum(0.5 * turned, known)
             is_old |= seen.explained < _WHOLE * scene.explained
             bad |= is_old & (turned * scene.arm > _STALE)
             predictor.accept(frame.time, expected)
