@@ -537,3 +537,19 @@ def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path
     while Path(f"/proc/{result[0]}").exists() and time.monotonic() < deadline:
         time.sleep(0.02)
     assert not Path(f"/proc/{result[0]}").exists()
+
+
+def test_the_free_swing_that_the_computer_films_is_measured_in_every_frame():
+    with opened() as (page, _):
+        made = page.do(do="example", kind="decay")["done"]
+        proposal = made["proposal"]
+        description = {
+            "pivot": proposal["pivot"], "balls": proposal["balls"], "length": "36.3 cm",
+            "radius": "20 mm", "mass": "108 g", "is_proposed": True,
+        }  # fmt: skip
+        done = page.do(do="track", clip=made["clip"], description=description)["done"]
+        assert "repeat" not in str(done)
+        kinds = np.genfromtxt(
+            page.file(made["clip"], "track.csv").text.splitlines(), str, delimiter=",", comments="#"
+        )
+        assert np.count_nonzero(kinds == "ok") == made["frames"]
