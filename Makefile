@@ -103,7 +103,7 @@ mutants: $(STAMPS)/mutants kernels ## try thirty mutants of the sources on the t
 
 .PHONY: docs
 docs: $(STAMPS)/docs kernels ## build the documentation into docs/_build/html
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going -q -d docs/_build/doctrees -b html docs docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
 .PHONY: pictures
