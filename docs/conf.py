@@ -393,3 +393,16 @@ def write_generated() -> None:
 
 
 write_generated()
+
+
+def drop_unused_mathjax(app: Any, error: Exception | None) -> None:
+    """Keep the one bundle of MathJax that the pages load: the others hold 14 MB."""
+    used = Path(app.outdir, "_static", app.config.mathjax_path)
+    for bundle in used.parent.glob("*.js"):
+        if error is None and bundle != used:
+            bundle.unlink()
+
+
+def setup(app: Any) -> None:
+    """Tidy up after `sphinx-mathjax-offline`, whose own listener has the priority 500."""
+    app.connect("build-finished", drop_unused_mathjax, priority=600)
