@@ -8,6 +8,7 @@ import sys
 import threading
 import warnings
 from collections.abc import Sequence
+from inspect import getdoc
 from typing import Annotated, Any
 
 import typer
@@ -34,36 +35,41 @@ _FAULT = 70
 
 app = typer.Typer(
     name="latolato",
-    help="Driven and colliding pendula: simulate, draw, reproduce the paper.",
+    help="Driven and colliding pendula: play, simulate, measure, reproduce the paper.",
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+# Panels of the help, in the order in which they are read.
+_PLAY, _SIMULATE, _MEASURE, _PAPER = "Play and show", "Simulate", "Measure", "The paper"
+
+for _panel, _name, _command in (
+    (_PLAY, "app", open_app),
+    (_PLAY, "site", site),
+    (_SIMULATE, "simulate", simulate),
+    (_SIMULATE, "sweep", sweep),
+    (_SIMULATE, "plot", plot),
+    (_MEASURE, "track", track),
+    (_MEASURE, "import", import_),
+    (_MEASURE, "trials", trials),
+    (_MEASURE, "compare", compare),
+    (_MEASURE, "synthesise", synthesise),
+    (_PAPER, "reproduce", reproduce),
+):
+    # Typer keeps the ends of a docstring's lines; the terminal's width shall decide.
+    _text = "\n\n".join(" ".join(part.split()) for part in (getdoc(_command) or "").split("\n\n"))
+    app.command(_name, cls=EachOptionOnce, help=_text, rich_help_panel=_panel)(_command)
+app.command("synthesize", cls=EachOptionOnce, hidden=True)(synthesise)
 scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
-app.add_typer(scenarios_app, name="scenarios")
+app.add_typer(scenarios_app, name="scenarios", rich_help_panel=_SIMULATE)
 analyse_app = typer.Typer(
     cls=AnalysisGroup,
     help="Analyse a system and its drive: periods, stability, thresholds, basins.",
 )
-app.add_typer(analyse_app, name="analyse")
+app.add_typer(analyse_app, name="analyse", rich_help_panel=_SIMULATE)
 app.add_typer(analyse_app, name="analyze", hidden=True)
 fit_app = typer.Typer(cls=FitGroup, help="Fit physics to a track table.")
-app.add_typer(fit_app, name="fit")
-for _name, _command in (
-    ("import", import_),
-    ("trials", trials),
-    ("compare", compare),
-    ("synthesise", synthesise),
-    ("track", track),
-    ("reproduce", reproduce),
-    ("app", open_app),
-    ("site", site),
-    ("simulate", simulate),
-    ("sweep", sweep),
-    ("plot", plot),
-):
-    app.command(_name, cls=EachOptionOnce)(_command)
-app.command("synthesize", cls=EachOptionOnce, hidden=True)(synthesise)
+app.add_typer(fit_app, name="fit", rich_help_panel=_MEASURE)
 
 
 @app.callback(invoke_without_command=True)
@@ -102,7 +108,7 @@ def _list_commands(context: typer.Context) -> None:
         print(context.get_help())
 
 
-@app.command()
+@app.command(rich_help_panel=_PAPER)
 def cite() -> None:
     """Print how to cite latolato and the paper it builds on."""
     from latolato.core.citation import cite as citation
