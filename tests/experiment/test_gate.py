@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -330,3 +332,48 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
         radius=clicks["radius"],
     )
     assert findings == [[]]
+
+
+def test_a_track_with_few_clean_samples_says_so_and_why(film, capsys):
+    path, attrs = film("half hidden", post_width=0.3, post_x=-0.26)
+    pivot, ball = (tuple(map(round, _place(attrs, name))) for name in ("pivot", "ball_1"))
+    expected = (
+        r"only \d+ % of the samples are ok \(.*% predicted.*\): most of the others lie between"
+    )
+    with pytest.warns(RuntimeWarning) as caught:
+        table = ll.track(path, pivot=pivot, balls=[ball])
+    assert [
+        one for one in caught if re.search(f"{expected}.* look at the overlay", str(one.message))
+    ]
+    assert re.search(expected, table.attrs["warnings"])
+    assert (table.flag_1 == "ok").mean() < 0.7
+    main(["track", str(path), "--pivot", "{},{}".format(*pivot), "--ball", "{},{}".format(*ball)])
+    assert re.search(r"only \d+ % of the samples are ok", capsys.readouterr().out)
+
+
+def _followed(flags, step=1.0):
+    """A track of one ball with flags, which moves by `step` pixels from frame to frame."""
+    seen = Positions.unknown(np.arange(len(flags)) / 10.0, 1, radius=10.0)
+    seen.centres[:] = 0.0
+    seen.centres[:, 0, 0] = step * np.arange(len(flags))
+    seen.angles[:] = 0.0
+    seen.flags[:, 0] = flags
+    return seen
+
+
+@pytest.mark.parametrize(
+    "flags,step,reason",
+    [
+        (["ok"] * 10 + ["lost"] * 10, 1.0, "lie between 1 and 1.9 s"),
+        (["ok", "ok", "lost"] * 7, 45.0, "moves by 2.2 of its diameters"),
+        (["ok", "occluded"] * 10, 1.0, "partly hidden"),
+        (["ok", "lost"] * 10, 1.0, "the camera looks at an angle"),
+    ],
+)
+def test_the_likely_reason_for_few_clean_samples(flags, step, reason):
+    assert reason in _followed(flags, step).gaps_text(np.ones(len(flags), bool))
+
+
+def test_frames_that_repeat_a_picture_do_not_make_a_track_poor():
+    flags = ["ok", "lost"] * 10
+    assert _followed(flags).clean_share(np.arange(20) % 2 == 0) == 1.0

@@ -53,8 +53,9 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
-# Shares of samples below which no ball was followed, hardly one, and one in slow motion too seldom.
-_NEVER, _SELDOM, _OFTEN = 0.25, 0.5, 0.95
+# Shares of samples below which no ball was followed, too few are clean, and one in slow motion is
+# measured too seldom.
+_NEVER, _SELDOM, _OFTEN = 0.25, 0.7, 0.95
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -663,11 +664,12 @@ def _believed(
         )
     _examine(task, sample, seen, balls, radius)
     share = float(seen.is_measured.mean())
-    if share < (_SELDOM if factor == 1.0 else _OFTEN):
+    if factor != 1.0 and share < _OFTEN:
         task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: "
-            + ("look at the overlay" if factor == 1.0 else pace)
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: {pace}"
         )
+    elif seen.clean_share(~sample.repeats) < _SELDOM:
+        task.warnings.append(f"{seen.gaps_text(~sample.repeats)}; look at the overlay")
     return seen
 
 
