@@ -19,6 +19,7 @@ from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circ
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.pace import motion_of, pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
+from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -33,7 +34,7 @@ from latolato.experiment.sidecar import (
 )
 from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.follow import Corrections, follow
-from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.gate import clicked_ball, examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
@@ -553,7 +554,7 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     """Return balls about one pivot: in the picture, or where the arc shows it."""
     pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
     if pivot is not None and _is_inside(pivot, task.video):
-        scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
+        scene, seen = _on_circle_or_oval(task, sample, np.array(pivot), balls, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
         raise InputError(
@@ -576,6 +577,62 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
 
 
+def _on_circle_or_oval(
+    task: Task,
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    progress: Progress | None,
+) -> tuple[ImageModel, Positions]:
+    """Return `_followed` about a pivot: on an oval where that has more clean samples.
+
+    The oval is that of what was followed, or of the discs that move from where balls were pointed
+    at.
+    """
+    fresh, before = ~sample.repeats, len(task.warnings)
+    followed: tuple[ImageModel, Positions] | None = None
+    refusal: InputError | None = None
+    share = 0.0
+    try:
+        followed = _followed(task, sample, pivot, balls, progress)
+        share = followed[1].clean_share(fresh)
+    except InputError as error:
+        refusal = error
+    if task.setup.shape == "disc" and share < _OFTEN:
+        path = followed[1] if followed and share >= _SELDOM else _path_from(task, sample, balls)
+        tilt = path and _tilt_of(task, path, pivot)
+        if tilt:
+            warned = task.warnings[before:]
+            del task.warnings[before:]
+            try:
+                oval = _followed(task, sample, pivot, balls, progress, tilt=tilt)
+                if oval[1].clean_share(fresh) > share:
+                    return oval
+            except InputError:  # then it is as it was
+                pass
+            task.warnings[before:] = warned
+    if followed is None:
+        raise refusal or AssertionError
+    return followed
+
+
+def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions | None:
+    """Return where discs move from where balls were pointed at, None if none does."""
+    try:
+        path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
+    except InputError:
+        return None
+    return path if clicked_ball(path, balls, sample.click) is None else None
+
+
+def _tilt_of(task: Task, path: Positions, pivot: np.ndarray) -> Tilt | None:
+    """Return how obliquely the camera looks, from the path of balls about a pivot at rest."""
+    size = task.video.width, task.video.height
+    places = undistorted(path.centres[path.is_measured], size, task.setup.optics)
+    about = undistorted(np.broadcast_to(pivot, places.shape), size, task.setup.optics)
+    return fit_tilt(places, about, size)
+
+
 def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     """Return the circle about a pivot that is not seen, and why it cannot be believed."""
     video, setup, optics = task.video, task.setup, task.setup.optics
@@ -595,10 +652,12 @@ def _followed(
     balls: list[np.ndarray],
     progress: Progress | None,
     path: Positions | None = None,
+    tilt: Tilt | None = None,
 ) -> tuple[ImageModel, Positions]:
     """Return what was learned of a clip, and where its balls are about the pivot.
 
-    `path` is that of balls about a pivot that the picture does not show.
+    `path` is that of balls about a pivot that the picture does not show, `tilt` how obliquely the
+    camera looks.
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
@@ -611,7 +670,9 @@ def _followed(
             is_seen = path is None
             return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
         unseen = None if path is None else path.radius
-        return learn_image_model(video, sample, pivot, balls, radius, tell, unseen_radius=unseen)
+        return learn_image_model(
+            video, sample, pivot, balls, radius, tell, unseen_radius=unseen, tilt=tilt
+        )
 
     if path is not None:
         scene = learned(None)
@@ -619,7 +680,8 @@ def _followed(
         stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
         seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
         return scene, _believed(task, sample, seen, balls)
-    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
+    tilt = tilt or Tilt()
+    arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
     scale = scale_of(setup, size, (arm, 0.0))
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
@@ -635,7 +697,9 @@ def _followed(
         if free.explained > scene.explained:
             scene = free
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
-    stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
+    # On an oval angles in the picture are not those of the swing.
+    is_known = scale is not None and tilt.angle == 0.0
+    stiffness = setup.gravity / (scale.metres * scene.arm) if scale and is_known else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
@@ -746,18 +810,18 @@ def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
     origin = np.nanmean(first.pivots, axis=0)
     columns = _frames(task, tracks[0].seen.times)
 
-    def put(name: str, places: np.ndarray) -> None:
-        away = (places - origin) * metres_per_pixel
+    def put(name: str, places: np.ndarray, tilt: Tilt) -> None:
+        away = tilt.flat(places - origin) * metres_per_pixel
         columns[f"{name}_x"], columns[f"{name}_y"] = away @ right, -(away @ down)
         if scale is None:
             columns[f"{name}_u"], columns[f"{name}_v"] = places.T
 
     for k, track in enumerate(tracks):
         seen, measured = track.seen, track.measured
-        put("pivot_2" if k else "pivot", measured.pivots)
+        put("pivot_2" if k else "pivot", measured.pivots, measured.tilt)
         for b in range(seen.centres.shape[1]):
             number = k + b + 1
-            put(f"ball_{number}", measured.centres[:, b])
+            put(f"ball_{number}", measured.centres[:, b], measured.tilt)
             columns[f"angle_{number}"] = measured.angles[:, b]
             columns[f"angle_sigma_{number}"] = measured.sigmas[:, b]
             columns[f"flag_{number}"] = seen.flags[:, b]
@@ -862,6 +926,9 @@ def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
         "pivot_offset_y_sigma": float(hinge.sigma[1]),
         "arm_pixels": hinge.arm,
         "arc": hinge.arc,
+        "tilt": measured.tilt.angle or None,
+        "tilt_sigma": measured.tilt.sigma or None,
+        "tilt_axis": measured.tilt.axis if measured.tilt.angle else None,
         "circle_residual": hinge.residual,
     }
 
