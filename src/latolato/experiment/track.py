@@ -41,7 +41,7 @@ from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.steady import Bar, Steadier, steadied
-from latolato.experiment.tracking.wander import follow_path, period_of
+from latolato.experiment.tracking.wander import follow_path, period_of, swinging
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
 if TYPE_CHECKING:
@@ -554,7 +554,7 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     """Return balls about one pivot: in the picture, or where the arc shows it."""
     pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
     if pivot is not None and _is_inside(pivot, task.video):
-        scene, seen = _on_circle_or_oval(task, sample, np.array(pivot), balls, progress)
+        scene, seen = _best_followed(task, sample, np.array(pivot), balls, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
         raise InputError(
@@ -569,7 +569,7 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
         return _Path(path, f"{doubt}")
     before = len(task.warnings)
     tell = _part(progress, _FOLLOWED, 1.0)
-    scene, seen = _followed(task, sample, circle.centre, balls, tell, path)
+    scene, seen = _best_followed(task, sample, circle.centre, balls, tell, path)
     circle, doubt = _circle_of(task, seen)
     if circle is None or doubt is not None:
         del task.warnings[before:]  # they are about a track that is given up
@@ -577,43 +577,51 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
 
 
-def _on_circle_or_oval(
+def _best_followed(
     task: Task,
     sample: Sample,
     pivot: np.ndarray,
     balls: list[np.ndarray],
     progress: Progress | None,
+    path: Positions | None = None,
 ) -> tuple[ImageModel, Positions]:
-    """Return `_followed` about a pivot: on an oval where that has more clean samples.
+    """Return `_followed` about a pivot or, if few samples are clean then, what has more of them.
 
-    The oval is that of what was followed, or of the discs that move from where balls were pointed
-    at.
+    The path of discs that move from where balls were pointed at may show that a camera at an angle
+    sees an oval, and it leads to another frame to learn from: a ball may be held at first.
     """
-    fresh, before = ~sample.repeats, len(task.warnings)
-    followed: tuple[ImageModel, Positions] | None = None
-    refusal: InputError | None = None
-    share = 0.0
-    try:
-        followed = _followed(task, sample, pivot, balls, progress)
-        share = followed[1].clean_share(fresh)
-    except InputError as error:
-        refusal = error
-    if task.setup.shape == "disc" and share < _OFTEN:
-        path = followed[1] if followed and share >= _SELDOM else _path_from(task, sample, balls)
-        tilt = path and _tilt_of(task, path, pivot)
+    trials: list[tuple[float, tuple[ImageModel, Positions], list[str]]] = []
+    refusals: list[InputError] = []
+
+    def attempt(from_frame: Sample, places: list[np.ndarray], tilt: Tilt | None = None) -> float:
+        before = len(task.warnings)
+        try:
+            found = _followed(task, from_frame, pivot, places, progress, path, tilt)
+            share = found[1].clean_share(~sample.repeats)
+            trials.append((share, found, task.warnings[before:]))
+        except InputError as error:
+            refusals.append(error)
+        del task.warnings[before:]
+        return max((trial[0] for trial in trials), default=0.0)
+
+    share = attempt(sample, balls)
+    if share < _OFTEN and task.setup.shape == "disc":
+        seen = path
+        if seen is None:
+            seen = trials[0][1][1] if share >= _SELDOM else _path_from(task, sample, balls)
+        tilt = _tilt_of(task, seen, pivot) if seen and path is None else None
         if tilt:
-            warned = task.warnings[before:]
-            del task.warnings[before:]
-            try:
-                oval = _followed(task, sample, pivot, balls, progress, tilt=tilt)
-                if oval[1].clean_share(fresh) > share:
-                    return oval
-            except InputError:  # then it is as it was
-                pass
-            task.warnings[before:] = warned
-    if followed is None:
-        raise refusal or AssertionError
-    return followed
+            share = attempt(sample, balls, tilt)
+        is_known = seen is not None and clicked_ball(seen, balls, sample.click) is None
+        other = swinging(sample, seen) if seen and is_known and share < _SELDOM else None
+        if other and attempt(*other, tilt) > share:
+            number = task.video.first_frame + other[0].click
+            trials[-1][2].append(f"what the ball looks like is learned from frame {number}")
+    if not trials:
+        raise refusals[0]
+    _, found, warned = max(trials, key=lambda trial: trial[0])
+    task.warnings += warned
+    return found
 
 
 def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions | None:

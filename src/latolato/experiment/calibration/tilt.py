@@ -14,8 +14,9 @@ from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
 # Fewest places that make an oval, and most of them that are fitted.
 _FEWEST, _MOST = 30, 800
-# How far off the pivot may be [standard deviations].
-_SOFT = 3.0
+# How far off the pivot may be [standard deviations], and strongest lens that may pass for a tilt
+# [undeclared lenses].
+_SOFT, _LENSES = 3.0, 10.0
 # Pieces of the path whose errors count as independent.
 _PIECES = 12
 # Error of the pivot against the oval's middle, as a share of the arm: perspective moves it.
@@ -120,8 +121,9 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     -----
     A circle of radius ``R`` whose plane is tilted by ``t`` is seen as an oval with the semi-axes
     ``R`` and ``R cos t`` about the pivot, which is believed to 1 pixel and 0.3 % of the arm. The
-    covariance includes a lens of ``k1 = 0.01``, which makes ovals, too. A narrow arc does not tell.
-    It can miss a perspective that makes one side larger than the other.
+    covariance includes a lens of ``k1 = 0.01``, which makes ovals, too; where one of up to 0.1 may
+    make this oval, there is none. A narrow arc does not tell. It can miss a perspective that makes
+    one side larger than the other.
     """
     from scipy.optimize import least_squares
 
@@ -130,35 +132,36 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     thin = slice(None, None, math.ceil(len(places) / _MOST))
     places, pivots = places[thin], pivots[thin]
     away = places - pivots
+    bend = undistorted(places, size, UNKNOWN_LENS) - undistorted(pivots, size, UNKNOWN_LENS) - away
     arm = float(np.median(np.hypot(*away.T)))
     believed = math.hypot(CLICK, _ASIDE * arm)
 
-    def off(p: np.ndarray, away: np.ndarray = away) -> np.ndarray:
+    def on_circle(p: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.norm(away + p[3] * bend - p[1:3], axis=1) - p[0])
+
+    def on_oval(p: np.ndarray, away: np.ndarray = away) -> np.ndarray:
         u, v = (away - p[1:3]).T
-        e1, e2 = p[3:] if len(p) > 3 else (0.0, 0.0)
+        e1, e2 = p[3:]
         return np.asarray(np.hypot((1.0 + e1) * u + e2 * v, e2 * u + (1.0 - e1) * v) - p[0])
 
-    def fitted(start: list[float], sigma: float) -> tuple[np.ndarray, np.ndarray, float]:
+    def fitted(off: Any, start: list[float], sigma: float) -> tuple[Any, float]:
         weight = math.sqrt(_PIECES / len(away)) / sigma
-
-        def rest(p: np.ndarray) -> np.ndarray:
-            return np.append(weight * off(p), p[1:3] / believed)
-
-        # The loss is soft for mistakes of the tracker, not for the pivot.
-        far = np.full(len(start), np.inf)
-        far[1:3] = _SOFT * believed
+        # The loss is soft for mistakes of the tracker, not for pivot and lens.
+        far = np.array([np.inf, _SOFT * believed, _SOFT * believed, _LENSES, np.inf])[: len(start)]
         fit = least_squares(
-            rest, start, bounds=(-far, far), loss="soft_l1", x_scale="jac", max_nfev=200
-        )
-        left = 1.4826 * float(np.median(np.abs(off(fit.x))))
-        spread = np.linalg.pinv(fit.jac.T @ fit.jac)
-        bent = undistorted(places, size, UNKNOWN_LENS) - undistorted(pivots, size, UNKNOWN_LENS)
-        shift = spread @ fit.jac[: len(away)].T @ (weight * (off(fit.x, bent) - off(fit.x)))
-        return fit.x, spread + np.outer(shift, shift), left
+            lambda p: np.append(weight * off(p), p[1:3] / believed),
+            start, bounds=(-far, far), loss="soft_l1", x_scale="jac", max_nfev=200,
+        )  # fmt: skip
+        return fit, 1.4826 * float(np.median(np.abs(off(fit.x))))
 
-    *_, round_left = fitted([arm, 0.0, 0.0], UNROUND)
-    p, spread, left = fitted([arm, 0.0, 0.0, 0.0, 0.0], UNROUND)
-    p, spread, left = fitted(p.tolist(), max(left, UNROUND))
+    _, round_left = fitted(on_circle, [arm, 0.0, 0.0, 0.0], UNROUND)
+    fit, left = fitted(on_oval, [arm, 0.0, 0.0, 0.0, 0.0], UNROUND)
+    sigma = max(left, UNROUND)
+    fit, left = fitted(on_oval, fit.x.tolist(), sigma)
+    p, spread = fit.x, np.linalg.pinv(fit.jac.T @ fit.jac)
+    bent = (on_oval(p, away + bend) - on_oval(p)) * math.sqrt(_PIECES / len(away)) / sigma
+    shift = spread @ fit.jac[: len(away)].T @ bent
+    spread = spread + np.outer(shift, shift)
     e1, e2 = p[3:]
     e = math.hypot(e1, e2)
     is_near = left < min(max(_NEAR, _NEAR_SHARE * arm), _BETTER * round_left)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -87,6 +88,22 @@ def follow_path(
         )
     out.radius = float(np.median(radii))
     return out
+
+
+def swinging(sample: Sample, path: Positions) -> tuple[Sample, list[np.ndarray]] | None:
+    """Return a sample as if balls were pointed at where they swing slowly, and their places there.
+
+    None if its pairs of frames show all of them only near where they were pointed at.
+    """
+    frames = {frame.number: frame for frame in sample.frames}
+    at = path.centres[min(max(sample.click, 0), len(path.times) - 1)]
+    far = np.linalg.norm(path.centres - at, axis=-1).min(axis=1) > _NEAR * path.radius
+    steps = np.linalg.norm(np.diff(path.centres, axis=0), axis=-1).max(axis=1)
+    pairs = [n for n in frames if n + 1 in frames and far[n] and np.isfinite(steps[n])]
+    if not pairs:
+        return None
+    n = min(pairs, key=lambda number: float(steps[number]))
+    return replace(sample, clicked=[frames[n], frames[n + 1]]), list(path.centres[n])
 
 
 class _Track:
