@@ -288,6 +288,15 @@ def test_a_disc_that_moves_by_less_than_its_radius_is_believed_by_its_edge(exten
     assert (finding.is_refusal and reason in finding.reason) if reason else finding is None
 
 
+def test_a_ball_before_a_background_that_changes_is_refused_for_that(monkeypatch):
+    shares = np.tile([1.0, 0.83, 0.33, 1.0], (30, 1, 1))
+    monkeypatch.setattr(gate, "change_shares", lambda sample, track: (np.arange(30), shares))
+    finding = gate.changing_pixels(_drawn(_swinging()), _track(_swinging()))
+    assert finding.is_refusal
+    assert "cannot be told from the background, which changes as well" in finding.reason
+    assert "background at rest" in finding.way_out
+
+
 def test_light_that_changes_for_all_changes_nothing():
     centres = _swinging()
     sample = _drawn(centres)
