@@ -41,7 +41,7 @@ from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.steady import Bar, Steadier, steadied
-from latolato.experiment.tracking.wander import follow_path, period_of, swinging
+from latolato.experiment.tracking.wander import follow_path, halves_apart, period_of, swinging
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
 if TYPE_CHECKING:
@@ -612,7 +612,7 @@ def _best_followed(
         tilt = _tilt_of(task, seen, pivot) if seen and path is None else None
         if tilt:
             share = attempt(sample, balls, tilt)
-        is_known = seen is not None and clicked_ball(seen, balls, sample.click) is None
+        is_known = seen is not None and _begins_at(seen, sample, balls)
         other = swinging(sample, seen) if seen and is_known and share < _SELDOM else None
         if other and attempt(*other, tilt) > share:
             number = task.video.first_frame + other[0].click
@@ -630,7 +630,14 @@ def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions
         path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
     except InputError:
         return None
-    return path if clicked_ball(path, balls, sample.click) is None else None
+    return path if _begins_at(path, sample, balls) else None
+
+
+def _begins_at(path: Positions, sample: Sample, balls: list[np.ndarray]) -> bool:
+    """Return whether a path shows the balls where, and when, they were pointed at."""
+    number = min(max(sample.click, 0), len(path.times) - 1)
+    is_seen = bool(path.is_measured[number].all())
+    return is_seen and clicked_ball(path, balls, sample.click) is None
 
 
 def _tilt_of(task: Task, path: Positions, pivot: np.ndarray) -> Tilt | None:
@@ -953,6 +960,12 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
         "are in pixels; its period is in the table's attributes"
     )
     period, sigma = period_of(seen.times, seen.centres[:, 0])
+    apart = halves_apart(seen.times, seen.centres[:, 0])
+    if apart is not None:
+        task.warnings.append(
+            f"the period changes from {apart[0]:.5g} to {apart[1]:.5g} s between the halves of the "
+            "clip, as with the amplitude, with the length, or where films are joined"
+        )
     if math.isnan(period):
         task.warnings.append("no period: fewer than three swings were seen")
     attributes = {
