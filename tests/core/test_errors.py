@@ -19,9 +19,10 @@ def test_a_name_in_a_value_stays_as_it_is():
 def test_values_of_numpy_are_written_as_pythons_own():
     texts = [
         str(InputError("must be less", parameter="mass", value=value))
-        for value in (np.array([1.0, 2.0]), np.int64(3), np.float32(0.5))
+        for value in (np.array([1.0, 2.0]), np.int64(3), np.float32(0.5), (1, np.float64(2.5)))
     ]
-    assert texts == [f"mass must be less, got {end}" for end in ("[1.0, 2.0]", "3", "0.5")]
+    ends = "[1.0, 2.0]", "3", "0.5", "(1, 2.5)"
+    assert texts == [f"mass must be less, got {end}" for end in ends]
 
 
 def test_its_parts_survive_a_process():

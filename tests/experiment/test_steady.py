@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.app.blocks import unpack
+from latolato.app.experiment.work import points_block
 from latolato.core.errors import InputError
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.track import prepare, run
 from latolato.experiment.tracking.sample import Sample, even_times, read_sample
 from latolato.experiment.tracking.steady import steadied
 from latolato.experiment.video import open_video
@@ -83,6 +86,28 @@ def test_a_hand_that_shakes_is_corrected_and_said(film, tmp_path):
     # A shake of 2.5 pixels turns an arm of 120 pixels by 20 mrad.
     assert np.std(errors) < 0.003
     assert np.sqrt(np.mean(ratios**2)) < 1.5
+
+
+def test_a_page_draws_marks_where_an_unsteady_camera_shows_the_ball(film, tmp_path):
+    path, truth = film("texture", background="texture")
+    shaken = rewritten(path, tmp_path / "shaken.mp4", _shaken(2.5))
+    clicks = truth.attrs
+    start = np.array([LEFT, TOP - 2.5 * np.sin(0.4)])
+    wide = np.array([clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]])
+    ball = np.array([clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]])
+    task = prepare(shaken, wide - start, [ball - start], {"length": SWING.length})
+    table = run(task)
+    _, points = unpack(points_block(table, task.video, table.time.values))
+    ones = np.vstack([points["centre"], np.ones(table.sizes["frame"])])
+    marks = np.einsum("rcn,cn->rn", points["motion"].reshape(2, 3, -1), ones)
+    away = np.stack([truth.ball_1_x, -truth.ball_1_y]) / clicks["metres_per_pixel"]
+    times = np.arange(table.sizes["frame"]) / 60.0
+    shift = 2.5 * np.sin(np.outer([9.0, 13.0], times) + np.array([[0.0], [0.4]]))
+    turn = 0.0025 * np.sin(7.0 * times)
+    u, v = away + wide[:, None]
+    shown = np.stack([u - turn * v, turn * u + v]) + shift - [[LEFT], [TOP]]
+    assert np.nanmax(np.hypot(*(marks - shown))) < 1.0
+    assert np.nanmax(np.hypot(*(points["centre"] - shown))) > 3.0
 
 
 def test_a_hand_that_shakes_too_much_is_refused(film, tmp_path):

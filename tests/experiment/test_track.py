@@ -235,6 +235,24 @@ def test_the_period_of_a_swing_comes_from_its_path():
     assert sigma < 3e-3
 
 
+def test_a_period_that_changes_has_a_deviation_that_covers_both_halves():
+    from latolato.experiment.tracking.wander import halves_apart, period_of
+
+    times = np.arange(0.0, 24.0, 1 / 30)
+    for late in (1.0, 1.02):
+        phase = np.where(times < 12.0, times, 12.0 + (times - 12.0) / late)
+        places = np.column_stack([100.0 * np.sin(2.0 * np.pi * phase), 0.0 * times])
+        places += 0.3 * np.random.default_rng(1).standard_normal(places.shape)
+        period, sigma = period_of(times, places)
+        apart = halves_apart(times, places)
+        if late == 1.0:
+            assert apart is None
+            assert sigma < 1e-3
+        else:
+            assert apart == pytest.approx((1.0, 1.02), abs=2e-3)
+            assert all(abs(half - period) < 1.5 * sigma for half in apart)
+
+
 def test_swings_that_are_hidden_are_counted_or_make_no_period():
     from latolato.experiment.tracking.wander import period_of
 

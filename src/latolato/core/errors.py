@@ -76,7 +76,7 @@ class InputError(ValueError):
             text = text.replace(_NAME, str(name)) if is_whole else f"{name} {text}"
         if self.has_value:
             # Arrays and numbers of numpy as Python's own.
-            value = getattr(self.value, "tolist", lambda: self.value)()
+            value = _plain(self.value)
             is_float = isinstance(value, float)
             text += f", got {value:.9g}" if is_float else f", got {value!r:.{_LONGEST}}"
         if self.way_out is not None:
@@ -101,6 +101,13 @@ def _rebuilt(kind: type[InputError], rule: tuple[str], parts: dict[str, Any]) ->
     error = kind(*rule)
     vars(error).update(parts)
     return error
+
+
+def _plain(value: Any) -> Any:
+    """Return a value, and those in a tuple or list, without numpy's types."""
+    if type(value) in (tuple, list):
+        return type(value)(map(_plain, value))
+    return getattr(value, "tolist", lambda: value)()
 
 
 @contextmanager

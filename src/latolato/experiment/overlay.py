@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.experiment.calibration.lens import Optics, distorted
+from latolato.experiment.calibration.tilt import tilt_of
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of, has_own_pivots
@@ -71,7 +72,8 @@ def _place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray
         right = np.array([math.cos(tilt), -math.sin(tilt)])
         down = np.array([math.sin(tilt), math.cos(tilt)])
         origin = np.array([attrs["origin_u"], attrs["origin_v"]])
-        place = origin + (np.outer(first, right) - np.outer(second, down)) / scale
+        flat = (np.outer(first, right) - np.outer(second, down)) / scale
+        place = origin + tilt_of(attrs, name).seen(flat)
     source = {"pivot": "pivot_source", "pivot_2": "pivot_source_2"}.get(name)
     if attrs.get(source, "picture") != "picture":
         return place  # far out of the picture the lens's polynomial means nothing

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.experiment.calibration.tilt import tilt_of
 from latolato.experiment.track_table import FLAGS, balls_of, has_own_pivots, table_of_ball
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
     if f"pivot_{ends[0]}" not in table.variables:
         return np.full(table.sizes["frame"], np.nan)
     away = [table[f"ball_{ball}_{end}"].values - table[f"pivot_{end}"].values for end in ends]
+    if ends == "uv":
+        away = list(tilt_of(table.attrs).flat(np.stack(away, axis=-1)).T)
     distance = np.hypot(*away)
     arm = table.attrs["length"] if ends == "xy" else table.attrs["arm_pixels"]
     return np.asarray(distance - arm)

@@ -19,6 +19,7 @@ from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circ
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.pace import motion_of, pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
+from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -33,14 +34,14 @@ from latolato.experiment.sidecar import (
 )
 from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.follow import Corrections, follow
-from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.gate import clicked_ball, examine
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.steady import Bar, Steadier, steadied
-from latolato.experiment.tracking.wander import follow_path, period_of
+from latolato.experiment.tracking.wander import follow_path, halves_apart, period_of, swinging
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
 if TYPE_CHECKING:
@@ -53,8 +54,9 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
-# Shares of samples below which no ball was followed, hardly one, and one in slow motion too seldom.
-_NEVER, _SELDOM, _OFTEN = 0.25, 0.5, 0.95
+# Shares of samples below which no ball was followed, too few are clean, and one in slow motion is
+# measured too seldom.
+_NEVER, _SELDOM, _OFTEN = 0.25, 0.7, 0.95
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -552,7 +554,7 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     """Return balls about one pivot: in the picture, or where the arc shows it."""
     pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
     if pivot is not None and _is_inside(pivot, task.video):
-        scene, seen = _followed(task, sample, np.array(pivot), balls, progress)
+        scene, seen = _best_followed(task, sample, np.array(pivot), balls, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
         raise InputError(
@@ -567,12 +569,83 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
         return _Path(path, f"{doubt}")
     before = len(task.warnings)
     tell = _part(progress, _FOLLOWED, 1.0)
-    scene, seen = _followed(task, sample, circle.centre, balls, tell, path)
+    scene, seen = _best_followed(task, sample, circle.centre, balls, tell, path)
     circle, doubt = _circle_of(task, seen)
     if circle is None or doubt is not None:
         del task.warnings[before:]  # they are about a track that is given up
         return _Path(path, f"{doubt}")
     return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
+
+
+def _best_followed(
+    task: Task,
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    progress: Progress | None,
+    path: Positions | None = None,
+) -> tuple[ImageModel, Positions]:
+    """Return `_followed` about a pivot or, if few samples are clean then, what has more of them.
+
+    The path of discs that move from where balls were pointed at may show that a camera at an angle
+    sees an oval, and it leads to another frame to learn from: a ball may be held at first.
+    """
+    trials: list[tuple[float, tuple[ImageModel, Positions], list[str]]] = []
+    refusals: list[InputError] = []
+
+    def attempt(from_frame: Sample, places: list[np.ndarray], tilt: Tilt | None = None) -> float:
+        before = len(task.warnings)
+        try:
+            found = _followed(task, from_frame, pivot, places, progress, path, tilt)
+            share = found[1].clean_share(~sample.repeats)
+            trials.append((share, found, task.warnings[before:]))
+        except InputError as error:
+            refusals.append(error)
+        del task.warnings[before:]
+        return max((trial[0] for trial in trials), default=0.0)
+
+    share = attempt(sample, balls)
+    if share < _OFTEN and task.setup.shape == "disc":
+        seen = path
+        if seen is None:
+            seen = trials[0][1][1] if share >= _SELDOM else _path_from(task, sample, balls)
+        tilt = _tilt_of(task, seen, pivot) if seen and path is None else None
+        if tilt:
+            share = attempt(sample, balls, tilt)
+        is_known = seen is not None and _begins_at(seen, sample, balls)
+        other = swinging(sample, seen) if seen and is_known and share < _SELDOM else None
+        if other and attempt(*other, tilt) > share:
+            number = task.video.first_frame + other[0].click
+            trials[-1][2].append(f"what the ball looks like is learned from frame {number}")
+    if not trials:
+        raise refusals[0]
+    _, found, warned = max(trials, key=lambda trial: trial[0])
+    task.warnings += warned
+    return found
+
+
+def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions | None:
+    """Return where discs move from where balls were pointed at, None if none does."""
+    try:
+        path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
+    except InputError:
+        return None
+    return path if _begins_at(path, sample, balls) else None
+
+
+def _begins_at(path: Positions, sample: Sample, balls: list[np.ndarray]) -> bool:
+    """Return whether a path shows the balls where, and when, they were pointed at."""
+    number = min(max(sample.click, 0), len(path.times) - 1)
+    is_seen = bool(path.is_measured[number].all())
+    return is_seen and clicked_ball(path, balls, sample.click) is None
+
+
+def _tilt_of(task: Task, path: Positions, pivot: np.ndarray) -> Tilt | None:
+    """Return how obliquely the camera looks, from the path of balls about a pivot at rest."""
+    size = task.video.width, task.video.height
+    places = undistorted(path.centres[path.is_measured], size, task.setup.optics)
+    about = undistorted(np.broadcast_to(pivot, places.shape), size, task.setup.optics)
+    return fit_tilt(places, about, size)
 
 
 def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
@@ -594,10 +667,12 @@ def _followed(
     balls: list[np.ndarray],
     progress: Progress | None,
     path: Positions | None = None,
+    tilt: Tilt | None = None,
 ) -> tuple[ImageModel, Positions]:
     """Return what was learned of a clip, and where its balls are about the pivot.
 
-    `path` is that of balls about a pivot that the picture does not show.
+    `path` is that of balls about a pivot that the picture does not show, `tilt` how obliquely the
+    camera looks.
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
@@ -610,7 +685,9 @@ def _followed(
             is_seen = path is None
             return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
         unseen = None if path is None else path.radius
-        return learn_image_model(video, sample, pivot, balls, radius, tell, unseen_radius=unseen)
+        return learn_image_model(
+            video, sample, pivot, balls, radius, tell, unseen_radius=unseen, tilt=tilt
+        )
 
     if path is not None:
         scene = learned(None)
@@ -618,7 +695,8 @@ def _followed(
         stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
         seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
         return scene, _believed(task, sample, seen, balls)
-    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
+    tilt = tilt or Tilt()
+    arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
     scale = scale_of(setup, size, (arm, 0.0))
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
@@ -634,7 +712,9 @@ def _followed(
         if free.explained > scene.explained:
             scene = free
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
-    stiffness = setup.gravity / (scale.metres * scene.arm) if scale else 0.0
+    # On an oval angles in the picture are not those of the swing.
+    is_known = scale is not None and tilt.angle == 0.0
+    stiffness = setup.gravity / (scale.metres * scene.arm) if scale and is_known else 0.0
     seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
@@ -663,11 +743,12 @@ def _believed(
         )
     _examine(task, sample, seen, balls, radius)
     share = float(seen.is_measured.mean())
-    if share < (_SELDOM if factor == 1.0 else _OFTEN):
+    if factor != 1.0 and share < _OFTEN:
         task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: "
-            + ("look at the overlay" if factor == 1.0 else pace)
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: {pace}"
         )
+    elif seen.clean_share(~sample.repeats) < _SELDOM:
+        task.warnings.append(f"{seen.gaps_text(~sample.repeats)}; look at the overlay")
     return seen
 
 
@@ -744,18 +825,18 @@ def _table(task: Task, tracks: list[_Track]) -> xr.Dataset:
     origin = np.nanmean(first.pivots, axis=0)
     columns = _frames(task, tracks[0].seen.times)
 
-    def put(name: str, places: np.ndarray) -> None:
-        away = (places - origin) * metres_per_pixel
+    def put(name: str, places: np.ndarray, tilt: Tilt) -> None:
+        away = tilt.flat(places - origin) * metres_per_pixel
         columns[f"{name}_x"], columns[f"{name}_y"] = away @ right, -(away @ down)
         if scale is None:
             columns[f"{name}_u"], columns[f"{name}_v"] = places.T
 
     for k, track in enumerate(tracks):
         seen, measured = track.seen, track.measured
-        put("pivot_2" if k else "pivot", measured.pivots)
+        put("pivot_2" if k else "pivot", measured.pivots, measured.tilt)
         for b in range(seen.centres.shape[1]):
             number = k + b + 1
-            put(f"ball_{number}", measured.centres[:, b])
+            put(f"ball_{number}", measured.centres[:, b], measured.tilt)
             columns[f"angle_{number}"] = measured.angles[:, b]
             columns[f"angle_sigma_{number}"] = measured.sigmas[:, b]
             columns[f"flag_{number}"] = seen.flags[:, b]
@@ -860,6 +941,9 @@ def _measured(task: Task, track: _Track, scale: Scale | None) -> dict[str, Any]:
         "pivot_offset_y_sigma": float(hinge.sigma[1]),
         "arm_pixels": hinge.arm,
         "arc": hinge.arc,
+        "tilt": measured.tilt.angle or None,
+        "tilt_sigma": measured.tilt.sigma or None,
+        "tilt_axis": measured.tilt.axis if measured.tilt.angle else None,
         "circle_residual": hinge.residual,
     }
 
@@ -876,6 +960,12 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
         "are in pixels; its period is in the table's attributes"
     )
     period, sigma = period_of(seen.times, seen.centres[:, 0])
+    apart = halves_apart(seen.times, seen.centres[:, 0])
+    if apart is not None:
+        task.warnings.append(
+            f"the period changes from {apart[0]:.5g} to {apart[1]:.5g} s between the halves of the "
+            "clip, as with the amplitude, with the length, or where films are joined"
+        )
     if math.isnan(period):
         task.warnings.append("no period: fewer than three swings were seen")
     attributes = {

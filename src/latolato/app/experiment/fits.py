@@ -145,6 +145,7 @@ def play_options(
 
 def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, int]) -> bytes:
     """Return the model's angle in every frame and where its balls are in the picture."""
+    from latolato.experiment.calibration.tilt import tilt_of
     from latolato.experiment.overlay import places_of
 
     time = table["time"].values
@@ -158,8 +159,9 @@ def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, i
         elif "pivot_u" in table.variables:
             arm = float(table.attrs["arm_pixels"])
             turned = angle + float(table.attrs["gravity_direction"])
-            ghost[f"ball_{b}_u"] = table["pivot_u"] + arm * np.sin(turned)
-            ghost[f"ball_{b}_v"] = table["pivot_v"] + arm * np.cos(turned)
+            away = arm * np.column_stack([np.sin(turned), np.cos(turned)])
+            for end, shown in zip("uv", tilt_of(table.attrs).seen(away).T, strict=True):
+                ghost[f"ball_{b}_{end}"] = table[f"pivot_{end}"] + shown
     _, centres = places_of(ghost, size)
     centres = centres[:, : len(motion)]
     return pack(

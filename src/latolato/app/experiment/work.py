@@ -164,9 +164,12 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
     """Return a track table as the page draws it: angles, and places in pixels of the picture.
 
+    Places are those of a camera at rest; where it moved, ``motion`` says where frames show them.
+
     `times` are those of all frames in the copy that the page plays [s].
     """
     from latolato.experiment.overlay import places_of
+    from latolato.experiment.tracking.steady import Steadier
 
     balls = range(1, balls_of(table) + 1)
     pivots, centres = places_of(table, (video.width, video.height))
@@ -174,6 +177,11 @@ def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
     flags = np.array(
         [[FLAGS.index(str(f)) for f in table[f"flag_{b}"].values] for b in balls], np.uint8
     )
+
+    motion = {}
+    if isinstance(video.steadier, Steadier):
+        moved = video.steadier.motions(len(time)).reshape(-1, 6)
+        motion["motion"] = np.ascontiguousarray(moved.T, np.float32)
 
     def rows(name: str) -> Any:
         return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
@@ -201,6 +209,7 @@ def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
             "pivot": pivots.T.astype(np.float32),
             "centre": centres.transpose(1, 2, 0).reshape(2 * len(balls), -1).astype(np.float32),
             "pivot_height": table["pivot_y"].values[None].astype(np.float32),
+            **motion,
             "distance": np.stack([circle_distances(table, b) for b in balls]).astype(np.float32),
         },
     )

@@ -27,6 +27,7 @@ from latolato.experiment.calibration.gravity import (
 )
 from latolato.experiment.calibration.hinge import Hinge, find_hinge, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
+from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.tracking.positions import Positions
 
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
@@ -53,6 +54,8 @@ class Calibration:
         of the hinge [rad].
     warnings : list of str
         What the user should know.
+    tilt : Tilt
+        How obliquely the camera looks, which angles and `arm` are corrected for.
     """
 
     angles: np.ndarray
@@ -63,6 +66,7 @@ class Calibration:
     gravity: Gravity
     angle_offset_sigma: float
     warnings: list[str] = field(default_factory=list)
+    tilt: Tilt = field(default_factory=Tilt)
 
     @property
     def arm(self) -> tuple[float, float]:
@@ -119,12 +123,24 @@ def calibrate(
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
-    reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
-    scatters = [scatter_of(seen.times, reach[:, b]) for b in range(balls)]
-    # Where no scatter is known, all that is off the circle may be the circle's fault.
-    noise = min((one for one in scatters if math.isfinite(one)), default=0.0)
+    noise, tilt, sigmas = _noise(seen.times, away, use), Tilt(), seen.sigmas
     if circle is None:
         hinge = find_hinge(away[use], seen.angles[use], noise)
+        if not optics.row_time:
+            tilt = fit_tilt(centres[use], about[use], size) or tilt
+        if tilt.angle > 0.0:
+            unsure, shown = tilt.errors(away), np.linalg.norm(away, axis=-1)
+            away = tilt.flat(away)
+            noise = _noise(seen.times, away, use)
+            hinge = find_hinge(away[use], seen.angles[use], noise)
+            # What a turn in the picture is in the plane.
+            slopes = (shown / np.linalg.norm(away, axis=-1)) ** 2 / math.cos(tilt.angle)
+            sigmas = np.hypot(sigmas * slopes, unsure)
+            hinge.warnings.append(
+                "the camera looks at the swing at an angle of "
+                f"{math.degrees(tilt.angle):.3g} ± {math.degrees(tilt.sigma):.1g} degrees: angles "
+                "are corrected for the oval seen; film along the pivot's axis for full accuracy"
+            )
     else:
         hinge = _unseen_hinge(circle, range_of(seen.angles[use]))
     offset, warnings = hinge.offset, hinge.warnings
@@ -136,7 +152,6 @@ def calibrate(
                 :, 0
             ]
     off = np.hypot(away[..., 0] - offset[0], away[..., 1] - offset[1]) - hinge.arm
-    sigmas = seen.sigmas
     if circle is not None:  # they were followed about a place that was known less well
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
@@ -154,7 +169,7 @@ def calibrate(
         )
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
-    if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2):
+    if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2 or tilt.angle):
         wrong = lens_errors(centres, about, use, raw, size, noise)
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
@@ -164,7 +179,7 @@ def calibrate(
                 f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
                 "declare the lens (--lens-k1) or the shutter (--row-time)"
             )
-    down = find_gravity(seen.times, pivots, angles, is_clean)
+    down = find_gravity(seen.times, tilt.flat(pivots), angles, is_clean)
     shared = angle_offset_sigma(down, hinge)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
@@ -176,13 +191,22 @@ def calibrate(
     return Calibration(
         angles - down.direction,
         sigmas,
-        pivots + offset,
+        pivots + tilt.seen(offset),
         centres,
         hinge,
         down,
         shared,
         warnings,
+        tilt,
     )
+
+
+def _noise(times: np.ndarray, away: np.ndarray, use: np.ndarray) -> float:
+    """Return the scatter of the distances of places (frame, ball, 2) from the pivot [pixels]."""
+    reach = np.where(use, np.hypot(away[..., 0], away[..., 1]), np.nan)
+    scatters = [scatter_of(times, reach[:, b]) for b in range(reach.shape[1])]
+    # Where no scatter is known, all that is off the circle may be the circle's fault.
+    return min((one for one in scatters if math.isfinite(one)), default=0.0)
 
 
 def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndarray:

@@ -8,15 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
-from latolato.experiment.calibration.lens import Optics, undistorted
+from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
 # Fewest places that make a circle, and the distance from which one is a mistake of the tracker
 # [standard deviations].
 _FEWEST, _MISTAKEN = 20, 4.0
 # Pieces of the clip whose errors count as independent.
 _PIECES = 12
-# Distortion that a lens may have that nobody declared.
-_LENS = Optics(lens_k1=0.01)
 # Error of a declared place outside the picture, as a share of the arm, and how far off the arc's
 # centre it may be [standard deviations].
 _DECLARED, _AGREES = 0.02, 4.0
@@ -99,7 +97,7 @@ def fit_circle(
         keep = np.abs(off) <= _MISTAKEN * max(1.4826 * float(np.median(np.abs(off))), 1e-3)
     points = points[keep]
     sigma = _shared_sigma(bow, points, frames[keep] * _PIECES // len(places))
-    bent = np.zeros_like(points) if has_lens else undistorted(points, size, _LENS) - points
+    bent = np.zeros_like(points) if has_lens else undistorted(points, size, UNKNOWN_LENS) - points
     bow, spread = bow.fitted(points, sigma, bent)
     warnings, is_declared = [], False
     if declared is not None:

@@ -39,6 +39,10 @@ class Optics:
     lens_k2: float = 0.0
 
 
+# Distortion that a lens may have that nobody declared.
+UNKNOWN_LENS = Optics(lens_k1=0.01)
+
+
 def _lens_of(
     balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int], noise: float
 ) -> tuple[Optics, np.ndarray] | None:

@@ -43,6 +43,7 @@ class View:
 
     def flat(self, x: Any, y: Any) -> tuple[Floats, Floats]:
         """Return u, v [pixel] of points [m] in the picture of a lens without distortion."""
+        x = x * math.cos(self.camera.yaw)
         u = self.origin[0] + self.scale * (self.cosine * x - self.sine * y)
         v = self.origin[1] - self.scale * (self.sine * x + self.cosine * y)
         return np.asarray(u), np.asarray(v)

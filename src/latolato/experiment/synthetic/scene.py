@@ -109,6 +109,8 @@ class Camera:
     pivot_v: float = _number(-1.0, "pixel", "mean pivot from the top; -1: fitted", Range())
     roll: float = _number(0.0, "rad", "rotation of the scene in the picture, counter-clockwise",
                           Range(-3.2, 3.2))  # fmt: skip
+    yaw: float = _number(0.0, "rad", "angle at which a distant camera looks at the swing's plane",
+                         Range(-1.5, 1.5))  # fmt: skip
     rotation: int = field(
         default=0,
         metadata={

@@ -9,6 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.kernels.layers import Ball, Patch
@@ -81,7 +82,11 @@ class Look(Protocol):
         """Move balls from where they are expected: see `fit_balls`."""
 
     def gains(
-        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+        self,
+        planes: tuple[np.ndarray, ...],
+        pivot: np.ndarray,
+        arm: float | np.ndarray,
+        angles: np.ndarray,
     ) -> np.ndarray:
         """Return how much better a ball at each angle fits than the background: 1 at most."""
 
@@ -151,7 +156,11 @@ class Appearance:
         return fit_balls(self, planes, paths, pivot, rounds, tolerant)
 
     def gains(
-        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+        self,
+        planes: tuple[np.ndarray, ...],
+        pivot: np.ndarray,
+        arm: float | np.ndarray,
+        angles: np.ndarray,
     ) -> np.ndarray:
         """Return how much better a ball at each angle fits: see `gains_at`."""
         return gains_at(self, planes, pivot, arm, angles)
@@ -276,9 +285,13 @@ def fit_balls(
     )
 
 
-def arc(pivots: np.ndarray, angles: np.ndarray, arm: float) -> np.ndarray:
-    """Return centres of a ball for pivots (sample, 2) and angles from straight down (sample,)."""
-    return pivots + arm * np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+def arc(pivots: np.ndarray, angles: np.ndarray, arm: float | np.ndarray) -> np.ndarray:
+    """Return centres of a ball for pivots (sample, 2) and angles from straight down (sample,).
+
+    The arm may be another one at each angle, as on an oval.
+    """
+    away = np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+    return np.asarray(pivots + np.expand_dims(arm, -1) * away)
 
 
 def samples_for(length: float) -> int:
@@ -288,16 +301,23 @@ def samples_for(length: float) -> int:
 
 
 def best_angles(
-    look: Look, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, balls: int
+    look: Look,
+    planes: tuple[np.ndarray, ...],
+    pivot: np.ndarray,
+    arm: float,
+    balls: int,
+    tilt: Tilt | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return where on the circle balls are most likely, and how much they explain there.
+
+    With a tilt it is seen as an oval.
 
     Angles are from straight down in the image, to the right positive, shape (ball,); with two
     balls they are the pair at least a diameter apart with the largest sum.
     """
     count = int(2.0 * math.pi * arm / look.radius * _FINENESS)
     angles = np.arange(count) * (2.0 * math.pi / count) - math.pi
-    gain = look.gains(planes, pivot, arm, angles)
+    gain = look.gains(planes, pivot, arm * (tilt or Tilt()).shares(angles), angles)
     if balls == 1:
         best = int(np.argmax(gain))
         return angles[[best]], gain[[best]]
@@ -315,7 +335,7 @@ def gains_at(
     look: Appearance,
     planes: tuple[np.ndarray, ...],
     pivot: np.ndarray,
-    arm: float,
+    arm: float | np.ndarray,
     angles: np.ndarray,
 ) -> np.ndarray:
     """Return how much better a ball at each angle explains a frame than the background does.

@@ -272,7 +272,9 @@ class _Follower:
     ) -> _Measured:
         """Fit the balls from where they are expected."""
         scene, balls = self.scene, self.scene.balls
-        paths = [arc(places, expected.path[:, b], scene.arm) for b in range(balls)]
+        turns = expected.path.T
+        paths = [arc(places, turns[b], scene.reach(turns[b])) for b in range(balls)]
+        arms = scene.reach(expected.guess)
         groups = [[b] for b in range(balls)]
         if balls == 2:
             apart = np.min(np.hypot(*(paths[0][:, None] - paths[1][None]).T))
@@ -284,10 +286,7 @@ class _Follower:
             fit = scene.look.fit(frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant)
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
-                middle = pivot + scene.arm * np.array(
-                    [math.sin(expected.guess[b]), math.cos(expected.guess[b])]
-                )
-                centre = middle + fit.shift[k]
+                centre = arc(pivot, expected.guess[b], arms[b]) + fit.shift[k]
                 away = centre - pivot
                 angle = math.atan2(away[0], away[1])
                 turn = math.remainder(angle - expected.guess[b], 2.0 * math.pi)
@@ -295,7 +294,7 @@ class _Follower:
                 outwards = away / np.hypot(*away)
                 across = np.array([outwards[1], -outwards[0]])
                 own = fit.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
-                out.sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / scene.arm
+                out.sigmas[b] = math.sqrt(across @ own @ across + _FLOOR**2) / arms[b]
                 self.spreads[b] = math.sqrt(outwards @ own @ outwards + _FLOOR**2)
                 out.centres[b] = centre
                 out.explained[b], out.hidden[b] = fit.explained[k], fit.hidden[k]
@@ -310,7 +309,7 @@ class _Follower:
     def _is_bad(self, pivot: np.ndarray, seen: _Measured, expected: Prediction) -> np.ndarray:
         """Return which balls were not measured: hidden, off the circle, or where none can be."""
         scene = self.scene
-        off = np.abs(np.hypot(*(seen.centres - pivot).T) - scene.arm)
+        off = scene.off(seen.centres - pivot)
         spread = np.sqrt(expected.covariance[:, 0, 0])
         jump = np.abs(seen.angles - expected.angles)
         bad: np.ndarray = (
@@ -343,7 +342,7 @@ class _Follower:
                 trials = trials[self._allowed(trials, int(b), expected)]
             if not len(trials):
                 continue
-            gain = scene.look.gains(frame[2:], pivot, scene.arm, trials)
+            gain = scene.look.gains(frame[2:], pivot, scene.reach(trials), trials)
             best = int(np.argmax(gain))
             if gain[best] > _BELIEVED:
                 expected.path[:, b] += trials[best] - expected.guess[b]
@@ -375,7 +374,7 @@ class _Follower:
     def _search(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> bool:
         """Expect the only ball where it is likeliest on the whole circle, if it is there."""
         scene = self.scene
-        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, 1)
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, 1, scene.tilt)
         if gain[0] <= _BELIEVED:
             return False
         time, last = self.last[0][-1]
@@ -392,7 +391,7 @@ class _Follower:
     def _search_both(self, frame: Frame, pivot: np.ndarray, expected: Prediction) -> None:
         """Look for balls that were lost on the whole circle."""
         scene = self.scene
-        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls)
+        angles, gain = best_angles(scene.look, frame[2:], pivot, scene.arm, scene.balls, scene.tilt)
         if gain.min() < _BELIEVED:
             return
         lost = self.unseen > _PATIENCE
@@ -478,9 +477,7 @@ class _Follower:
             if self.unseen[b] <= _PATIENCE and spread < _VAGUE:
                 flags[b] = "predicted"
                 angles[b], sigmas[b] = expected.angles[b], spread
-                centres[b] = pivot + scene.arm * np.array(
-                    [math.sin(angles[b]), math.cos(angles[b])]
-                )
+                centres[b] = arc(pivot, angles[b], scene.reach(angles[b]))
             else:
                 angles[b] = sigmas[b] = np.nan
             if spread > _TURNS and balls == 1:

@@ -41,6 +41,9 @@ _CHANGED, _MORE = _RADIUS_RATIO**-2, 0.2
 # Share under the ball from which it moves as a whole, and share of the rest of the picture that may
 # change meanwhile, for a disc about a part of the ball to be believed.
 _WHOLE, _ELSEWHERE = 0.9, 0.3
+# What is wrong with a ball that does not stand out from its surroundings.
+_NO_BALL = "is no ball that moves"
+_BUSY = "cannot be told from the background, which changes as well"
 # Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
 # part of something larger, and how many neighbours have a say in whether a stretch is believed.
 _PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
@@ -255,11 +258,14 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         passes = is_ball | moves
         is_alone = is_ball.mean() >= _PASSING
         if not is_alone and passes.mean() < _ALWAYS:
+            is_busy = np.median(under) >= _WHOLE and np.median(elsewhere) > _ELSEWHERE
             return Finding(
-                f"what was followed is no ball that moves: of the pixels under it (radius "
-                f"{track.radius:.0f} pixels) {_percent(under)} change when it comes, of "
+                f"what was followed {_BUSY if is_busy else _NO_BALL}: of the pixels under it "
+                f"(radius {track.radius:.0f} pixels) {_percent(under)} change when it comes, of "
                 f"those around it {_percent(beside)}, elsewhere {_percent(elsewhere)}",
-                "point at the middle of the ball that swings, or give its radius and length",
+                "film the ball in front of a background at rest"
+                if is_busy
+                else "point at the middle of the ball that swings, or give its radius and length",
             )
         is_part |= not is_alone
         doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))

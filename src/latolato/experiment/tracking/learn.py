@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
@@ -72,6 +73,8 @@ class ImageModel:
         Share of a ball's pixels that typically look like one; a pattern lowers it.
     stiffness : float
         Gravity over length, estimated from the swing seen [1/s^2]; 0 if it is unknown.
+    tilt : Tilt
+        How obliquely the camera looks at the swing.
     """
 
     pivot: PivotTracker
@@ -82,6 +85,15 @@ class ImageModel:
     speeds: np.ndarray
     explained: float = 1.0
     stiffness: float = 0.0
+    tilt: Tilt = field(default_factory=Tilt)
+
+    def reach(self, angles: np.ndarray) -> np.ndarray:
+        """Return the distance from pivot to ball at angles in the picture [pixels]."""
+        return self.arm * self.tilt.shares(angles)
+
+    def off(self, away: np.ndarray) -> np.ndarray:
+        """Return how far places (..., 2) from the pivot are off the circle or oval [pixels]."""
+        return np.asarray(np.abs(np.linalg.norm(self.tilt.flat(away), axis=-1) - self.arm))
 
 
 def learn_image_model(
@@ -93,6 +105,7 @@ def learn_image_model(
     progress: Callable[[float], None] | None = None,
     *,
     unseen_radius: float | None = None,
+    tilt: Tilt | None = None,
 ) -> ImageModel:
     """Return what a clip looks like.
 
@@ -109,6 +122,8 @@ def learn_image_model(
     unseen_radius : float, optional
         Of balls about a pivot that the picture does not show, which is assumed at rest: their rough
         radius [pixels].
+    tilt : Tilt, optional
+        How obliquely the camera looks, if the path is an oval about a pivot at rest.
 
     Raises
     ------
@@ -116,8 +131,8 @@ def learn_image_model(
         If no ball is found in most of the sample.
     """
     frames = sample.from_click
-    colours = Colours.of(video)
-    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
+    colours, tilt = Colours.of(video), tilt or Tilt()
+    arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
     # The disc about each click: of the size that is declared or guessed, or of what moves there.
     size = radius or unseen_radius or 0.08 * arm
@@ -137,10 +152,10 @@ def learn_image_model(
         clear = _CLEAR * max(step for _, _, step in found)
         centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
         size = each if k == 0 else size
-    arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
+    arm = float(np.mean([np.hypot(*tilt.flat(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
     pivot = np.asarray(pivot, float)
-    if unseen_radius is None:
+    if unseen_radius is None and tilt.angle == 0.0:
         tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
     else:
         tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
@@ -160,7 +175,8 @@ def learn_image_model(
     weight = np.eye(3) / _first_noise(paint, behind, np.array(centres) - low, size) ** 2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
-    scene = ImageModel(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
+    unknown = np.full(len(balls), np.nan)
+    scene = ImageModel(tracker, look, arm, len(balls), starts, unknown, tilt=tilt)
     sightings: list[Sighting] = []
     for round_ in range(_ROUNDS):
         if round_ == 0:
@@ -172,7 +188,7 @@ def learn_image_model(
                 "frames",
                 way_out="point at the middle of the ball",
             )
-        scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0)
+        scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
             raise InputError(
                 f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like its surroundings",
@@ -281,7 +297,8 @@ def find_balls(
 
     def explained() -> float:
         gains = [
-            best_angles(look, frames[k][2:], pivots[k], scene.arm, scene.balls)[1] for k in some
+            best_angles(look, frames[k][2:], pivots[k], scene.arm, scene.balls, scene.tilt)[1]
+            for k in some
         ]
         return float(np.maximum(gains, 0.0).sum())
 
@@ -300,10 +317,11 @@ def find_all(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list
     """Find the balls in every frame of the sample, on the whole circle."""
     look, sightings = scene.look, []
     for k, frame in enumerate(frames):
-        angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls)
+        angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls, scene.tilt)
         for angle, share in zip(angles, gain, strict=True):
             if share > _LIKELY:
-                centre = arc(pivots[[k]], np.array([angle]), scene.arm)[0]
+                at = np.array([angle])
+                centre = arc(pivots[[k]], at, scene.reach(at))[0]
                 sightings.append(
                     Sighting(
                         k, centre, pivots[k], float(angle), math.nan, float(share), np.zeros(2)
@@ -357,7 +375,7 @@ def fit_sample(
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot
                 one.angle, one.explained = float(np.arctan2(away[0], away[1])), float(share)
-                if abs(np.hypot(*away) - scene.arm) < 0.6 * look.radius:
+                if scene.off(away) < 0.6 * look.radius:
                     kept.append(one)
     _set_speeds(kept, frames, scene.balls)
     return kept

@@ -8,10 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import binary_erosion
 
-from latolato.experiment.track_table import MEASURED
+from latolato.experiment.track_table import CLEAN, MEASURED
 
 # Time between frames in which balls that come to touch have met, as a share.
 _NEAR = 0.25
+# Diameters between frames from which a ball leaps, and the share of the samples that are not clean
+# which lie in one stretch, or are partly hidden, for that to be the reason.
+_LEAPS, _MOST = 1.0, 0.6
 
 
 @dataclass
@@ -95,6 +98,44 @@ class Positions:
         at = np.stack([rows, columns], axis=-1) + (np.array(inner.shape) - 1) / 2
         row, column = np.clip(np.rint(at).astype(int), 0, np.array(inner.shape) - 1).T
         return np.asarray(inner[row.T, column.T])
+
+    def clean_share(self, fresh: np.ndarray) -> float:
+        """Return the share of clean samples and contacts in `fresh` frames, shape (frame,)."""
+        return float(np.isin(self.flags[fresh], (*CLEAN, "collision")).mean())
+
+    def gaps_text(self, fresh: np.ndarray) -> str:
+        """Return in words how few samples of `fresh` frames (frame,) are clean, and why."""
+        flags = self.flags[fresh]
+        unclean = ~np.isin(flags, (*CLEAN, "collision"))
+        parts = ((flag, np.mean(flags == flag)) for flag in ("occluded", "predicted", "lost"))
+        named = ", ".join(f"{100.0 * share:.0f} % {flag}" for flag, share in parts if share > 0.005)
+        text = f"only {100.0 * self.clean_share(fresh):.0f} % of the samples are ok ({named}): "
+        places = np.where(self.is_measured[..., None], self.centres, np.nan)
+        steps = np.linalg.norm(np.diff(places, axis=0), axis=-1)
+        leap = float(np.nanmedian(steps)) / (2.0 * self.reach) if np.isfinite(steps).any() else 0.0
+        # The stretch in which all balls are unclean, of the most frames.
+        edges = np.flatnonzero(np.diff(np.r_[False, unclean.all(axis=1), False]))
+        begins, ends = edges[::2], edges[1::2]
+        longest = int(np.argmax(ends - begins)) if len(begins) else 0
+        if len(begins) and ends[longest] - begins[longest] > _MOST * unclean.any(axis=1).sum():
+            times = self.times[fresh][[begins[longest], ends[longest] - 1]]
+            return (
+                f"{text}most of the others lie between {times[0]:.3g} and {times[1]:.3g} s, where "
+                "the ball is hidden, is held, or leaves its circle about the pivot"
+            )
+        if leap > _LEAPS:
+            return (
+                f"{text}what was followed moves by {leap:.1f} of its diameters between frames, so "
+                "it may not be the ball"
+            )
+        if np.mean(flags == "occluded") > _MOST * unclean.mean():
+            return f"{text}there the ball is partly hidden, or what was pointed at is not the ball"
+        if not np.isfinite(self.angles).any():
+            return f"{text}nothing else like the ball is near where it is expected"
+        return (
+            f"{text}elsewhere nothing like the ball lies on its circle about the pivot, so the "
+            "pivot is wrong, the camera looks at an angle, or the ball is hard to see"
+        )
 
     def give_up(self, doubtful: np.ndarray) -> None:
         """Mark samples, shape (frame, ball), as lost, but for those that were set by hand."""

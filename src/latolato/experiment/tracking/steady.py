@@ -201,6 +201,7 @@ class Steadier:
         self.surroundings = surroundings
         self.moved = 0.0
         self._sigmas: dict[int, float] = {}
+        self._matrices: dict[int, np.ndarray] = {}
         self._matrix = np.eye(2, 3)
 
     def __call__(self, frame: Frame) -> Frame:
@@ -213,11 +214,21 @@ class Steadier:
             self._matrix = motion.matrix
             self.moved = max(self.moved, motion.moved)
             self._sigmas[frame.number] = motion.sigma
+        self._matrices[frame.number] = self._matrix
         # A place of the halved planes is half the place less a quarter.
         halved = self._matrix.copy()
         halved[:, 2] = 0.5 * (self._matrix @ [0.5, 0.5, 1.0] - 0.5)
         planes = (_moved(frame.luma, self._matrix), *(_moved(p, halved) for p in frame[3:]))
         return Frame(frame.number, frame.time, *planes)
+
+    def motions(self, count: int) -> np.ndarray:
+        """Return where the first frames show the places of the steady picture.
+
+        As matrices by which ``(column, row, 1)`` is multiplied, shape (frame, 2, 3).
+        """
+        still = np.eye(2, 3)
+        matrices = (self._matrices.get(number, still) for number in range(count))
+        return np.array([np.linalg.inv(np.vstack([m, [0.0, 0.0, 1.0]]))[:2] for m in matrices])
 
     def deviations(self, count: int) -> np.ndarray:
         """Return standard deviations of places in the first frames [pixels], NaN where unknown."""

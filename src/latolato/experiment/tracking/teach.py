@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
@@ -54,11 +55,15 @@ class Sighting:
 
 
 def learn_look(
-    look: Appearance, frames: list[Frame], sightings: list[Sighting], is_first: bool
+    look: Appearance,
+    frames: list[Frame],
+    sightings: list[Sighting],
+    is_first: bool,
+    tilt: Tilt,
 ) -> float:
     """Learn radius, softness, colours and noise again from the balls; return their arm."""
     good = [one for one in sightings if one.explained > _TEACHES] or sightings
-    arms = [float(np.hypot(*(one.centre - one.pivot))) for one in good]
+    arms = [float(np.hypot(*tilt.flat(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]

@@ -89,7 +89,11 @@ class Template:
         return window.at(centre + _turned(self.offsets, angle))
 
     def gains(
-        self, planes: tuple[np.ndarray, ...], pivot: np.ndarray, arm: float, angles: np.ndarray
+        self,
+        planes: tuple[np.ndarray, ...],
+        pivot: np.ndarray,
+        arm: float | np.ndarray,
+        angles: np.ndarray,
     ) -> np.ndarray:
         """Return how well the template fits at angles: 1 as itself, 0 if three quarters differ.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,10 +13,14 @@ from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.follow import Corrections
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.video import Video
+from latolato.experiment.video import Frame, Video
 
 # How far from where it is expected a ball may be, in radii, and by how much its radius may differ.
 _NEAR, _SIZE = 2.5, 1.8
+# Standard deviations by which periods of halves of a clip differ.
+_APART = 3.0
+# Steps of 255 by which a place from which a ball has gone looks otherwise.
+_CHANGED = 9.0
 # Fewest passages through the middle that make a period, the longest one in frames, and the least
 # share of known places.
 _FEWEST, _PAUSE, _KNOWN = 4, 2.5, 0.5
@@ -89,6 +94,38 @@ def follow_path(
     return out
 
 
+def swinging(sample: Sample, path: Positions) -> tuple[Sample, list[np.ndarray]] | None:
+    """Return a sample as if balls were pointed at where they swing slowly, and their places there.
+
+    None if its pairs of frames show all of them only near where they were pointed at, or if what
+    was there is there still: another ball then passed it.
+    """
+    frames = {frame.number: frame for frame in sample.frames}
+    at = path.centres[min(max(sample.click, 0), len(path.times) - 1)]
+    far = np.linalg.norm(path.centres - at, axis=-1).min(axis=1) > _NEAR * path.radius
+    steps = np.linalg.norm(np.diff(path.centres, axis=0), axis=-1).max(axis=1)
+    pairs = [n for n in frames if n + 1 in frames and far[n] and np.isfinite(steps[n])]
+    if not pairs:
+        return None
+    n = min(pairs, key=lambda number: float(steps[number]))
+    if not all(_has_left(sample.from_click[0], frames[n], one, path.radius) for one in at):
+        return None
+    return replace(sample, clicked=[frames[n], frames[n + 1]]), list(path.centres[n])
+
+
+def _has_left(first: Frame, later: Frame, place: np.ndarray, radius: float) -> bool:
+    """Return whether the inner part of a ball at a place looks otherwise in a later frame."""
+    reach = max(1, int(0.25 * radius))
+    u, v = np.rint(0.5 * place).astype(int)
+    part = np.s_[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1]
+    planes = ((frame.luma[::2, ::2], frame.blue, frame.red) for frame in (first, later))
+    changes = (
+        float(np.median(np.abs(one[part].astype(float) - other[part])))
+        for one, other in zip(*planes, strict=True)
+    )
+    return max(changes) > _CHANGED
+
+
 class _Track:
     """One ball's state from frame to frame."""
 
@@ -143,8 +180,29 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     -----
     The slope of a straight line through the instants at which the ball passes the middle of its
     path in one direction, along the path's longest extent. None where fewer than half of the places
-    are known: whole swings may be missing.
+    are known: whole swings may be missing. If the halves of the clip differ by more than 3 standard
+    deviations, half their difference joins the deviation: periods change with the amplitude.
     """
+    period, sigma = _period(times, places)
+    apart = halves_apart(times, places)
+    if apart is not None:
+        sigma = math.hypot(sigma, 0.5 * abs(apart[1] - apart[0]))
+    return period, sigma
+
+
+def halves_apart(times: np.ndarray, places: np.ndarray) -> tuple[float, float] | None:
+    """Return the periods of the halves of a clip [s], None if they agree or are unknown.
+
+    Arguments are those of `period_of`.
+    """
+    middle = len(times) // 2
+    halves = [_period(times[part], places[part]) for part in (np.s_[:middle], np.s_[middle:])]
+    (early, one), (late, other) = halves
+    return (early, late) if abs(late - early) > _APART * math.hypot(one, other) else None
+
+
+def _period(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
+    """Return the period of passages through the middle and the deviation of their line [s]."""
     ok = np.isfinite(places).all(axis=1)
     if ok.sum() < max(8, _KNOWN * len(ok)):
         return math.nan, math.nan

@@ -79,7 +79,8 @@ export class Handles {
     button.style.left = `${(100 * (u + 0.5)) / width}%`;
     button.style.top = `${(100 * (v + 0.5)) / height}%`;
     button.setAttribute("aria-label", t("handle", {
-      name: t(name), column: Math.round(u), row: Math.round(v) }));
+      name: t(name === "ball_1" && !this.places.ball_2 ? "ball" : name),
+      column: Math.round(u), row: Math.round(v) }));
   }
 
   /**

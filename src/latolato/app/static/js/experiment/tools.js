@@ -85,7 +85,8 @@ export class Tools {
    * @param {Clip["corrections"][number]} correction
    */
   chip(clip, correction) {
-    const name = t("correction", { frame: correction.frame + 1, ball: t(`ball_${correction.ball}`) });
+    const ball = t(clip.places.ball_2 ? `ball_${correction.ball}` : "ball");
+    const name = t("correction", { frame: correction.frame + 1, ball });
     return el("li", {},
       el("button", { type: "button", class: "link",
         on: { click: () => this.on.go(correction.frame) } }, name),

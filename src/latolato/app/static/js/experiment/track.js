@@ -73,13 +73,17 @@ export class Track {
   }
 
   /**
-   * Return pivot and balls of a frame in the picture [pixels].
+   * Return pivot and balls of a frame in the picture [pixels], where a camera that moved shows them.
    * @param {number} frame
    */
   places(frame) {
+    const [a, b, c, d, e, f] = this.block.arrays.motion
+      ? Array.from({ length: 6 }, (_, k) => this.values("motion", k)[frame]) : [1, 0, 0, 0, 1, 0];
     const place = (/** @type {Block} */ block, /** @type {string} */ name,
-      /** @type {number} */ k) => ({
-      u: row(block, name, 2 * k)[frame], v: row(block, name, 2 * k + 1)[frame] });
+      /** @type {number} */ k) => {
+      const [u, v] = [row(block, name, 2 * k)[frame], row(block, name, 2 * k + 1)[frame]];
+      return { u: a * u + b * v + c, v: d * u + e * v + f };
+    };
     const balls = Array.from({ length: this.count }, (_, b) => place(this.block, "centre", b));
     const { model } = this;
     const ghosts = model

@@ -1,0 +1,177 @@
+"""A camera that looks at a swing at an angle: it sees the ball's circle as an oval."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from latolato.experiment.calibration.hinge import CLICK, UNROUND
+from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
+
+# Fewest places that make an oval, and most of them that are fitted.
+_FEWEST, _MOST = 30, 800
+# How far off the pivot may be [standard deviations], and strongest lens that may pass for a tilt
+# [undeclared lenses].
+_SOFT, _LENSES = 3.0, 10.0
+# Pieces of the path whose errors count as independent.
+_PIECES = 12
+# Error of the pivot against the oval's middle, as a share of the arm: perspective moves it.
+_ASIDE = 0.003
+# How sure an oval must be [standard deviations], how much nearer than a circle it must be to the
+# places, how near [pixels, arm], and the strongest one: an axis less than a fourth of the other.
+_SURE, _BETTER, _NEAR, _NEAR_SHARE, _STRONGEST = 5.0, 0.5, 1.0, 3e-3, 0.6
+# Step for derivatives.
+_STEP = 1e-5
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """How obliquely a distant camera looks at the plane of the swing.
+
+    Attributes
+    ----------
+    angle, sigma : float
+        Between the line of sight and the normal of the plane, and its standard deviation [rad].
+    axis : float
+        Direction in the picture in which nothing is foreshortened, from straight down [rad].
+    spread : numpy.ndarray, shape (2, 2)
+        Covariance of the oval's two numbers, see `stretch`.
+    """
+
+    angle: float = 0.0
+    sigma: float = 0.0
+    axis: float = 0.0
+    spread: np.ndarray | None = None
+
+    @property
+    def stretch(self) -> np.ndarray:
+        """The symmetric matrix less one, with a trace of 0, that makes a circle of the oval."""
+        ratio = math.cos(self.angle)
+        e = (1.0 - ratio) / (1.0 + ratio)
+        return e * np.array([math.cos(2.0 * self.axis), -math.sin(2.0 * self.axis)])
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """What turns places in the picture into those in the plane; straight down stays so."""
+        return _matrix(self.stretch)
+
+    def shares(self, angles: np.ndarray) -> np.ndarray:
+        """Return the oval's distance from its middle at angles in the picture, over the arm."""
+        if self.angle == 0.0:
+            return np.ones_like(angles)
+        return np.asarray(1.0 / np.hypot(*self.flat(_directions(angles)).T))
+
+    def flat(self, away: np.ndarray) -> np.ndarray:
+        """Return where places (..., 2) from the pivot in the picture are in the plane."""
+        return away if self.angle == 0.0 else np.asarray(away @ self.matrix.T)
+
+    def seen(self, flat: np.ndarray) -> np.ndarray:
+        """Return where the picture shows places (..., 2) of the plane."""
+        return flat if self.angle == 0.0 else np.asarray(flat @ np.linalg.inv(self.matrix).T)
+
+    def errors(self, away: np.ndarray) -> np.ndarray:
+        """Return the standard deviation of angles at places (..., 2) that the tilt causes [rad]."""
+        if self.spread is None:
+            return np.zeros(away.shape[:-1])
+        slopes = []
+        for step in _STEP * np.eye(2):
+            one, two = (away @ _matrix(self.stretch + sign * step).T for sign in (1.0, -1.0))
+            turn = np.arctan2(one[..., 0], one[..., 1]) - np.arctan2(two[..., 0], two[..., 1])
+            slopes.append(np.remainder(turn + math.pi, math.tau) - math.pi)
+        slope = np.stack(slopes, axis=-1) / (2.0 * _STEP)
+        return np.asarray(np.sqrt(np.einsum("...i,ij,...j->...", slope, self.spread, slope)))
+
+
+def tilt_of(attributes: Mapping[str, Any], name: str = "") -> Tilt:
+    """Return the tilt that a track table's attributes state, for one of its pivots or balls."""
+    end = "_2" if name.endswith("_2") and "arm_pixels_2" in attributes else ""
+    angle, axis = (float(attributes.get(f"{key}{end}", 0.0)) for key in ("tilt", "tilt_axis"))
+    return Tilt(angle, axis=axis)
+
+
+def _directions(angles: np.ndarray) -> np.ndarray:
+    """Return unit vectors at angles from straight down in the picture."""
+    return np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+
+
+def _matrix(stretch: np.ndarray) -> np.ndarray:
+    """Return the matrix of an oval's two numbers: not foreshortened one way, and turned down."""
+    e1, e2 = stretch
+    plain = np.array([[1.0 + e1, e2], [e2, 1.0 - e1]]) / (1.0 - math.hypot(e1, e2))
+    turn = math.atan2(plain[0, 1], plain[1, 1])
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return np.array([[cosine, -sine], [sine, cosine]]) @ plain
+
+
+def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> Tilt | None:
+    """Return the tilt at which a circle about the pivot is seen in places, None if none is sure.
+
+    Parameters
+    ----------
+    places, pivots : numpy.ndarray, shape (place, 2)
+        Where a ball is in the picture, and the pivot at the same time [pixels].
+    size : tuple of int
+        Width and height of the picture [pixels].
+
+    Notes
+    -----
+    A circle of radius ``R`` whose plane is tilted by ``t`` is seen as an oval with the semi-axes
+    ``R`` and ``R cos t`` about the pivot, which is believed to 1 pixel and 0.3 % of the arm. The
+    covariance includes a lens of ``k1 = 0.01``, which makes ovals, too; where one of up to 0.1 may
+    make this oval, there is none. A narrow arc does not tell. It can miss a perspective that makes
+    one side larger than the other.
+    """
+    from scipy.optimize import least_squares
+
+    if len(places) < _FEWEST:
+        return None
+    thin = slice(None, None, math.ceil(len(places) / _MOST))
+    places, pivots = places[thin], pivots[thin]
+    away = places - pivots
+    bend = undistorted(places, size, UNKNOWN_LENS) - undistorted(pivots, size, UNKNOWN_LENS) - away
+    arm = float(np.median(np.hypot(*away.T)))
+    believed = math.hypot(CLICK, _ASIDE * arm)
+
+    def on_circle(p: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.norm(away + p[3] * bend - p[1:3], axis=1) - p[0])
+
+    def on_oval(p: np.ndarray, away: np.ndarray = away) -> np.ndarray:
+        u, v = (away - p[1:3]).T
+        e1, e2 = p[3:]
+        return np.asarray(np.hypot((1.0 + e1) * u + e2 * v, e2 * u + (1.0 - e1) * v) - p[0])
+
+    def fitted(off: Any, start: list[float], sigma: float) -> tuple[Any, float]:
+        weight = math.sqrt(_PIECES / len(away)) / sigma
+        # The loss is soft for mistakes of the tracker, not for pivot and lens.
+        far = np.array([np.inf, _SOFT * believed, _SOFT * believed, _LENSES, np.inf])[: len(start)]
+        fit = least_squares(
+            lambda p: np.append(weight * off(p), p[1:3] / believed),
+            start, bounds=(-far, far), loss="soft_l1", x_scale="jac", max_nfev=200,
+        )  # fmt: skip
+        return fit, 1.4826 * float(np.median(np.abs(off(fit.x))))
+
+    _, round_left = fitted(on_circle, [arm, 0.0, 0.0, 0.0], UNROUND)
+    fit, left = fitted(on_oval, [arm, 0.0, 0.0, 0.0, 0.0], UNROUND)
+    sigma = max(left, UNROUND)
+    fit, left = fitted(on_oval, fit.x.tolist(), sigma)
+    p, spread = fit.x, np.linalg.pinv(fit.jac.T @ fit.jac)
+    bent = (on_oval(p, away + bend) - on_oval(p)) * math.sqrt(_PIECES / len(away)) / sigma
+    shift = spread @ fit.jac[: len(away)].T @ bent
+    spread = spread + np.outer(shift, shift)
+    e1, e2 = p[3:]
+    e = math.hypot(e1, e2)
+    is_near = left < min(max(_NEAR, _NEAR_SHARE * arm), _BETTER * round_left)
+    if not 0.0 < e < _STRONGEST or not is_near:
+        return None
+    along = np.array([e1, e2]) / e
+    sigma = math.sqrt(float(along @ spread[3:, 3:] @ along))
+    if e < _SURE * sigma:
+        return None
+    angle = math.acos((1.0 - e) / (1.0 + e))
+    # cos t = (1 - e)/(1 + e), so that sin t dt = 2 de/(1 + e)^2.
+    tilt_sigma = 2.0 * sigma / ((1.0 + e) ** 2 * math.sin(angle))
+    return Tilt(angle, tilt_sigma, 0.5 * math.atan2(-e2, e1), spread[3:, 3:])
