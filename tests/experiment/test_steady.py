@@ -108,6 +108,16 @@ def test_a_page_draws_marks_where_an_unsteady_camera_shows_the_ball(film, tmp_pa
     shown = np.stack([u - turn * v, turn * u + v]) + shift - [[LEFT], [TOP]]
     assert np.nanmax(np.hypot(*(marks - shown))) < 1.0
     assert np.nanmax(np.hypot(*(points["centre"] - shown))) > 3.0
+    # Where a frame is corrected by hand, the page draws the place that was clicked.
+    at = int(np.argmax(np.hypot(*(points["centre"] - shown))))
+    options = {"length": SWING.length, "corrections": ((at, 1, *shown[:, at]),)}
+    task = prepare(shaken, wide - start, [ball - start], options)
+    table = run(task)
+    assert table.flag_1.values[at] == "manual"
+    _, points = unpack(points_block(table, task.video, table.time.values))
+    matrix = points["motion"].reshape(2, 3, -1)[..., at]
+    mark = matrix @ [*points["centre"][:, at], 1.0]
+    assert mark == pytest.approx(shown[:, at], abs=0.01)
 
 
 def test_a_hand_that_shakes_too_much_is_refused(film, tmp_path):

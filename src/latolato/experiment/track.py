@@ -502,7 +502,9 @@ def _is_inside(place: Place, video: Video) -> bool:
 
 
 def _corrections(task: Task, sample: Sample) -> Corrections:
-    """Return the places that are set by hand, by frame from the first one used on, and ball.
+    """Return the function that tells where balls of a frame are set by hand, once it is read.
+
+    Frames count from the first one used on. Places are those of a camera at rest.
 
     Raises
     ------
@@ -520,7 +522,15 @@ def _corrections(task: Task, sample: Sample) -> Corrections:
         if ball > count:
             raise InputError(f"ball {ball} is corrected in frame {number}, but there is only one")
         places.setdefault(number - first, {})[ball - 1] = np.array(place)
-    return places
+    steadier = task.video.steadier
+
+    def placed(number: int) -> dict[int, np.ndarray]:
+        fixed = places.get(number, {})
+        if isinstance(steadier, Steadier):
+            return {ball: steadier.place(number, place) for ball, place in fixed.items()}
+        return fixed
+
+    return placed
 
 
 def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:

@@ -21,8 +21,8 @@ from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 from latolato.physics.pendulum import restoring_sine
 
-# Places set by hand [pixels], by frame and ball from 0 on.
-Corrections = Mapping[int, Mapping[int, np.ndarray]]
+# Places set by hand in a frame that was read [pixels], by ball from 0 on.
+Corrections = Callable[[int], Mapping[int, np.ndarray]]
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole; and
 # the share of them that may look more like the wall: a long smear is nearly transparent.
 _MEASURED, _WHOLE, _WALL = 0.4, 0.82, 0.5
@@ -72,14 +72,14 @@ def follow(
         Gravity over length [1/s^2], 0 if unknown: it is then taken from the sample.
     progress : callable, optional
         Called with the fraction done.
-    corrections : mapping, optional
-        Places of balls that are set by hand, by frame and ball from 0 on.
+    corrections : callable, optional
+        Returns the places of balls that are set by hand in a frame, which was read already.
     """
     count = len(sample.times)
     out = Positions.unknown(sample.times, scene.balls, scene.look.radius)
     out.body = scene.look.body
     follower = _Follower(scene, sample.interval, stiffness, sample.click)
-    follower.corrections = corrections or {}
+    follower.corrections = corrections or follower.corrections
     repeats = sample.repeats
     for frame in video.frames():
         n = frame.number
@@ -124,7 +124,7 @@ class _Follower:
         self.lift = 0.0
         self.is_begun = False
         # Places set by hand, and those of the frame at work.
-        self.corrections: Corrections = {}
+        self.corrections: Corrections = lambda _: {}
         self.fixed: Mapping[int, np.ndarray] = {}
         # Balls that were found in the last frame, with a velocity that is not known.
         self.is_found = np.zeros(scene.balls, bool)
@@ -217,7 +217,7 @@ class _Follower:
             self.is_found[:] = False
         if frame.number == self.click:
             self._return_to(dict(enumerate(scene.starts)), expected)
-        self.fixed = self.corrections.get(frame.number, {})
+        self.fixed = self.corrections(frame.number)
         self._return_to({b: math.atan2(*(at - pivot)) for b, at in self.fixed.items()}, expected)
         if np.any(self.unseen > _PATIENCE):
             search = self._search if scene.balls == 1 else self._search_both

@@ -221,6 +221,10 @@ class Steadier:
         planes = (_moved(frame.luma, self._matrix), *(_moved(p, halved) for p in frame[3:]))
         return Frame(frame.number, frame.time, *planes)
 
+    def place(self, number: int, place: np.ndarray) -> np.ndarray:
+        """Return where a place of a frame that was read is in the steady picture [pixels]."""
+        return np.asarray(self._matrices[number] @ [*place, 1.0])
+
     def motions(self, count: int) -> np.ndarray:
         """Return where the first frames show the places of the steady picture.
 

@@ -43,8 +43,8 @@ def follow_path(
         Centres in the clicked frame, the right-hand ball first [pixels].
     progress : callable, optional
         Called with the fraction done.
-    corrections : mapping, optional
-        Places of balls that are set by hand, by frame and ball from 0 on.
+    corrections : callable, optional
+        Returns the places of balls that are set by hand in a frame, which was read already.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def follow_path(
     for numbers in (range(click, count), range(click - 1, -1, -1)):
         tracks = [_Track(start) for start in starts]
         for number in numbers:
-            discs, fixed = seen[number], (corrections or {}).get(number, {})
+            discs, fixed = seen[number], corrections(number) if corrections else {}
             for b, track in enumerate(tracks):
                 if b in fixed:
                     track.places, track.missed = [fixed[b]], 0
