@@ -10,14 +10,17 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.contact_time import (
+    GAP,
+    MOST_TRIALS,
+    crossing,
+    is_located,
+    next_trial,
+)
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
-
-# What a search looks for.
-GAP, RATE = 0, 1
+from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed, slowed
 
 
 class Balls(NamedTuple):
@@ -25,7 +28,7 @@ class Balls(NamedTuple):
 
     gap: Callable[..., float]
     gap_rate: Callable[..., float]
-    gap_acceleration: Callable[..., float]
+    gap_course: Callable[..., Any]
     place: Callable[..., None]
     fly: Callable[..., None]
     fly_by: Callable[..., None]
@@ -77,6 +80,16 @@ def make_balls(
         return points[0].acceleration
 
     @part
+    def gap_course(run: Any, wall: float) -> tuple[float, float, float, float, float, float]:
+        """Return how far the gap is above a wall, its rate and acceleration, at both ends."""
+        a0, a1 = slowed(run.now[0], run.bodies[0]), slowed(run.end[0], run.bodies[0])
+        if two:
+            a0 -= slowed(run.now[1], run.bodies[1])
+            a1 -= slowed(run.end[1], run.bodies[1])
+        begin, end = gap(run.now) - wall, gap(run.end) - wall
+        return begin, gap_rate(run.now), a0, end, gap_rate(run.end), a1
+
+    @part
     def place(run: Any, points: Any, wanted: float, rate: float) -> None:
         """Set the gap and its rate, with the mean angle and the angular momentum kept."""
         if two:
@@ -124,12 +137,16 @@ def make_balls(
     def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
         """Return the length in [low, high] of a step to where gap or rate reaches `target`.
 
-        The value minus the target changes its sign between the ends; at `high` it has the sign of
-        the far side. Bracketed Newton on the step itself, to rounding.
+        ``run.end`` is where the step of length `high` ends. The value minus the target changes its
+        sign between the ends. Bracketed Newton on the step itself, to rounding.
         """
-        s = high
-        far, span, move = 0.0, high - low, high - low
-        for trial in range(MOST_TRIALS):
+        value = (gap(run.end) if what == GAP else gap_rate(run.end)) - target
+        if value == 0.0:
+            return high
+        far, span, move = 1.0 if value > 0.0 else -1.0, high - low, high - low
+        wall = target if what == GAP else 0.0
+        s = crossing(what, low, high, far, high, *gap_course(run, wall))
+        for _ in range(MOST_TRIALS):
             fly_by(run, s, run.end)
             bend = gap_acceleration(run.end)
             value, slope = gap_rate(run.end) - target, bend
@@ -137,12 +154,6 @@ def make_balls(
                 value, slope = gap(run.end) - target, gap_rate(run.end)
             if value == 0.0:
                 return s
-            if trial == 0:  # the far end, which Newton starts from
-                far = 1.0 if value > 0.0 else -1.0
-                s = high - value / slope if slope != 0.0 else 0.5 * (low + high)
-                if not low < s < high:
-                    s = 0.5 * (low + high)
-                continue
             if value * far > 0.0:
                 high = s
             else:
@@ -162,8 +173,8 @@ def make_balls(
         """
         s = 0.5 * high
         for _ in range(50):
-            fly_by(run, s, run.end)
-            if (gap(run.end) - target) * far < 0.0:
+            fly_by(run, s, run.inside)
+            if (gap(run.inside) - target) * far < 0.0:
                 return s
             s *= 0.5
         return 0.0
@@ -207,6 +218,6 @@ def make_balls(
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_acceleration, place, fly, fly_by, settle, locate, leave, parting,
+        gap, gap_rate, gap_course, place, fly, fly_by, settle, locate, leave, parting,
         energy, plan_length, shorten,
     )  # fmt: skip

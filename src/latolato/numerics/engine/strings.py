@@ -99,7 +99,7 @@ def make_strings(
         margin, least = tension.margin(run, i), brink(run, i)
         if left <= least:
             low = _LITTLE * high
-            little = tension.after(run, i, low)
+            little = tension.seen(run, i, low)
             if left < -least or little <= 0.0:
                 stop_at_once(run, SLACKEN, i)
                 return
@@ -108,7 +108,7 @@ def make_strings(
         if min(left, right) >= margin:
             return
         half = 0.5 * high
-        middle = tension.after(run, i, half)
+        middle = tension.seen(run, i, half)
         if middle < 0.0:
             right, high = middle, half
         elif right < 0.0:
@@ -119,7 +119,7 @@ def make_strings(
                 s += 0.5 * half * (left - right) / bend
             if not low < s < high:
                 return
-            right, high = tension.after(run, i, s), s
+            right, high = tension.seen(run, i, s), s
             if right >= 0.0:
                 return
         s = tension.zero(run, i, low, high, left, right)
