@@ -197,7 +197,8 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
     @part
     def turning(b: Any, angle: float, x: float, y: float) -> float:
         """Return the angular acceleration by a pull on each kilogram [rad/s^2]."""
-        result: float = b.coupling * (x * cosine(angle) + y * sine(angle))
+        sideways = b.coupling * x * cosine(angle) if x != 0.0 else 0.0
+        result: float = sideways + b.coupling * y * sine(angle)
         return result
 
     @part
@@ -279,7 +280,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
             ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
             driven = turning(b, angle, -ax, -ay)
             wind = blown(b, angle, wx, wy)
-            a = driven + turning(b, angle, 0.0, -gravity) + wind + (push(angle, run) - friction)
+            a = driven + (turning(b, angle, 0.0, -gravity) + (wind + push(angle, run) - friction))
         h = run.tables[table, KICK, run.stages]
         change = h * a
         middle = velocity + 0.5 * change
