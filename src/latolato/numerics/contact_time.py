@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +13,8 @@ from latolato.observables.hermite import quintic_terms
 GAP, RATE = 0, 1
 # More halvings than a double has bits below a step: a search that needs them has no root.
 MOST_TRIALS = 120
+# A search ends when no more than this share of a step is missing: a glide takes that to rounding.
+GLIDE = 1e-5
 # Trials of a guess by a polynomial; a few more only save steps.
 MOST_GUESSES = 12
 
@@ -85,31 +86,35 @@ def crossing(
     return s
 
 
-def make_root(function: Callable[..., Any], part: Part) -> Callable[..., float]:
+def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
     """Return the search for where the value of ``function(run, s, *rest)`` is zero, to rounding.
 
-    The function returns a value and its slope; the value changes its sign between the ends. Called
-    as ``root(run, guess, low, high, far, *rest)``, `far` the sign at `high`.
+    The function returns a value, its slope and its curvature; the value changes its sign between
+    the ends. Called as ``root(run, guess, low, high, far, *rest)``, `far` the sign at `high`. The
+    result is the last trial and what is missing from there, a `GLIDE` of the bracket at most.
     """
 
     @part
-    def root(run: Any, s: float, low: float, high: float, far: float, *rest: Any) -> float:
-        span, move, last_slope = high - low, high - low, 0.0
-        for trial in range(MOST_TRIALS):
-            value, slope = function(run, s, *rest)
+    def root(
+        run: Any, s: float, low: float, high: float, far: float, *rest: Any
+    ) -> tuple[float, float]:
+        span = move = high - low
+        for _ in range(MOST_TRIALS):
+            value, slope, bend = function(run, s, *rest)
             if value == 0.0:
                 break
             if value * far > 0.0:
                 high = s
             else:
                 low = s
-            bend = (slope - last_slope) / move if trial > 0 else math.inf
-            last_slope = slope
-            next_s, newton = next_trial(s, value, slope, low, high, move)
-            move, s = next_s - s, next_s
-            if (newton and is_located(move, slope, bend, span)) or high - low <= 4e-16 * span:
+            trial, newton = next_trial(s, value, slope, low, high, move)
+            move = trial - s
+            if newton and abs(move) <= GLIDE * span and abs(bend * move) <= GLIDE * abs(slope):
+                return s, move - 0.5 * bend / slope * move * move
+            if high - low <= 4e-16 * span:
                 break
-        return s
+            s = trial
+        return s, 0.0
 
     return root
 

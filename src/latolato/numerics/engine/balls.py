@@ -10,13 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.contact_time import (
-    GAP,
-    MOST_TRIALS,
-    crossing,
-    is_located,
-    next_trial,
-)
+from latolato.numerics.contact_time import GAP, crossing, make_root
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
@@ -33,6 +27,7 @@ class Balls(NamedTuple):
     fly: Callable[..., None]
     fly_by: Callable[..., None]
     settle: Callable[..., None]
+    glide: Callable[..., None]
     locate: Callable[..., float]
     leave: Callable[..., float]
     parting: Callable[..., float]
@@ -56,7 +51,7 @@ def make_balls(
     In the plane the string of a ball may be slack, and it moves by `fall` then.
     """
     two, in_plane = count == 2, fall is not NO_FALL
-    fall_by, hang, slopes = fall.step_by, fall.hang, fall.slopes
+    fall_by, fall_on, hang, slopes = fall.step_by, fall.glide, fall.hang, fall.slopes
     potential, push_potential = laws.potential, laws.push_potential
 
     @inlined(part)
@@ -72,20 +67,15 @@ def make_balls(
         return speed
 
     @inlined(part)
-    def gap_acceleration(points: Any) -> float:
-        """Return the gap's acceleration of a kick [rad/s^2]."""
-        if two:
-            difference: float = points[0].acceleration - points[1].acceleration
-            return difference
-        return points[0].acceleration
+    def gap_acceleration(run: Any, points: Any) -> float:
+        """Return the gap's acceleration with all drag [rad/s^2]."""
+        bend: float = slowed(points[0], run.bodies[0])
+        return bend - slowed(points[1], run.bodies[1]) if two else bend
 
     @part
     def gap_course(run: Any, wall: float) -> tuple[float, float, float, float, float, float]:
         """Return how far the gap is above a wall, its rate and acceleration, at both ends."""
-        a0, a1 = slowed(run.now[0], run.bodies[0]), slowed(run.end[0], run.bodies[0])
-        if two:
-            a0 -= slowed(run.now[1], run.bodies[1])
-            a1 -= slowed(run.end[1], run.bodies[1])
+        a0, a1 = gap_acceleration(run, run.now), gap_acceleration(run, run.end)
         begin, end = gap(run.now) - wall, gap(run.end) - wall
         return begin, gap_rate(run.now), a0, end, gap_rate(run.end), a1
 
@@ -134,36 +124,46 @@ def make_balls(
                 hang(run, i, run.now[i])
 
     @part
+    def glide(run: Any, s: float, missing: float) -> None:
+        """Take ``run.end``, that far into the step, on by a time that is missing."""
+        if run.settings.in_lab != 0:  # what moving air takes is counted in whole steps
+            fly_by(run, s + missing, run.end)
+            return
+        for i in range(count):
+            point, t = run.end[i], run.t + s + missing
+            if in_plane and run.state.is_slack[i] != 0:
+                fall_on(run, i, t, missing, point)
+            else:
+                swing.glide(run, i, t, missing, point)
+                if in_plane and two:
+                    place_taut(point, 1.0 / run.bodies[i].coupling)
+
+    @part
+    def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
+        """Return what `locate` looks at, its slope and its curvature, that far into the step."""
+        fly_by(run, s, run.end)
+        rate, bend = gap_rate(run.end), gap_acceleration(run, run.end)
+        if what == GAP:
+            return gap(run.end) - target, rate, bend
+        return rate - target, bend, 0.0
+
+    find = make_root(value_at, part)
+
+    @part
     def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
         """Return the length in [low, high] of a step to where gap or rate reaches `target`.
 
-        ``run.end`` is where the step of length `high` ends. The value minus the target changes its
-        sign between the ends. Bracketed Newton on the step itself, to rounding.
+        ``run.end``, where the step of length `high` ends, becomes where that one ends. The value
+        minus the target changes its sign between the ends. Bracketed Newton on the step itself.
         """
         value = (gap(run.end) if what == GAP else gap_rate(run.end)) - target
         if value == 0.0:
             return high
-        far, span, move = 1.0 if value > 0.0 else -1.0, high - low, high - low
-        wall = target if what == GAP else 0.0
-        s = crossing(what, low, high, far, high, *gap_course(run, wall))
-        for _ in range(MOST_TRIALS):
-            fly_by(run, s, run.end)
-            bend = gap_acceleration(run.end)
-            value, slope = gap_rate(run.end) - target, bend
-            if what == GAP:
-                value, slope = gap(run.end) - target, gap_rate(run.end)
-            if value == 0.0:
-                return s
-            if value * far > 0.0:
-                high = s
-            else:
-                low = s
-            next_s, newton = next_trial(s, value, slope, low, high, move)
-            move = next_s - s
-            s = next_s
-            if (newton and is_located(move, slope, bend, span)) or high - low <= 4e-16 * span:
-                return s
-        return s
+        far, wall = 1.0 if value > 0.0 else -1.0, target if what == GAP else 0.0
+        guess = crossing(what, low, high, far, high, *gap_course(run, wall))
+        s, missing = find(run, guess, low, high, far, what, target)
+        glide(run, s, missing)
+        return s + missing
 
     @part
     def leave(run: Any, target: float, far: float, high: float) -> float:
@@ -218,6 +218,6 @@ def make_balls(
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_course, place, fly, fly_by, settle, locate, leave, parting,
+        gap, gap_rate, gap_course, place, fly, fly_by, settle, glide, locate, leave, parting,
         energy, plan_length, shorten,
     )  # fmt: skip

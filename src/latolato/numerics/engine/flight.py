@@ -150,7 +150,6 @@ def make_flight(
                 return
         length = balls.locate(run, GAP, wall, begin, run.length)
         balls.shorten(run, length)
-        fly_by(run, length, run.end)
         # Rounding may have turned a grazing velocity round.
         balls.place(run, run.end, wall, side * abs(gap_rate(run.end)))
         run.event, run.side = CONTACT, side
@@ -160,7 +159,6 @@ def make_flight(
         """Return whether the gap dips beyond a contact within the step; end it at the bottom."""
         length, was_whole, t_end = run.length, run.is_whole, run.t_end
         balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
-        fly_by(run, run.length, run.end)
         depth = (gap(run.end) - wall) * side
         if abs(depth) < 1e-9:
             run.state.grazes += 1

@@ -62,15 +62,6 @@ def make_slack(
         return value, rate
 
     @part
-    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float]:
-        """Return the same that far into the step."""
-        balls.fly_by(run, s, run.inside)
-        value, rate = measured(run, run.inside, what, i)
-        return value, rate
-
-    find_value = make_root(value_at, part)
-
-    @part
     def bend(run: Any, points: Any, what: int, i: int) -> float:
         """Return its acceleration [m/s^2]."""
         point, (ax, ay) = points[i], pull(run, i, points[i])
@@ -96,11 +87,21 @@ def make_slack(
         return begin, begin_rate, a0, end, end_rate, a1
 
     @part
+    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float, float]:
+        """Return the same that far into the step, which ends there."""
+        balls.fly_by(run, s, run.end)
+        value, rate = measured(run, run.end, what, i)
+        return value, rate, bend(run, run.end, what, i)
+
+    find_end = make_root(value_at, part)
+
+    @part
     def leave_time(run: Any, high: float, what: int, i: int) -> float:
         """Return a length of a step after which a value that begins at zero is positive, or 0."""
         s = 0.5 * high
         for _ in range(50):
-            value, _ = value_at(run, s, what, i)
+            balls.fly_by(run, s, run.inside)
+            value, _ = measured(run, run.inside, what, i)
             if value > 0.0:
                 return s
             s *= 0.5
@@ -122,7 +123,8 @@ def make_slack(
             if not begin_rate < 0.0 < end_rate or min(begin, end) - reach > 0.0:
                 return
             high = crossing(RATE, 0.0, high, 1.0, run.length, *motion)
-            lowest, _ = value_at(run, high, what, i)
+            balls.fly_by(run, high, run.inside)
+            lowest, _ = measured(run, run.inside, what, i)
             if lowest >= least:
                 return
         low = 0.0
@@ -133,13 +135,15 @@ def make_slack(
                     run.state.taut_until[i] = run.t + _PARTS * run.length
                 stop_at_once(run, event, i)
                 return
-        s = 0.0
-        if begin > 0.0 or leaves:
-            s = crossing(GAP, low, high, -1.0, run.length, *motion)
-            s = find_value(run, s, low, high, -1.0, what, i)
-        balls.shorten(run, max(s, SHORTEST * run.t))
         run.event, run.ball = event, i
-        balls.fly_by(run, run.length, run.end)
+        if begin > 0.0 or leaves:
+            guess = crossing(GAP, low, high, -1.0, run.length, *motion)
+            s, missing = find_end(run, guess, low, high, -1.0, what, i)
+            balls.glide(run, s, missing)
+            balls.shorten(run, max(s + missing, SHORTEST * run.t))
+        else:
+            balls.shorten(run, SHORTEST * run.t)
+            balls.fly_by(run, run.length, run.end)
 
     @part
     def pulls(run: Any, i: int, point: Any) -> bool:
