@@ -15,6 +15,7 @@ from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed, slowed
+from latolato.numerics.engine.tension import Tension, make_tension
 
 
 class Balls(NamedTuple):
@@ -27,13 +28,14 @@ class Balls(NamedTuple):
     fly: Callable[..., None]
     fly_by: Callable[..., None]
     settle: Callable[..., None]
-    glide: Callable[..., None]
+    guess: Callable[..., float]
     locate: Callable[..., float]
     leave: Callable[..., float]
     parting: Callable[..., float]
     energy: Callable[..., float]
     plan_length: Callable[..., None]
     shorten: Callable[..., None]
+    tension: Tension
 
 
 @formula
@@ -51,7 +53,7 @@ def make_balls(
     In the plane the string of a ball may be slack, and it moves by `fall` then.
     """
     two, in_plane = count == 2, fall is not NO_FALL
-    fall_by, fall_on, hang, slopes = fall.step_by, fall.glide, fall.hang, fall.slopes
+    fall_by, hang, slopes = fall.step_by, fall.hang, fall.slopes
     potential, push_potential = laws.potential, laws.push_potential
 
     @inlined(part)
@@ -124,19 +126,23 @@ def make_balls(
                 hang(run, i, run.now[i])
 
     @part
+    def guess(
+        what: int, low: float, high: float, far: float, h: float,
+        course: tuple[float, float, float, float, float, float],
+    ) -> float:  # fmt: skip
+        """Return the `crossing` of a course through a step: one copy of its code."""
+        return crossing(what, low, high, far, h, *course)
+
+    @part
     def glide(run: Any, s: float, missing: float) -> None:
-        """Take ``run.end``, that far into the step, on by a time that is missing."""
+        """Take ``run.end``, that far into the step, on by a time that is missing; all are taut."""
         if run.settings.in_lab != 0:  # what moving air takes is counted in whole steps
             fly_by(run, s + missing, run.end)
             return
         for i in range(count):
-            point, t = run.end[i], run.t + s + missing
-            if in_plane and run.state.is_slack[i] != 0:
-                fall_on(run, i, t, missing, point)
-            else:
-                swing.glide(run, i, t, missing, point)
-                if in_plane and two:
-                    place_taut(point, 1.0 / run.bodies[i].coupling)
+            swing.glide(run, i, run.t + s + missing, missing, run.end[i])
+            if in_plane and two:
+                place_taut(run.end[i], 1.0 / run.bodies[i].coupling)
 
     @part
     def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
@@ -160,8 +166,8 @@ def make_balls(
         if value == 0.0:
             return high
         far, wall = 1.0 if value > 0.0 else -1.0, target if what == GAP else 0.0
-        guess = crossing(what, low, high, far, high, *gap_course(run, wall))
-        s, missing = find(run, guess, low, high, far, what, target)
+        s = guess(what, low, high, far, high, gap_course(run, wall))
+        s, missing = find(run, s, low, high, far, what, target)
         glide(run, s, missing)
         return s + missing
 
@@ -218,6 +224,6 @@ def make_balls(
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_course, place, fly, fly_by, settle, glide, locate, leave, parting,
-        energy, plan_length, shorten,
+        gap, gap_rate, gap_course, place, fly, fly_by, settle, guess, locate, leave, parting,
+        energy, plan_length, shorten, make_tension(swing, part),
     )  # fmt: skip

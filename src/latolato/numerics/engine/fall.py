@@ -21,7 +21,6 @@ class Fall(NamedTuple):
     """The functions of a falling ball; see `make_fall`."""
 
     step_by: Callable[..., None]
-    glide: Callable[..., None]
     hang: Callable[..., None]
     kick: Callable[..., Any]
     pull: Callable[..., Any]
@@ -67,7 +66,7 @@ def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float, float]:
 
 
 # Of balls on rods, which never fall.
-NO_FALL = Fall(_nothing, _nothing, _nothing, _no_works, _no_works, _no_works)
+NO_FALL = Fall(_nothing, _nothing, _no_works, _no_works, _no_works)
 
 
 def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
@@ -144,31 +143,6 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         return ax, ay
 
     @part
-    def powers(run: Any, i: int, point: Any) -> tuple[float, float]:
-        """Return the powers of drive and drag over the inertia, the air at rest at the pivot."""
-        b, vx, vy = run.bodies[i], point.vx, point.vy
-        worked = -(point.across * vx + point.pivot_acceleration * vy)
-        slowing = b.rate + b.quadratic * b.coupling * math.hypot(vx, vy)
-        per_inertia = b.coupling * b.coupling
-        return worked * per_inertia, slowing * (vx * vx + vy * vy) * per_inertia
-
-    @part
-    def glide(run: Any, i: int, t: float, missing: float, point: Any) -> None:
-        """Take a falling ball on to the time t, like `swing.glide`."""
-        vx, vy, (ax, ay), half = point.vx, point.vy, pull(run, i, point), 0.5 * missing
-        work, loss = powers(run, i, point)
-        point.x += missing * (vx + half * ax)
-        point.y += missing * (vy + half * ay)
-        point.vx, point.vy = vx + missing * ax, vy + missing * ay
-        swing.shake(run, t, point)
-        later_x, later_y = pull(run, i, point)
-        point.vx, point.vy = vx + half * (ax + later_x), vy + half * (ay + later_y)
-        later_work, later_loss = powers(run, i, point)
-        point.work += half * (work + later_work)
-        point.loss += half * (loss + later_loss)
-        turn_to_place(point)
-
-    @part
     def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:
         """Return angular acceleration, energy and its rate, the last two over the inertia."""
         b, gravity, (ax, ay) = run.bodies[i], run.settings.gravity, pull(run, i, point)
@@ -181,4 +155,4 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         gained = ax * point.vx + (ay + gravity) * point.vy
         return turned, energy * per_inertia, gained * per_inertia
 
-    return Fall(step_by, glide, hang, kick, pull, slopes)
+    return Fall(step_by, hang, kick, pull, slopes)

@@ -16,7 +16,6 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes
 from latolato.observables.hermite import quintic_low
@@ -57,7 +56,7 @@ def make_flight(
     two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
     gap_course = balls.gap_course
-    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
 
     @inlined(part)
     def plan(run: Any) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.bounce import SMALLEST_HOP
-from latolato.numerics.contact_time import GAP, RATE, crossing, make_root
+from latolato.numerics.contact_time import GAP, RATE, make_root
 from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
@@ -20,7 +20,6 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.watch import Eyes
 from latolato.observables.hermite import quintic_low
 
@@ -49,7 +48,7 @@ def make_slack(
     """Return the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, note_tangle = strings[:3]
     follow_image = strings.follow_image
-    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
     slopes, pull, spare_of, gap_of = fall.slopes, fall.pull, apart.spare, apart.gap
 
     @part
@@ -88,10 +87,10 @@ def make_slack(
 
     @part
     def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float, float]:
-        """Return the same that far into the step, which ends there."""
-        balls.fly_by(run, s, run.end)
-        value, rate = measured(run, run.end, what, i)
-        return value, rate, bend(run, run.end, what, i)
+        """Return the same and its acceleration that far into the step."""
+        balls.fly_by(run, s, run.inside)
+        value, rate = measured(run, run.inside, what, i)
+        return value, rate, bend(run, run.inside, what, i)
 
     find_end = make_root(value_at, part)
 
@@ -122,7 +121,7 @@ def make_slack(
             reach = max(-begin_rate, end_rate) * run.length
             if not begin_rate < 0.0 < end_rate or min(begin, end) - reach > 0.0:
                 return
-            high = crossing(RATE, 0.0, high, 1.0, run.length, *motion)
+            high = balls.guess(RATE, 0.0, high, 1.0, run.length, motion)
             balls.fly_by(run, high, run.inside)
             lowest, _ = measured(run, run.inside, what, i)
             if lowest >= least:
@@ -135,15 +134,14 @@ def make_slack(
                     run.state.taut_until[i] = run.t + _PARTS * run.length
                 stop_at_once(run, event, i)
                 return
-        run.event, run.ball = event, i
+        s = 0.0
         if begin > 0.0 or leaves:
-            guess = crossing(GAP, low, high, -1.0, run.length, *motion)
-            s, missing = find_end(run, guess, low, high, -1.0, what, i)
-            balls.glide(run, s, missing)
-            balls.shorten(run, max(s + missing, SHORTEST * run.t))
-        else:
-            balls.shorten(run, SHORTEST * run.t)
-            balls.fly_by(run, run.length, run.end)
+            s = balls.guess(GAP, low, high, -1.0, run.length, motion)
+            s, missing = find_end(run, s, low, high, -1.0, what, i)
+            s += missing
+        balls.shorten(run, max(s, SHORTEST * run.t))
+        run.event, run.ball = event, i
+        balls.fly_by(run, run.length, run.end)
 
     @part
     def pulls(run: Any, i: int, point: Any) -> bool:

@@ -27,7 +27,6 @@ from latolato.numerics.engine.record import (
     TAUTEN,
 )
 from latolato.numerics.engine.swing import SHORTEST, STILL, Swing
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
@@ -72,7 +71,7 @@ def make_strings(
     two = count == 2
     meet = next(event.apply for event in usual if event.number == CONTACT)
     release = next(event.apply for event in usual if event.number == RELEASE)
-    tension = make_tension(swing, part)
+    tension = balls.tension
 
     @part
     def stop_at_once(run: Any, event: int, i: int) -> None:
