@@ -35,12 +35,13 @@ def quintic(
 
 
 @formula
-def quintic_low(
+def quintic_bounds(
     h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
-) -> float:
-    """Return a bound below the quintic between its ends: the lowest of its inner Bezier points."""
+) -> tuple[float, float]:
+    """Return bounds of the quintic between its ends: its lowest and highest inner Bezier points."""
     b1, c1, b2, c2 = 0.2 * h * v0, 0.05 * h * h * a0, 0.2 * h * v1, 0.05 * h * h * a1
-    return min(min(x0 + b1, x0 + 2.0 * b1 + c1), min(x1 - b2, x1 - 2.0 * b2 + c2))
+    p, q, r, s = x0 + b1, x0 + 2.0 * b1 + c1, x1 - b2, x1 - 2.0 * b2 + c2
+    return min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
 
 
 @formula

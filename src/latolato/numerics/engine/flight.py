@@ -18,7 +18,7 @@ from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes
-from latolato.observables.hermite import quintic_low
+from latolato.observables.hermite import quintic_bounds
 
 # A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
 # between is seen by one of its parts; and here when the balls begin to part from touch.
@@ -107,8 +107,7 @@ def make_flight(
         x0, v0, a0, x1, v1, a1 = gap_course(run, 0.0)
         dips = False
         if a0 * a1 < 0.0:
-            lowest = quintic_low(run.length, x0, v0, a0, x1, v1, a1)
-            highest = -quintic_low(run.length, -x0, -v0, -a0, -x1, -v1, -a1)
+            lowest, highest = quintic_bounds(run.length, x0, v0, a0, x1, v1, a1)
             dips = lowest < run.settings.low or highest > run.settings.high
         if level or dips:
             balls.shorten(run, run.length * (_FIRST_PART if level else _PARTS))

@@ -21,7 +21,7 @@ from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
 from latolato.numerics.watch import Eyes
-from latolato.observables.hermite import quintic_low
+from latolato.observables.hermite import quintic_bounds
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
 _STRING, _GAP = 0, 1
@@ -99,8 +99,7 @@ def make_slack(
         """Return a length of a step after which a value that begins at zero is positive, or 0."""
         s = 0.5 * high
         for _ in range(50):
-            balls.fly_by(run, s, run.inside)
-            value, _ = measured(run, run.inside, what, i)
+            value, _, _ = value_at(run, s, what, i)
             if value > 0.0:
                 return s
             s *= 0.5
@@ -122,8 +121,7 @@ def make_slack(
             if not begin_rate < 0.0 < end_rate or min(begin, end) - reach > 0.0:
                 return
             high = balls.guess(RATE, 0.0, high, 1.0, run.length, motion)
-            balls.fly_by(run, high, run.inside)
-            lowest, _ = measured(run, run.inside, what, i)
+            lowest, _, _ = value_at(run, high, what, i)
             if lowest >= least:
                 return
         low = 0.0
@@ -174,7 +172,7 @@ def make_slack(
             return False
         if pulls(run, i, run.now[i]) == pulls(run, i, run.end[i]):
             return False
-        lowest = quintic_low(run.length, *course(run, _STRING, i))
+        lowest, _ = quintic_bounds(run.length, *course(run, _STRING, i))
         return lowest < -THERE / run.bodies[i].coupling
 
     @part
