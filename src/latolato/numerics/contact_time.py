@@ -7,9 +7,16 @@ from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.engine.compiling import Part
+from latolato.observables.hermite import quintic_terms
 
+# What a search looks for.
+GAP, RATE = 0, 1
 # More halvings than a double has bits below a step: a search that needs them has no root.
 MOST_TRIALS = 120
+# A search ends when no more than this share of a step is missing: a glide takes that to rounding.
+GLIDE = 1e-5
+# Trials of a guess by a polynomial; a few more only save steps.
+MOST_GUESSES = 12
 
 
 @formula
@@ -40,32 +47,74 @@ def is_located(move: float, slope: float, curvature: float, step: float) -> bool
     return abs(curvature) * move * move <= 2e-16 * step * abs(slope) and abs(move) < 1e-3 * step
 
 
-def make_root(function: Callable[..., Any], part: Part) -> Callable[..., float]:
+@formula
+def crossing(
+    what: int, low: float, high: float, far: float, h: float,
+    x0: float, v0: float, a0: float, x1: float, v1: float, a1: float,
+) -> float:  # fmt: skip
+    """Return where in (low, high) the quintic of a step, or its rate, passes zero.
+
+    It does so about where the motion does: a search on the step itself begins there.
+
+    Parameters
+    ----------
+    what : int
+        `GAP` or `RATE`.
+    far : float
+        Sign of what is looked at, at `high`.
+    """
+    b, c, p3, p4, p5 = quintic_terms(h, x0, v0, a0, x1, v1, a1)
+    span, s = high - low, 0.5 * (low + high)
+    move = span
+    for _ in range(MOST_GUESSES):
+        u = s / h
+        rate = (b + u * (2.0 * c + u * (3.0 * p3 + u * (4.0 * p4 + u * 5.0 * p5)))) / h
+        if what == RATE:
+            value = rate
+            slope = (2.0 * c + u * (6.0 * p3 + u * (12.0 * p4 + u * 20.0 * p5))) / (h * h)
+        else:
+            value = x0 + u * (b + u * (c + u * (p3 + u * (p4 + u * p5))))
+            slope = rate
+        if value * far > 0.0:
+            high = s
+        else:
+            low = s
+        trial, _ = next_trial(s, value, slope, low, high, move)
+        move, s = trial - s, trial
+        if abs(move) <= 1e-9 * span:
+            break
+    return s
+
+
+def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
     """Return the search for where the value of ``function(run, s, *rest)`` is zero, to rounding.
 
-    The function returns a value and its slope (0: unknown); the value changes its sign between the
-    ends. Called as ``root(run, low, high, *rest)``.
+    The function returns a value, its slope and its curvature; the value changes its sign between
+    the ends. Called as ``root(run, guess, low, high, far, *rest)``, `far` the sign at `high`. The
+    result is the last trial and what is missing from there, a `GLIDE` of the bracket at most.
     """
 
     @part
-    def root(run: Any, low: float, high: float, *rest: Any) -> float:
-        value, slope = function(run, high, *rest)
-        is_positive, span, move, s = value > 0.0, high - low, high - low, high
+    def root(
+        run: Any, s: float, low: float, high: float, far: float, *rest: Any
+    ) -> tuple[float, float]:
+        span = move = high - low
         for _ in range(MOST_TRIALS):
-            trial, newton = next_trial(s, value, slope, low, high, move)
-            move, s = trial - s, trial
-            if s <= low or s >= high:
-                break
-            value, slope = function(run, s, *rest)
+            value, slope, bend = function(run, s, *rest)
             if value == 0.0:
                 break
-            if (value > 0.0) == is_positive:
+            if value * far > 0.0:
                 high = s
             else:
                 low = s
-            if high - low <= 4e-16 * span or (newton and abs(move) <= 4e-16 * span):
+            trial, newton = next_trial(s, value, slope, low, high, move)
+            move = trial - s
+            if newton and abs(move) <= GLIDE * span and abs(bend * move) <= GLIDE * abs(slope):
+                return s, move - 0.5 * bend / slope * move * move
+            if high - low <= 4e-16 * span:
                 break
-        return s
+            s = trial
+        return s, 0.0
 
     return root
 

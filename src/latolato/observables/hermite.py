@@ -6,13 +6,10 @@ from latolato.core.scalar import formula
 
 
 @formula
-def quintic(
-    u: float, h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
-) -> float:
-    """Return the angle at the share `u` of a step of length h [rad]; its error goes as h^6.
-
-    Written from the nearer end, so that it returns the ends exactly.
-    """
+def quintic_terms(
+    h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
+) -> tuple[float, float, float, float, float]:
+    """Return the factors of the powers 1 to 5 of the share of the step."""
     d = x1 - x0
     b1, c1 = v0 * h, 0.5 * a0 * h * h
     b2, c2 = v1 * h, 0.5 * a1 * h * h
@@ -22,7 +19,29 @@ def quintic(
     p3 = 10.0 * r0 - 4.0 * r1 + r2
     p4 = -15.0 * r0 + 7.0 * r1 - 2.0 * r2
     p5 = 6.0 * r0 - 3.0 * r1 + r2
+    return b1, c1, p3, p4, p5
+
+
+@formula
+def quintic(
+    u: float, h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
+) -> float:
+    """Return the angle at the share `u` of a step of length h [rad]; its error goes as h^6.
+
+    Written from the nearer end, so that it returns the ends exactly.
+    """
+    b1, c1, p3, p4, p5 = quintic_terms(h, x0, v0, a0, x1, v1, a1)
     return x0 + u * (b1 + u * (c1 + u * (p3 + u * (p4 + u * p5))))
+
+
+@formula
+def quintic_bounds(
+    h: float, x0: float, v0: float, a0: float, x1: float, v1: float, a1: float
+) -> tuple[float, float]:
+    """Return bounds of the quintic between its ends: its lowest and highest inner Bezier points."""
+    b1, c1, b2, c2 = 0.2 * h * v0, 0.05 * h * h * a0, 0.2 * h * v1, 0.05 * h * h * a1
+    p, q, r, s = x0 + b1, x0 + 2.0 * b1 + c1, x1 - b2, x1 - 2.0 * b2 + c2
+    return min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
 
 
 @formula

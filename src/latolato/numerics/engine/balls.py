@@ -10,14 +10,12 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
+from latolato.numerics.contact_time import GAP, crossing, make_root
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed
-
-# What a search looks for.
-GAP, RATE = 0, 1
+from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed, slowed
+from latolato.numerics.engine.tension import Tension, make_tension
 
 
 class Balls(NamedTuple):
@@ -25,17 +23,19 @@ class Balls(NamedTuple):
 
     gap: Callable[..., float]
     gap_rate: Callable[..., float]
-    gap_acceleration: Callable[..., float]
+    gap_course: Callable[..., Any]
     place: Callable[..., None]
     fly: Callable[..., None]
     fly_by: Callable[..., None]
     settle: Callable[..., None]
+    guess: Callable[..., float]
     locate: Callable[..., float]
     leave: Callable[..., float]
     parting: Callable[..., float]
     energy: Callable[..., float]
     plan_length: Callable[..., None]
     shorten: Callable[..., None]
+    tension: Tension
 
 
 @formula
@@ -69,12 +69,17 @@ def make_balls(
         return speed
 
     @inlined(part)
-    def gap_acceleration(points: Any) -> float:
-        """Return the gap's acceleration of a kick [rad/s^2]."""
-        if two:
-            difference: float = points[0].acceleration - points[1].acceleration
-            return difference
-        return points[0].acceleration
+    def gap_acceleration(run: Any, points: Any) -> float:
+        """Return the gap's acceleration with all drag [rad/s^2]."""
+        bend: float = slowed(points[0], run.bodies[0])
+        return bend - slowed(points[1], run.bodies[1]) if two else bend
+
+    @part
+    def gap_course(run: Any, wall: float) -> tuple[float, float, float, float, float, float]:
+        """Return how far the gap is above a wall, its rate and acceleration, at both ends."""
+        a0, a1 = gap_acceleration(run, run.now), gap_acceleration(run, run.end)
+        begin, end = gap(run.now) - wall, gap(run.end) - wall
+        return begin, gap_rate(run.now), a0, end, gap_rate(run.end), a1
 
     @part
     def place(run: Any, points: Any, wanted: float, rate: float) -> None:
@@ -121,38 +126,50 @@ def make_balls(
                 hang(run, i, run.now[i])
 
     @part
+    def guess(
+        what: int, low: float, high: float, far: float, h: float,
+        course: tuple[float, float, float, float, float, float],
+    ) -> float:  # fmt: skip
+        """Return the `crossing` of a course through a step: one copy of its code."""
+        return crossing(what, low, high, far, h, *course)
+
+    @part
+    def glide(run: Any, s: float, missing: float) -> None:
+        """Take ``run.end``, that far into the step, on by a time that is missing; all are taut."""
+        if run.settings.in_lab != 0:  # what moving air takes is counted in whole steps
+            fly_by(run, s + missing, run.end)
+            return
+        for i in range(count):
+            swing.glide(run, i, run.t + s + missing, missing, run.end[i])
+            if in_plane and two:
+                place_taut(run.end[i], 1.0 / run.bodies[i].coupling)
+
+    @part
+    def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
+        """Return what `locate` looks at, its slope and its curvature, that far into the step."""
+        fly_by(run, s, run.end)
+        rate, bend = gap_rate(run.end), gap_acceleration(run, run.end)
+        if what == GAP:
+            return gap(run.end) - target, rate, bend
+        return rate - target, bend, 0.0
+
+    find = make_root(value_at, part)
+
+    @part
     def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
         """Return the length in [low, high] of a step to where gap or rate reaches `target`.
 
-        The value minus the target changes its sign between the ends; at `high` it has the sign of
-        the far side. Bracketed Newton on the step itself, to rounding.
+        ``run.end``, where the step of length `high` ends, becomes where that one ends. The value
+        minus the target changes its sign between the ends. Bracketed Newton on the step itself.
         """
-        s = high
-        far, span, move = 0.0, high - low, high - low
-        for trial in range(MOST_TRIALS):
-            fly_by(run, s, run.end)
-            bend = gap_acceleration(run.end)
-            value, slope = gap_rate(run.end) - target, bend
-            if what == GAP:
-                value, slope = gap(run.end) - target, gap_rate(run.end)
-            if value == 0.0:
-                return s
-            if trial == 0:  # the far end, which Newton starts from
-                far = 1.0 if value > 0.0 else -1.0
-                s = high - value / slope if slope != 0.0 else 0.5 * (low + high)
-                if not low < s < high:
-                    s = 0.5 * (low + high)
-                continue
-            if value * far > 0.0:
-                high = s
-            else:
-                low = s
-            next_s, newton = next_trial(s, value, slope, low, high, move)
-            move = next_s - s
-            s = next_s
-            if (newton and is_located(move, slope, bend, span)) or high - low <= 4e-16 * span:
-                return s
-        return s
+        value = (gap(run.end) if what == GAP else gap_rate(run.end)) - target
+        if value == 0.0:
+            return high
+        far, wall = 1.0 if value > 0.0 else -1.0, target if what == GAP else 0.0
+        s = guess(what, low, high, far, high, gap_course(run, wall))
+        s, missing = find(run, s, low, high, far, what, target)
+        glide(run, s, missing)
+        return s + missing
 
     @part
     def leave(run: Any, target: float, far: float, high: float) -> float:
@@ -162,8 +179,8 @@ def make_balls(
         """
         s = 0.5 * high
         for _ in range(50):
-            fly_by(run, s, run.end)
-            if (gap(run.end) - target) * far < 0.0:
+            fly_by(run, s, run.inside)
+            if (gap(run.inside) - target) * far < 0.0:
                 return s
             s *= 0.5
         return 0.0
@@ -207,6 +224,6 @@ def make_balls(
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_acceleration, place, fly, fly_by, settle, locate, leave, parting,
-        energy, plan_length, shorten,
+        gap, gap_rate, gap_course, place, fly, fly_by, settle, guess, locate, leave, parting,
+        energy, plan_length, shorten, make_tension(swing, part),
     )  # fmt: skip

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import KICK, REACH
-from latolato.numerics.engine.swing import Swing
+from latolato.numerics.engine.swing import Swing, slowed
 from latolato.physics.damping import drift_in_plane
 
 
@@ -132,8 +132,11 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
 
     @part
     def pull(run: Any, i: int, point: Any) -> tuple[float, float]:
-        """Return the acceleration of a falling ball [m/s^2]."""
+        """Return the acceleration of a ball, slack or taut [m/s^2]."""
         b, gravity = run.bodies[i], run.settings.gravity
+        if run.state.is_slack[i] == 0:
+            around, inward = slowed(point, b), point.velocity * point.velocity
+            return -around * point.y - inward * point.x, around * point.x - inward * point.y
         slowing = b.rate + b.quadratic * b.coupling * math.hypot(point.vx, point.vy)
         ax = -point.across - b.rate * point.wind_x - slowing * point.vx
         ay = -gravity - point.pivot_acceleration - b.rate * point.wind_y - slowing * point.vy

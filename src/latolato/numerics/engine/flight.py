@@ -7,7 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.bounce import hop
-from latolato.numerics.engine.balls import GAP, RATE, Balls
+from latolato.numerics.contact_time import GAP, RATE
+from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.held import Held, add_compression
 from latolato.numerics.engine.look import Look
@@ -15,9 +16,9 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.watch import Eyes
+from latolato.observables.hermite import quintic_bounds
 
 # A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
 # between is seen by one of its parts; and here when the balls begin to part from touch.
@@ -54,8 +55,8 @@ def make_flight(
     """Return the mode of `count` balls in flight; strings, if they hang on such, are taut."""
     two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
-    gap_acceleration = balls.gap_acceleration
-    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
+    gap_course = balls.gap_course
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
 
     @inlined(part)
     def plan(run: Any) -> None:
@@ -100,15 +101,15 @@ def make_flight(
 
     @inlined(part)
     def cut_beside_contact(run: Any) -> None:
-        """Shorten a step beside a contact within which the gap's acceleration changes its sign."""
-        settings = run.settings
-        reach = (abs(gap_rate(run.now)) + abs(gap_rate(run.end))) * run.length
-        smallest = min(gap(run.now), gap(run.end)) - settings.low
-        largest = settings.high - max(gap(run.now), gap(run.end))
+        """Shorten a step in which the gap's acceleration changes its sign and a contact may be."""
         # From touch without any rate the first dip has no sign that the ends would show.
         level = run.state.touch != 0.0 and gap_rate(run.now) == 0.0
-        bends = gap_acceleration(run.now) * gap_acceleration(run.end) < 0.0
-        if level or (bends and min(smallest, largest) < reach):
+        x0, v0, a0, x1, v1, a1 = gap_course(run, 0.0)
+        dips = False
+        if a0 * a1 < 0.0:
+            lowest, highest = quintic_bounds(run.length, x0, v0, a0, x1, v1, a1)
+            dips = lowest < run.settings.low or highest > run.settings.high
+        if level or dips:
             balls.shorten(run, run.length * (_FIRST_PART if level else _PARTS))
             fly_by(run, run.length, run.end)
 
@@ -147,7 +148,6 @@ def make_flight(
                 return
         length = balls.locate(run, GAP, wall, begin, run.length)
         balls.shorten(run, length)
-        fly_by(run, length, run.end)
         # Rounding may have turned a grazing velocity round.
         balls.place(run, run.end, wall, side * abs(gap_rate(run.end)))
         run.event, run.side = CONTACT, side
@@ -157,7 +157,6 @@ def make_flight(
         """Return whether the gap dips beyond a contact within the step; end it at the bottom."""
         length, was_whole, t_end = run.length, run.is_whole, run.t_end
         balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
-        fly_by(run, run.length, run.end)
         depth = (gap(run.end) - wall) * side
         if abs(depth) < 1e-9:
             run.state.grazes += 1
@@ -235,7 +234,7 @@ def make_flight(
         if min(begin.tension, end.tension) >= margin:
             return
         half = 0.5 * run.length
-        middle = tension.after(run, i, half)
+        middle = tension.seen(run, i, half)
         left, right = begin.tension, middle
         for piece in range(2):
             s0 = half * piece

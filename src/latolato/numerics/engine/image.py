@@ -23,7 +23,7 @@ from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.fall import Fall, place_taut
 from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.record import IMAGE_DELAY, KICK, REACH
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing, slowed
+from latolato.numerics.engine.swing import ANY_LENGTH, Swing
 from latolato.numerics.watch import Eyes
 from latolato.physics.damping import drift, drift_slopes
 
@@ -166,22 +166,11 @@ def make_image(
                 _embed(run, i, column, run.end[i], later, faster)
 
     @part
-    def pulled(run: Any, i: int) -> tuple[float, float]:
-        """Return the acceleration of a ball, slack or taut [m/s^2]."""
-        point, b = run.now[i], run.bodies[i]
-        if run.state.is_slack[i] != 0:
-            ax, ay = pull(run, i, point)
-            return ax, ay
-        s, c, around = sine(point.angle), cosine(point.angle), slowed(point, b)
-        inward = point.velocity * point.velocity
-        return (around * c - inward * s) / b.coupling, (around * s + inward * c) / b.coupling
-
-    @part
     def move(run: Any, sign: float) -> None:
         """Move all deviations to the event, or back from it, by their delays."""
         image = run.state.image
         for i in range(count):
-            row, point, (ax, ay) = 4 * i, run.now[i], pulled(run, i)
+            row, point, (ax, ay) = 4 * i, run.now[i], pull(run, i, run.now[i])
             for column in range(size):
                 delay = sign * image[IMAGE_DELAY + i, column]
                 image[row, column] += point.vx * delay

@@ -43,10 +43,16 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
     push, push_slope = laws.push, laws.push_slope
 
     @part
+    def shaken(run: Any, t: float) -> float:
+        """Return the pivot's acceleration: one copy of all its forms, for what is not a step."""
+        ay: float = pivot_acceleration(t, run.stretch)
+        return ay
+
+    @part
     def free(run: Any, body: int, t: float, angle: float) -> float:
         """Return the angular acceleration without drag [rad/s^2]."""
         b, settings = run.bodies[body], run.settings
-        lifted = settings.gravity + pivot_acceleration(t, run.stretch)
+        lifted = settings.gravity + shaken(run, t)
         restored = restoring(angle, settings.is_linear)
         return swung(lifted, b.coupling, restored) + push(angle, run)
 
@@ -54,8 +60,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
     def feel(run: Any, body: int, t: float, point: Any) -> None:
         """Write what pulls at a point into it."""
         b, gravity = run.bodies[body], run.settings.gravity
-        ay = pivot_acceleration(t, run.stretch)
-        point.pivot_acceleration = ay
+        ay = point.pivot_acceleration = shaken(run, t)
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
             restored = restoring(point.angle, run.settings.is_linear)
@@ -157,12 +162,12 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
     @part
     def shake(run: Any, t: float, point: Any) -> None:
         """Write the pivot's acceleration into a point."""
-        point.pivot_acceleration = pivot_acceleration(t, run.stretch)
+        point.pivot_acceleration = shaken(run, t)
 
     @part
     def still(run: Any, body: int, t: float, angle: float) -> float:
         """Return what pulls at the rod of a ball without motion [m/s^2]."""
-        along: float = run.settings.gravity + pivot_acceleration(t, run.stretch)
+        along: float = run.settings.gravity + shaken(run, t)
         return along * cosine(angle)
 
     return Pull(free, feel, step, tangent, tension, still, shake)
@@ -197,7 +202,8 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
     @part
     def turning(b: Any, angle: float, x: float, y: float) -> float:
         """Return the angular acceleration by a pull on each kilogram [rad/s^2]."""
-        result: float = b.coupling * (x * cosine(angle) + y * sine(angle))
+        sideways = b.coupling * x * cosine(angle) if x != 0.0 else 0.0
+        result: float = sideways + b.coupling * y * sine(angle)
         return result
 
     @part
@@ -279,7 +285,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
             ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
             driven = turning(b, angle, -ax, -ay)
             wind = blown(b, angle, wx, wy)
-            a = driven + turning(b, angle, 0.0, -gravity) + wind + (push(angle, run) - friction)
+            a = driven + (turning(b, angle, 0.0, -gravity) + (wind + push(angle, run) - friction))
         h = run.tables[table, KICK, run.stages]
         change = h * a
         middle = velocity + 0.5 * change

@@ -8,7 +8,7 @@ from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.bounce import SMALLEST_HOP
-from latolato.numerics.contact_time import make_root
+from latolato.numerics.contact_time import GAP, RATE, make_root
 from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
@@ -20,8 +20,8 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.watch import Eyes
+from latolato.observables.hermite import quintic_bounds
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
 _STRING, _GAP = 0, 1
@@ -48,8 +48,8 @@ def make_slack(
     """Return the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, note_tangle = strings[:3]
     follow_image = strings.follow_image
-    tension, cut_at_turn = make_tension(swing, part), make_cut_at_turn(swing, balls, held, part)
-    slopes, spare_of, gap_of = fall.slopes, apart.spare, apart.gap
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
+    slopes, pull, spare_of, gap_of = fall.slopes, fall.pull, apart.spare, apart.gap
 
     @part
     def measured(run: Any, points: Any, what: int, i: int) -> tuple[float, float]:
@@ -61,26 +61,45 @@ def make_slack(
         return value, rate
 
     @part
-    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float]:
-        """Return the same that far into the step."""
-        balls.fly_by(run, s, run.inside)
-        value, rate = measured(run, run.inside, what, i)
-        return value, rate
+    def bend(run: Any, points: Any, what: int, i: int) -> float:
+        """Return its acceleration [m/s^2]."""
+        point, (ax, ay) = points[i], pull(run, i, points[i])
+        x, y, vx, vy = point.x, point.y, point.vx, point.vy
+        if what == _GAP:
+            if count == 1:
+                return ax
+            other, (bx, by) = points[1], pull(run, 1, points[1])
+            x, y, vx, vy = x - other.x, y - other.y, vx - other.vx, vy - other.vy
+            ax, ay = ax - bx, ay - by
+        distance, turned = math.hypot(x, y), x * vy - y * vx
+        if distance == 0.0:
+            return 0.0
+        apart = (turned * turned / (distance * distance) + x * ax + y * ay) / distance
+        return apart if what == _GAP else -apart
 
     @part
-    def rate_at(run: Any, s: float, what: int, i: int) -> tuple[float, float]:
-        """Return its rate, with an unknown slope."""
-        _, rate = value_at(run, s, what, i)
-        return rate, 0.0
+    def course(run: Any, what: int, i: int) -> tuple[float, float, float, float, float, float]:
+        """Return it, its rate and its acceleration, at both ends of the step."""
+        begin, begin_rate = measured(run, run.now, what, i)
+        end, end_rate = measured(run, run.end, what, i)
+        a0, a1 = bend(run, run.now, what, i), bend(run, run.end, what, i)
+        return begin, begin_rate, a0, end, end_rate, a1
 
-    find_value, find_rate = make_root(value_at, part), make_root(rate_at, part)
+    @part
+    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float, float]:
+        """Return the same and its acceleration that far into the step."""
+        balls.fly_by(run, s, run.inside)
+        value, rate = measured(run, run.inside, what, i)
+        return value, rate, bend(run, run.inside, what, i)
+
+    find_end = make_root(value_at, part)
 
     @part
     def leave_time(run: Any, high: float, what: int, i: int) -> float:
         """Return a length of a step after which a value that begins at zero is positive, or 0."""
         s = 0.5 * high
         for _ in range(50):
-            value, _ = value_at(run, s, what, i)
+            value, _, _ = value_at(run, s, what, i)
             if value > 0.0:
                 return s
             s *= 0.5
@@ -94,15 +113,15 @@ def make_slack(
         does not get away from zero by more than rounding is no event.
         """
         least = -ROUNDING / run.bodies[i].coupling if leaves else 0.0
-        begin, begin_rate = measured(run, run.now, what, i)
-        end, end_rate = measured(run, run.end, what, i)
+        motion = course(run, what, i)
+        begin, begin_rate, _, end, end_rate, _ = motion
         high = run.length
         if end >= least:
             reach = max(-begin_rate, end_rate) * run.length
             if not begin_rate < 0.0 < end_rate or min(begin, end) - reach > 0.0:
                 return
-            high = find_rate(run, 0.0, run.length, what, i)
-            lowest, _ = value_at(run, high, what, i)
+            high = balls.guess(RATE, 0.0, high, 1.0, run.length, motion)
+            lowest, _, _ = value_at(run, high, what, i)
             if lowest >= least:
                 return
         low = 0.0
@@ -113,7 +132,11 @@ def make_slack(
                     run.state.taut_until[i] = run.t + _PARTS * run.length
                 stop_at_once(run, event, i)
                 return
-        s = find_value(run, low, high, what, i) if begin > 0.0 or leaves else 0.0
+        s = 0.0
+        if begin > 0.0 or leaves:
+            s = balls.guess(GAP, low, high, -1.0, run.length, motion)
+            s, missing = find_end(run, s, low, high, -1.0, what, i)
+            s += missing
         balls.shorten(run, max(s, SHORTEST * run.t))
         run.event, run.ball = event, i
         balls.fly_by(run, run.length, run.end)
@@ -141,17 +164,16 @@ def make_slack(
 
     @part
     def bends_beside_end(run: Any, i: int) -> bool:
-        """Return whether, near a string's end, what pulls a ball outwards turns round in the step.
+        """Return whether what pulls a ball outwards turns round in the step near its string's end.
 
         Then it may run out of spare length and come back, which the ends of the step do not show.
         """
         if run.state.is_slack[i] == 0:
             return False
-        begin, begin_rate = spare_of(run, i, run.now[i])
-        end, end_rate = spare_of(run, i, run.end[i])
-        reach = (abs(begin_rate) + abs(end_rate)) * run.length
-        turns = pulls(run, i, run.now[i]) != pulls(run, i, run.end[i])
-        return turns and min(begin, end) < reach
+        if pulls(run, i, run.now[i]) == pulls(run, i, run.end[i]):
+            return False
+        lowest, _ = quintic_bounds(run.length, *course(run, _STRING, i))
+        return lowest < -THERE / run.bodies[i].coupling
 
     @part
     def steadied(run: Any, i: int) -> float:

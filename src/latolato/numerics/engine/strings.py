@@ -27,7 +27,6 @@ from latolato.numerics.engine.record import (
     TAUTEN,
 )
 from latolato.numerics.engine.swing import SHORTEST, STILL, Swing
-from latolato.numerics.engine.tension import make_tension
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
@@ -72,7 +71,7 @@ def make_strings(
     two = count == 2
     meet = next(event.apply for event in usual if event.number == CONTACT)
     release = next(event.apply for event in usual if event.number == RELEASE)
-    tension = make_tension(swing, part)
+    tension = balls.tension
 
     @part
     def stop_at_once(run: Any, event: int, i: int) -> None:
@@ -99,7 +98,7 @@ def make_strings(
         margin, least = tension.margin(run, i), brink(run, i)
         if left <= least:
             low = _LITTLE * high
-            little = tension.after(run, i, low)
+            little = tension.seen(run, i, low)
             if left < -least or little <= 0.0:
                 stop_at_once(run, SLACKEN, i)
                 return
@@ -108,7 +107,7 @@ def make_strings(
         if min(left, right) >= margin:
             return
         half = 0.5 * high
-        middle = tension.after(run, i, half)
+        middle = tension.seen(run, i, half)
         if middle < 0.0:
             right, high = middle, half
         elif right < 0.0:
@@ -119,7 +118,7 @@ def make_strings(
                 s += 0.5 * half * (left - right) / bend
             if not low < s < high:
                 return
-            right, high = tension.after(run, i, s), s
+            right, high = tension.seen(run, i, s), s
             if right >= 0.0:
                 return
         s = tension.zero(run, i, low, high, left, right)

@@ -7,13 +7,18 @@ from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing
+from latolato.numerics.engine.swing import ANY_LENGTH, Swing, slowed
+from latolato.observables.hermite import quintic_terms
+
+# How well a root is located by what is seen, and by the steps then, whose last one leaves an error
+# of higher order; and where the slope is taken. Shares of the step.
+_SEEN, _NEARBY = 1e-8, 1e-3
 
 
 class Tension(NamedTuple):
     """The functions of the tension within a step; see `make_tension`."""
 
-    after: Callable[..., float]
+    seen: Callable[..., float]
     zero: Callable[..., float]
     margin: Callable[..., float]
 
@@ -28,14 +33,31 @@ def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
         return swing.tension(run, i, run.inside[i])
 
     @part
+    def seen(run: Any, i: int, s: float) -> float:
+        """Return nearly the same, without a step: the quintic through both ends of the whole."""
+        b, begin, end, point = run.bodies[i], run.now[i], run.end[i], run.inside[i]
+        h, x0, v0, a0 = run.length, begin.angle, begin.velocity, slowed(begin, b)
+        b1, c, p3, p4, p5 = quintic_terms(h, x0, v0, a0, end.angle, end.velocity, slowed(end, b))
+        u = s / h if h > 0.0 else 0.0
+        point.angle = x0 + u * (b1 + u * (c + u * (p3 + u * (p4 + u * p5))))
+        rate = u * (2.0 * c + u * (3.0 * p3 + u * (4.0 * p4 + u * 5.0 * p5)))
+        point.velocity = v0 + (rate / h if h > 0.0 else 0.0)
+        swing.shake(run, run.t + s, point)
+        return swing.tension(run, i, point)
+
+    @part
     def zero(run: Any, i: int, low: float, high: float, left: float, right: float) -> float:
-        """Return where the tension changes its sign; regula falsi, kept ends halved (Illinois)."""
-        begins_compression, kept, root = left < 0.0, 0, high
+        """Return where the tension changes its sign.
+
+        Regula falsi with kept ends halved (Illinois) on what is `seen`; then Newton on the step
+        with its slope.
+        """
+        begins_compression, kept, root, first, last = left < 0.0, 0, high, low, high
         for _ in range(MOST_TRIALS):
             s = (low * right - high * left) / (right - left)
             if not low < s < high:
                 break
-            now = after(run, i, s)
+            now = seen(run, i, s)
             moved, root = abs(s - root), s
             if (now < 0.0) == begins_compression:
                 low, left = s, now
@@ -43,8 +65,16 @@ def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
             else:
                 high, right = s, now
                 left, kept = (0.5 * left if kept == 2 else left), 2
-            if moved < 1e-14 * run.length or now == 0.0:
+            if moved < _SEEN * run.length or now == 0.0:
                 break
+        nearby = _NEARBY * run.length
+        slope = (seen(run, i, root + nearby) - seen(run, i, root - nearby)) / (2.0 * nearby)
+        moved = nearby
+        while slope != 0.0 and moved > _SEEN * run.length:
+            move = -after(run, i, root) / slope
+            if abs(move) > 0.5 * moved or not first < root + move < last:
+                break
+            moved, root = abs(move), root + move
         return root
 
     @part
@@ -56,4 +86,4 @@ def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
         result: float = (speeds + strongest) * run.settings.sag
         return result
 
-    return Tension(after, zero, margin)
+    return Tension(seen, zero, margin)

@@ -275,6 +275,8 @@ def pivot_across_acceleration(t: float, p: Any) -> float:
     """Return the second time derivative of `pivot_across` [m/s^2]."""
     s, w = t - p.start, p.frequency
     if p.form == COSINE:
+        if p.x0 == 0.0 and p.x1 == 0.0:  # straight up and down
+            return 0.0
         q = w * s + p.phase
         return -w * w * (p.x0 * cosine(q) + p.x1 * sine(q))
     return _quintic_bend(s, p.x2, p.x3, p.x4, p.x5) if p.form == POLYNOMIAL else 0.0
