@@ -97,7 +97,8 @@ class Appearance:
     paint : numpy.ndarray, shape (row, column, 3)
         Linear colour of a ball about its centre.
     behind : numpy.ndarray, shape (row, column, 3)
-        Linear colour of the background from `corner` on; NaN where it was never seen.
+        Whitened colour of the background from `corner` on, NaN where it was never seen; it is
+        made of the linear one that is given.
     weight : numpy.ndarray, shape (3, 3)
         Inverse covariance of the background's residuals (noise, shadows, compression).
     scale : float
@@ -110,8 +111,8 @@ class Appearance:
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
     body : None
         A ball is a disc.
-    whiten, white_paint, white_behind : numpy.ndarray
-        The matrix that makes residuals white, and colours times it.
+    whiten, white_paint : numpy.ndarray
+        The matrix that makes residuals white, and the paint's colours times it.
     """
 
     colours: Colours
@@ -128,16 +129,21 @@ class Appearance:
     body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
-    white_behind: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
+        self.whiten = _UNCHANGED
         self.whitened()
 
     def whitened(self) -> None:
         """Bring the whitened colours into step with what they are made of."""
-        self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
-        self.white_paint = np.asarray(self.paint @ self.whiten.T)
-        self.white_behind = np.asarray(self.behind @ self.whiten.T)
+        whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
+        if (whiten != self.whiten).any():
+            change = np.linalg.inv(self.whiten).T @ whiten.T
+            for row in self.behind:  # in place: the picture may be large
+                row[:] = row @ change
+            self.whiten = whiten
+        white = self.paint @ self.whiten.T
+        self.white_paint = np.dstack([white, np.ones(white.shape[:2])]).astype(np.float32)
 
     def fit(
         self,
@@ -197,17 +203,15 @@ class Appearance:
     def background(self, corner: np.ndarray, shape: tuple[int, int], stride: int = 1) -> np.ndarray:
         """Return the whitened background of a window; NaN beyond the part that was learned."""
         x, y = np.asarray(corner) - self.corner
-        height, width = self.white_behind.shape[:2]
+        height, width = self.behind.shape[:2]
         rows, columns = shape
         if x >= 0 and y >= 0 and x + stride * columns <= width and y + stride * rows <= height:
-            return self.white_behind[
-                y : y + stride * rows : stride, x : x + stride * columns : stride
-            ]
+            return self.behind[y : y + stride * rows : stride, x : x + stride * columns : stride]
         out = np.full((rows, columns, 3), np.nan, np.float32)
         # The first ones that were learned, and those beyond.
         i0, j0 = max(0, -(x // stride)), max(0, -(y // stride))
         i1, j1 = max(0, -((x - width) // stride)), max(0, -((y - height) // stride))
-        known = self.white_behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
+        known = self.behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
         inside = out[j0:j1, i0:i1]
         inside[:] = known[: inside.shape[0], : inside.shape[1]]
         return out

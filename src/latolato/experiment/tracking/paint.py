@@ -90,7 +90,6 @@ def learn_background(
     often = count > 0.2 * len(frames)
     if not often.any():
         return
-    behind = look.behind.copy()
     for part in find_objects(label(often)[0]):
         here, corner = often[part], np.array([part[1].start, part[0].start])
         colours = np.empty((len(frames), np.count_nonzero(here), 3), np.float32)
@@ -101,9 +100,9 @@ def learn_background(
         # The lower median of frames that show a pixel, which sorting puts first; none: unknown.
         colours.sort(axis=0)
         middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
-        behind[part][here] = np.take_along_axis(colours, middle[None], axis=0)[0]
-    look.behind = filled(behind)
-    look.whitened()
+        median = np.take_along_axis(colours, middle[None], axis=0)[0]
+        look.behind[part][here] = median @ look.whiten.T
+    look.behind = filled(look.behind)
 
 
 def _under(places: list[np.ndarray], reach: float, shape: tuple[int, ...]) -> np.ndarray:

@@ -31,7 +31,10 @@ _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
 
 
 class Ball(NamedTuple):
-    """How balls are drawn: sizes [pixels], colours about the centre, whether these turn."""
+    """How balls are drawn: sizes [pixels], colours about the centre, whether these turn.
+
+    A fourth colour, 1, becomes the share that a ball covers.
+    """
 
     radius: float
     blur: float
@@ -141,18 +144,20 @@ def window(
 def add_between(
     table: np.ndarray, row: float, column: float, share: float, out: np.ndarray
 ) -> None:
-    """Add a share of what a table (row, column, channel) holds between its entries to `out`."""
-    # Whole numbers without a sign spare the question whether they count from the end.
-    q, p, one = np.uint64(row), np.uint64(column), np.uint64(1)
+    """Add a share of what a table (row, column, 4) holds between its entries to `out`."""
+    # Whole numbers without a sign spare the question whether they count from the end. Four single
+    # numbers are added at once.
+    q, p, one = np.uint32(row), np.uint32(column), np.uint32(1)
     b, a = row - q, column - p
     k11, k10, k01 = share * a * b, share * b, share * a
     k10, k01, k00 = k10 - k11, k01 - k11, share - k10 - k01 + k11
-    for c in range(table.shape[2]):
+    f00, f01, f10, f11 = np.float32(k00), np.float32(k01), np.float32(k10), np.float32(k11)
+    for c in range(4):
         out[c] += (
-            k00 * table[q, p, c]
-            + k01 * table[q, p + one, c]
-            + k10 * table[q + one, p, c]
-            + k11 * table[q + one, p + one, c]
+            f00 * table[q, p, c]
+            + f01 * table[q, p + one, c]
+            + f10 * table[q + one, p, c]
+            + f11 * table[q + one, p + one, c]
         )
 
 
@@ -191,7 +196,6 @@ def cover(
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
                 add_between(ball.paint, v, u, share, out[j, i])
-                out[j, i, 3] += share
 
 
 @jit
