@@ -43,6 +43,9 @@ _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "fi
 _AS_VIDEO = (
     "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
 )
+# Frames above this size are decoded ahead, by a second thread, which holds frames of its own
+# [pixels].
+_LARGE = 2_000_000
 # Error of a time stamp as a decimal number [s].
 _ROUNDED = 1e-6
 # Pixel formats whose planes are luma, then chroma at half resolution.
@@ -189,7 +192,8 @@ class Video:
         shown = (self.height, self.width) if is_turned else (self.width, self.height)
         with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
-            stream.thread_type = "AUTO"
+            is_large = stream.width * stream.height > _LARGE
+            stream.thread_type, stream.thread_count = "AUTO", 2 if is_large else 1
             for picture in _pictures(self.path, container, stream):
                 if picture.pts is None:
                     raise InputError(

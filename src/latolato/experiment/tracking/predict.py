@@ -109,10 +109,10 @@ class Predictor:
                         contacts.append(now - ago)
             now = stop
             passed[stop] = angles.copy(), speeds.copy()
-        state = (np.array(each) for each in passed[time])
+        state = np.array(passed[time])
         path = np.array([passed[instant][0] for instant in instants.tolist()])
         spread = self._spread(time - self.time, force, contacts)
-        return Prediction(*state, spread, path, contacts, np.array(passed[time][0]))
+        return Prediction(state[0], state[1], spread, path, contacts, state[0].copy())
 
     def _collide(self, angles: list[float], speeds: list[float]) -> float | None:
         """Reflect two balls that would pass each other, at the bottom or at the top.
