@@ -85,8 +85,9 @@ class Sample:
         about = np.lib.stride_tricks.sliding_window_view(
             np.pad(self.changes, _NEAR, constant_values=math.nan), 2 * _NEAR + 1
         )
-        usual = np.nanquantile(about, _USUAL, axis=-1)
-        return np.asarray(self.changes < _SAME * usual)
+        ranked = np.sort(about, axis=-1)  # unknown ones last
+        rank = np.rint(_USUAL * (np.isfinite(ranked).sum(axis=-1) - 1.0)).astype(int)
+        return np.asarray(self.changes < _SAME * ranked[np.arange(len(ranked)), rank])
 
     @property
     def gaps(self) -> np.ndarray:
