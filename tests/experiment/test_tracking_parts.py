@@ -164,7 +164,7 @@ def test_normal_equations_find_a_shift_of_a_disc():
     seen = _disc(true)
     image = behind * (1.0 - seen[..., 3:]) + seen[..., :3]
     for _ in range(6):
-        patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), False)
+        patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), 1)
         _, matrix, vector, tally = kernels.normal_equations(
             patch, _disc(guess)[None], guess[None], np.array([20.0, -200.0]), 10.0, 3.0
         )

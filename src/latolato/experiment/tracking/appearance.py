@@ -18,8 +18,8 @@ from latolato.experiment.video import Video
 _FINENESS = 2.5
 # First steps take residuals this much larger for what they are, to be drawn from farther away.
 _TOLERANT = 4.0
-# Balls beyond this radius need every second pixel only [pixels].
-_LARGE = 14.0
+# Balls beyond these radii need every second pixel, and every fifth one only [pixels].
+_LARGE, _LARGEST = 14.0, 28.0
 # Samples along the path of a smeared ball: up to these every 2 pixels, beyond in this spacing.
 _FEW_SAMPLES, _SPACING = 5, 6.0
 
@@ -46,7 +46,7 @@ class Colours(NamedTuple):
         shape: tuple[int, int],
         stride: int = 1,
         whiten: np.ndarray = _UNCHANGED,
-        is_sparse: bool = False,
+        every: int = 1,
     ) -> np.ndarray:
         """Return the colours of a window, shape (row, column, 3); NaN outside the frame.
 
@@ -54,7 +54,7 @@ class Colours(NamedTuple):
         """
         out = np.empty((*shape, 3), np.float32)
         at = int(corner[0]), int(corner[1])
-        kernels.window(planes, at, stride, (self.table, self.mix), whiten, is_sparse, out)
+        kernels.window(planes, at, stride, (self.table, self.mix), whiten, every, out)
         return out
 
 
@@ -189,12 +189,12 @@ class Appearance:
         corner: np.ndarray,
         shape: tuple[int, int],
         stride: int = 1,
-        is_sparse: bool = False,
+        every: int = 1,
     ) -> Patch:
         """Return a window of a frame and its background in whitened colours."""
-        seen = self.colours.window(planes, corner, shape, stride, self.whiten, is_sparse)
+        seen = self.colours.window(planes, corner, shape, stride, self.whiten, every)
         behind = self.background(corner, shape, stride)
-        return Patch(seen, behind, corner.astype(float), is_sparse)
+        return Patch(seen, behind, corner.astype(float), every)
 
     def wall(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         """Return the background of a window in linear light."""
@@ -268,16 +268,16 @@ def fit_balls(
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    patch = look.patch(planes, low, shape, is_sparse=look.radius > _LARGE)
+    every = 5 if look.radius > _LARGEST else 2 if look.radius > _LARGE else 1
+    patch = look.patch(planes, low, shape, every=every)
     scales = np.full(rounds, look.scale)
     scales[:tolerant] *= _TOLERANT
     ends = np.cumsum([len(path) for path in paths])
     cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
-    return BallFit(
-        shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost / (shape[0] * shape[1])
-    )
+    cost *= every / (shape[0] * shape[1])
+    return BallFit(shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost)
 
 
 def arc(pivots: np.ndarray, angles: np.ndarray, arm: float) -> np.ndarray:

@@ -84,7 +84,7 @@ def learn_background(
     """Learn the background again where balls hid it in much of the sample, from other frames."""
     reach = 1.3 * look.radius + 2.0
     discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
-    count = np.zeros(look.behind.shape[:2], int)
+    count = np.zeros(look.behind.shape[:2], np.uint8)
     for own in discs:
         count += _under(own, reach, count.shape)
     often = count > 0.2 * len(frames)
