@@ -26,8 +26,8 @@ from latolato.experiment.container import (
     square_size,
 )
 
-# Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 270 were
-# measured at 3840 x 2160.
+# Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]; of large
+# frames fewer are kept, and 60 were measured at 3840 x 2160.
 _PER_PIXEL = 340
 # Of the numbers in `Limits`.
 _UNITS = {"duration": "s", "pixels": "pixels", "frames": "frames", "memory": "bytes"}
@@ -43,9 +43,6 @@ _OPTIONS = {"format_whitelist": ",".join(_CONTAINERS), "protocol_whitelist": "fi
 _AS_VIDEO = (
     "make a video of them, with the times at which they were taken, e.g. with ffmpeg -framerate"
 )
-# Frames above this size are decoded ahead, by a second thread, which holds frames of its own
-# [pixels].
-_LARGE = 2_000_000
 # Error of a time stamp as a decimal number [s].
 _ROUNDED = 1e-6
 # Pixel formats whose planes are luma, then chroma at half resolution.
@@ -192,8 +189,7 @@ class Video:
         shown = (self.height, self.width) if is_turned else (self.width, self.height)
         with reading(self.path), _opened(self.path) as container:
             stream = container.streams.video[0]
-            is_large = stream.width * stream.height > _LARGE
-            stream.thread_type, stream.thread_count = "AUTO", 2 if is_large else 1
+            stream.thread_count = 1  # each thread would hold frames of its own
             for picture in _pictures(self.path, container, stream):
                 if picture.pts is None:
                     raise InputError(
