@@ -26,8 +26,8 @@ from latolato.experiment.container import (
     square_size,
 )
 
-# Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]; of large
-# frames fewer are kept, and 60 were measured at 3840 x 2160.
+# Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 100 were
+# measured at 3840 x 2160 with fifty frames.
 _PER_PIXEL = 340
 # Of the numbers in `Limits`.
 _UNITS = {"duration": "s", "pixels": "pixels", "frames": "frames", "memory": "bytes"}
