@@ -33,12 +33,18 @@ from latolato.experiment.video import Frame
 SHAPES = ((150, 202), (75, 101), (75, 101))
 
 
+def _drawn(radius, blur, paint):
+    """Return how a ball of some colours is drawn."""
+    paint = np.dstack([paint, np.ones(paint.shape[:2])]).astype(np.float32)
+    return kernels.Ball(radius, blur, paint, False)
+
+
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
     """Return a layer (row, column, 4) with a disc of one colour."""
     layer = np.zeros((size, size, 4), np.float32)
     paint = np.ones((31, 31, 3)) * np.array(colour)
     path = np.atleast_2d(np.asarray(centre, float))
-    ball = kernels.Ball(radius, blur, paint, False)
+    ball = _drawn(radius, blur, paint)
     kernels.cover(path, np.zeros(len(path)), ball, np.zeros(2), layer)
     return layer
 
@@ -71,7 +77,7 @@ def test_a_ball_swept_along_an_arc_is_the_mean_of_many_places(length):
 
     pivot = np.array([0.0, -75.0])
     exact, swept = np.zeros((2, 120, 140, 4), np.float32)
-    ball = kernels.Ball(radius, blur, paint, False)
+    ball = _drawn(radius, blur, paint)
     kernels.cover(path(400), np.zeros(400), ball, np.zeros(2), exact)
     few = path(samples_for(length))
     ready = fitting.prepared(few, pivot, ball)
@@ -122,7 +128,7 @@ def _shots(radius, blur, smear=0.0, metal=False):
         centre = 45.0 + random.uniform(-0.5, 0.5, 2)
         path = centre + np.stack([np.linspace(-0.5, 0.5, 9) * smear, np.zeros(9)], axis=-1)
         layer = np.zeros((91, 91, 4), np.float32)
-        ball = kernels.Ball(radius, blur, paint, False)
+        ball = _drawn(radius, blur, paint)
         kernels.cover(path, np.zeros(9), ball, np.zeros(2), layer)
         waves = np.sin(0.3 * i + random.uniform(0, 6)) * np.sin(0.2 * j + random.uniform(0, 6))
         wall = (0.4 + 0.08 * waves)[..., None] * np.array([1.0, 0.9, 0.8])
@@ -158,7 +164,7 @@ def test_normal_equations_find_a_shift_of_a_disc():
     seen = _disc(true)
     image = behind * (1.0 - seen[..., 3:]) + seen[..., :3]
     for _ in range(6):
-        patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), False)
+        patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), 1)
         _, matrix, vector, tally = kernels.normal_equations(
             patch, _disc(guess)[None], guess[None], np.array([20.0, -200.0]), 10.0, 3.0
         )

@@ -19,8 +19,8 @@ from latolato.experiment.video import Video
 _FINENESS = 2.5
 # First steps take residuals this much larger for what they are, to be drawn from farther away.
 _TOLERANT = 4.0
-# Balls beyond this radius need every second pixel only [pixels].
-_LARGE = 14.0
+# Balls beyond these radii need every second pixel, and every fifth one only [pixels].
+_LARGE, _LARGEST = 14.0, 28.0
 # Samples along the path of a smeared ball: up to these every 2 pixels, beyond in this spacing.
 _FEW_SAMPLES, _SPACING = 5, 6.0
 
@@ -47,7 +47,7 @@ class Colours(NamedTuple):
         shape: tuple[int, int],
         stride: int = 1,
         whiten: np.ndarray = _UNCHANGED,
-        is_sparse: bool = False,
+        every: int = 1,
     ) -> np.ndarray:
         """Return the colours of a window, shape (row, column, 3); NaN outside the frame.
 
@@ -55,7 +55,7 @@ class Colours(NamedTuple):
         """
         out = np.empty((*shape, 3), np.float32)
         at = int(corner[0]), int(corner[1])
-        kernels.window(planes, at, stride, (self.table, self.mix), whiten, is_sparse, out)
+        kernels.window(planes, at, stride, (self.table, self.mix), whiten, every, out)
         return out
 
 
@@ -102,7 +102,8 @@ class Appearance:
     paint : numpy.ndarray, shape (row, column, 3)
         Linear colour of a ball about its centre.
     behind : numpy.ndarray, shape (row, column, 3)
-        Linear colour of the background from `corner` on; NaN where it was never seen.
+        Whitened colour of the background from `corner` on, NaN where it was never seen; it is
+        made of the linear one that is given.
     weight : numpy.ndarray, shape (3, 3)
         Inverse covariance of the background's residuals (noise, shadows, compression).
     scale : float
@@ -115,8 +116,8 @@ class Appearance:
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
     body : None
         A ball is a disc.
-    whiten, white_paint, white_behind : numpy.ndarray
-        The matrix that makes residuals white, and colours times it.
+    whiten, white_paint : numpy.ndarray
+        The matrix that makes residuals white, and the paint's colours times it.
     """
 
     colours: Colours
@@ -133,16 +134,21 @@ class Appearance:
     body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
-    white_behind: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
+        self.whiten = _UNCHANGED
         self.whitened()
 
     def whitened(self) -> None:
         """Bring the whitened colours into step with what they are made of."""
-        self.whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
-        self.white_paint = np.asarray(self.paint @ self.whiten.T)
-        self.white_behind = np.asarray(self.behind @ self.whiten.T)
+        whiten = np.linalg.cholesky(self.weight).T.astype(np.float32)
+        if (whiten != self.whiten).any():
+            change = np.linalg.inv(self.whiten).T @ whiten.T
+            for row in self.behind:  # in place: the picture may be large
+                row[:] = row @ change
+            self.whiten = whiten
+        white = self.paint @ self.whiten.T
+        self.white_paint = np.dstack([white, np.ones(white.shape[:2])]).astype(np.float32)
 
     def fit(
         self,
@@ -192,12 +198,12 @@ class Appearance:
         corner: np.ndarray,
         shape: tuple[int, int],
         stride: int = 1,
-        is_sparse: bool = False,
+        every: int = 1,
     ) -> Patch:
         """Return a window of a frame and its background in whitened colours."""
-        seen = self.colours.window(planes, corner, shape, stride, self.whiten, is_sparse)
+        seen = self.colours.window(planes, corner, shape, stride, self.whiten, every)
         behind = self.background(corner, shape, stride)
-        return Patch(seen, behind, corner.astype(float), is_sparse)
+        return Patch(seen, behind, corner.astype(float), every)
 
     def wall(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         """Return the background of a window in linear light."""
@@ -206,17 +212,15 @@ class Appearance:
     def background(self, corner: np.ndarray, shape: tuple[int, int], stride: int = 1) -> np.ndarray:
         """Return the whitened background of a window; NaN beyond the part that was learned."""
         x, y = np.asarray(corner) - self.corner
-        height, width = self.white_behind.shape[:2]
+        height, width = self.behind.shape[:2]
         rows, columns = shape
         if x >= 0 and y >= 0 and x + stride * columns <= width and y + stride * rows <= height:
-            return self.white_behind[
-                y : y + stride * rows : stride, x : x + stride * columns : stride
-            ]
+            return self.behind[y : y + stride * rows : stride, x : x + stride * columns : stride]
         out = np.full((rows, columns, 3), np.nan, np.float32)
         # The first ones that were learned, and those beyond.
         i0, j0 = max(0, -(x // stride)), max(0, -(y // stride))
         i1, j1 = max(0, -((x - width) // stride)), max(0, -((y - height) // stride))
-        known = self.white_behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
+        known = self.behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
         inside = out[j0:j1, i0:i1]
         inside[:] = known[: inside.shape[0], : inside.shape[1]]
         return out
@@ -273,16 +277,16 @@ def fit_balls(
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    patch = look.patch(planes, low, shape, is_sparse=look.radius > _LARGE)
+    every = 5 if look.radius > _LARGEST else 2 if look.radius > _LARGE else 1
+    patch = look.patch(planes, low, shape, every=every)
     scales = np.full(rounds, look.scale)
     scales[:tolerant] *= _TOLERANT
     ends = np.cumsum([len(path) for path in paths])
     cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
-    return BallFit(
-        shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost / (shape[0] * shape[1])
-    )
+    cost *= every / (shape[0] * shape[1])
+    return BallFit(shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost)
 
 
 def arc(pivots: np.ndarray, angles: np.ndarray, arm: float | np.ndarray) -> np.ndarray:

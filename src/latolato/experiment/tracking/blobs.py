@@ -62,7 +62,7 @@ class Backdrop:
         luma, blue, red = median_planes([self._part(frame) for frame in frames])
         cv2 = import_cv2()
         self.shape = blue.shape
-        self.mean = np.dstack([_halved(cv2, luma, blue.shape), blue, red])
+        self.mean = np.dstack([_halved(cv2, luma.astype(np.float32), blue.shape), blue, red])
         spread = [np.abs(self._picture(f) - self.mean) for f in frames[:: max(1, len(frames) // 9)]]
         self.noise = 1.4826 * float(np.median(np.median(spread, axis=0)[..., 0])) + 0.3
 

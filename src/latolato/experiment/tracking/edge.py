@@ -155,13 +155,15 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
     lists: list[list[np.ndarray]] = [[] for _ in range(6)]
     direction = _direction(shots, radius)
     places_each = min(max(len(shot.path) for shot in shots), _PLACES)
+    every = max(1, int(4.0 * math.pi * radius * half * len(shots) / _MOST))
     for k, shot in enumerate(shots):
         centre = shot.path.mean(axis=0)
         smear = 0.5 * float(np.hypot(*(shot.path[-1] - shot.path[0])))
         j, i = np.ogrid[: shot.image.shape[0], : shot.image.shape[1]]
         middle = np.hypot(i - centre[0], j - centre[1])
         # The ring first: what follows takes a multiple of this.
-        rows, columns = np.nonzero(np.abs(middle - radius) < half + smear)
+        near = np.flatnonzero(np.abs(middle - radius) < half + smear)[::every]
+        rows, columns = np.unravel_index(near, middle.shape)
         middle, places = middle[rows, columns], np.stack([columns, rows], axis=-1)
         out = places - centre
         rod = (shot.pivot - centre) / max(float(np.hypot(*(shot.pivot - centre))), 1e-9)
@@ -186,9 +188,7 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
             strict=True,
         ):
             parts.append(part)
-    whole = [np.concatenate(parts) for parts in lists]
-    every = max(1, math.ceil(len(whole[0]) / _MOST))
-    return _Ring(*(part[::every] for part in whole))
+    return _Ring(*(np.concatenate(parts) for parts in lists))
 
 
 def _direction(shots: list[Shot], radius: float) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,6 +18,8 @@ from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
 _RADIUS_RATIO = 1.5
+# Radius from which not all pixels about a ball are looked at [pixels].
+_ENOUGH = 16.0
 # How far outside the ball a click may lie [pixels], and how many frames off a ball must be seen.
 _BESIDE, _SOON = 3.0, 3
 # Extent of a ball's path below which the ball rests [pixels], and the same in radii: the place of a
@@ -365,9 +367,13 @@ class _Coarse:
 
 
 def _typical_difference(frames: list[Frame]) -> float:
-    """Return the median difference of a pixel between frames of the sample [steps of 255]."""
-    window = _Window.whole(frames[0])
-    pictures = [window.picture(frame)[::2, ::2] for frame in frames[:: max(1, len(frames) // 6)]]
+    """Return the median difference of a pixel between frames of the sample [steps of 255].
+
+    The middle half of the picture is enough.
+    """
+    whole = _Window.whole(frames[0])
+    window = replace(whole, top=whole.bottom // 4, bottom=3 * whole.bottom // 4)
+    pictures = [window.picture(frame) for frame in frames[:: max(1, len(frames) // 6)]]
     return float(np.median([_largest(b - a) for a, b in pairwise(pictures)]))
 
 
@@ -391,12 +397,14 @@ class _Window:
     top: int
     right: int
     bottom: int
+    # Of so many pixels along a line one is looked at.
+    step: int
 
     @classmethod
     def whole(cls, frame: Frame) -> _Window:
         """Return the whole picture."""
         rows, columns = (side // 2 for side in frame.luma.shape)
-        return cls(0, 0, columns, rows)
+        return cls(0, 0, columns, rows, 2)
 
     @classmethod
     def about(cls, frame: Frame, centre: np.ndarray, radius: float) -> _Window | None:
@@ -407,7 +415,8 @@ class _Window:
         left, top = max(0, math.floor(u - reach)), max(0, math.floor(v - reach))
         right = min(all_.right, math.ceil(u + reach) + 1)
         bottom = min(all_.bottom, math.ceil(v + reach) + 1)
-        return cls(left, top, right, bottom) if right - left > 2 and bottom - top > 2 else None
+        step = max(1, int(radius / _ENOUGH))
+        return cls(left, top, right, bottom, step) if min(right - left, bottom - top) > 2 else None
 
     def picture(self, frame: Frame) -> np.ndarray:
         """Return luma and weighted chroma, slightly blurred, shape (row, column, 3)."""
@@ -415,14 +424,15 @@ class _Window:
         fine = frame.luma[2 * self.top : 2 * self.bottom, 2 * self.left : 2 * self.right]
         quarters = (fine[row::2, column::2] for row in (0, 1) for column in (0, 1))
         luma = 0.25 * np.add.reduce([*quarters], dtype=np.float32)
-        chroma = [_CHROMA * plane[part] for plane in (frame.blue, frame.red)]
-        planes = np.dstack([luma, *chroma]).astype(np.float32)
-        blurred: np.ndarray = import_cv2().GaussianBlur(planes, (0, 0), 0.8)
-        return blurred
+        chroma = [np.float32(_CHROMA) * plane[part] for plane in (frame.blue, frame.red)]
+        planes = np.dstack([luma, *chroma])
+        import_cv2().GaussianBlur(planes, (0, 0), 0.8, dst=planes)
+        return planes[:: self.step, :: self.step].copy()
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
         """Return columns (1, column) and rows (row, 1) of its pixels in the full picture."""
-        rows, columns = np.ogrid[self.top : self.bottom, self.left : self.right]
+        step = self.step
+        rows, columns = np.ogrid[self.top : self.bottom : step, self.left : self.right : step]
         return 2.0 * columns + 0.5, 2.0 * rows + 0.5
 
 

@@ -84,13 +84,12 @@ def learn_background(
     """Learn the background again where balls hid it in much of the sample, from other frames."""
     reach = 1.3 * look.radius + 2.0
     discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
-    count = np.zeros(look.behind.shape[:2], int)
+    count = np.zeros(look.behind.shape[:2], np.uint8)
     for own in discs:
         count += _under(own, reach, count.shape)
     often = count > 0.2 * len(frames)
     if not often.any():
         return
-    behind = look.behind.copy()
     for part in find_objects(label(often)[0]):
         here, corner = often[part], np.array([part[1].start, part[0].start])
         colours = np.empty((len(frames), np.count_nonzero(here), 3), np.float32)
@@ -101,9 +100,9 @@ def learn_background(
         # The lower median of frames that show a pixel, which sorting puts first; none: unknown.
         colours.sort(axis=0)
         middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
-        behind[part][here] = np.take_along_axis(colours, middle[None], axis=0)[0]
-    look.behind = filled(behind)
-    look.whitened()
+        median = np.take_along_axis(colours, middle[None], axis=0)[0]
+        look.behind[part][here] = median @ look.whiten.T
+    look.behind = filled(look.behind)
 
 
 def _under(places: list[np.ndarray], reach: float, shape: tuple[int, ...]) -> np.ndarray:

@@ -243,8 +243,10 @@ def _trim(tracker: PivotTracker) -> None:
 
 def _grid(low: np.ndarray, high: np.ndarray, step: int) -> np.ndarray:
     """Return shifts (shift, 2) between two, the least included, by a step [pixels]."""
-    axes = (np.arange(first, last + step, step) for first, last in zip(low, high, strict=True))
-    return np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    columns, rows = (np.arange(*each, step) for each in zip(low, high + step, strict=True))
+    shifts = np.empty((len(rows), len(columns), 2))
+    shifts[..., 0], shifts[..., 1] = columns, rows[:, None]
+    return shifts.reshape(-1, 2)
 
 
 def _stride(used: np.ndarray, apart: float) -> int:

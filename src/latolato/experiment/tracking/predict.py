@@ -90,32 +90,31 @@ class Predictor:
         gravity's. Contacts are predicted up to `until` [s] at least.
         """
         force = self.stiffness + pivot_stiffness
-        angles, speeds = self.angles.copy(), self.velocities.copy()
-        stops = np.union1d(instants, [time, max(time, until)])
-        path = np.empty((len(instants), len(angles)))
+        # Plain numbers: arrays of one or two are slow.
+        angles, speeds = self.angles.tolist(), self.velocities.tolist()
+        passed = {}
         now, contacts = self.time, []
-        state = angles.copy(), speeds.copy()
-        for stop in stops:
+        for stop in sorted({*instants.tolist(), time, max(time, until)}):
             count = max(1, math.ceil(abs(stop - now) / _STEP))
             h = (stop - now) / count
             for _ in range(count if h != 0.0 else 0):
-                angles += 0.5 * h * speeds
-                for b in range(len(angles)):
+                for b, speed in enumerate(speeds):
+                    angles[b] += 0.5 * h * speed
                     speeds[b] -= h * force * restoring_sine(angles[b])
-                angles += 0.5 * h * speeds
+                    angles[b] += 0.5 * h * speeds[b]
                 now += h
                 if len(angles) == 2:
                     ago = self._collide(angles, speeds)
                     if ago is not None:
                         contacts.append(now - ago)
             now = stop
-            path[instants == stop] = angles
-            if stop == time:
-                state = angles.copy(), speeds.copy()
+            passed[stop] = angles.copy(), speeds.copy()
+        state = np.array(passed[time])
+        path = np.array([passed[instant][0] for instant in instants.tolist()])
         spread = self._spread(time - self.time, force, contacts)
-        return Prediction(*state, spread, path, contacts, state[0].copy())
+        return Prediction(state[0], state[1], spread, path, contacts, state[0].copy())
 
-    def _collide(self, angles: np.ndarray, speeds: np.ndarray) -> float | None:
+    def _collide(self, angles: list[float], speeds: list[float]) -> float | None:
         """Reflect two balls that would pass each other, at the bottom or at the top.
 
         Returns how long ago they met [s], or None if they did not or hardly moved.
@@ -126,11 +125,11 @@ class Predictor:
             if past > 0.0:
                 hits = sign * closing < 0.0
                 shift = sign * past * (1.0 + _RESTITUTION) / 2.0 if hits else sign * past / 2.0
-                angles += np.array([shift, -shift])
+                angles[:] = angles[0] + shift, angles[1] - shift
                 if hits:
                     change = -0.5 * (1.0 + _RESTITUTION) * closing
-                    speeds += np.array([change, -change])
-                return float(past / abs(closing)) if hits and abs(closing) > 0.05 else None
+                    speeds[:] = speeds[0] + change, speeds[1] - change
+                return past / abs(closing) if hits and abs(closing) > 0.05 else None
         return None
 
     def _spread(self, interval: float, force: float, contacts: list[float]) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from heapq import heappop, heappush
 
 import numpy as np
@@ -71,7 +72,7 @@ class Sample:
         own = {frame.number for frame in self.clicked}
         return [*self.clicked, *(frame for frame in self.frames if frame.number not in own)]
 
-    @property
+    @cached_property
     def repeats(self) -> np.ndarray:
         """Whether a frame shows the picture of the one before, shape (frame,).
 
@@ -84,8 +85,9 @@ class Sample:
         about = np.lib.stride_tricks.sliding_window_view(
             np.pad(self.changes, _NEAR, constant_values=math.nan), 2 * _NEAR + 1
         )
-        usual = np.nanquantile(about, _USUAL, axis=-1)
-        return np.asarray(self.changes < _SAME * usual)
+        ranked = np.sort(about, axis=-1)  # unknown ones last
+        rank = np.rint(_USUAL * (np.isfinite(ranked).sum(axis=-1) - 1.0)).astype(int)
+        return np.asarray(self.changes < _SAME * ranked[np.arange(len(ranked)), rank])
 
     @property
     def gaps(self) -> np.ndarray:
@@ -178,8 +180,10 @@ def read_sample(
 def _largest(change: np.ndarray) -> float:
     """Return the largest mean of a change over a small square."""
     rows, columns = (size // _SQUARE for size in change.shape)
-    squares = change[: rows * _SQUARE, : columns * _SQUARE].reshape(rows, _SQUARE, columns, _SQUARE)
-    return float(squares.sum(axis=(1, 3)).max()) / _SQUARE**2
+    # Rows first, in the small numbers that they are: numpy is slow along a short axis.
+    strips = change[: rows * _SQUARE, : columns * _SQUARE].reshape(rows, _SQUARE, -1)
+    squares = strips.sum(axis=1, dtype=np.int16).reshape(rows, columns, _SQUARE)
+    return float(squares.sum(axis=2).max()) / _SQUARE**2
 
 
 def even_times(times: np.ndarray, repeats: np.ndarray, changes: np.ndarray) -> np.ndarray:
@@ -237,7 +241,7 @@ def _median(planes: list[np.ndarray]) -> np.ndarray:
     times faster than sorting, and by parts of the picture it needs little memory.
     """
     middle = (len(planes) - 1) // 2
-    median = np.empty(planes[0].size, np.float32)
+    median = np.empty(planes[0].size, np.uint8)
     flat = [plane.ravel() for plane in planes]
     for first in range(0, len(median), _PART):
         part = np.stack([plane[first : first + _PART] for plane in flat])

@@ -31,7 +31,10 @@ _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
 
 
 class Ball(NamedTuple):
-    """How balls are drawn: sizes [pixels], colours about the centre, whether these turn."""
+    """How balls are drawn: sizes [pixels], colours about the centre, whether these turn.
+
+    A fourth colour, 1, becomes the share that a ball covers.
+    """
 
     radius: float
     blur: float
@@ -42,13 +45,13 @@ class Ball(NamedTuple):
 class Patch(NamedTuple):
     """A window of a frame from its corner (column, row) on: colours seen and of the background.
 
-    A sparse one has every second pixel only.
+    Of so many pixels along a row it has one; the rows are shifted against each other.
     """
 
     seen: np.ndarray
     behind: np.ndarray
     corner: np.ndarray
-    is_sparse: bool
+    every: int
 
 
 def linear_light(tone: str) -> np.ndarray:
@@ -109,21 +112,20 @@ def window(
     stride: int,
     colours: tuple[np.ndarray, np.ndarray],
     whiten: np.ndarray,
-    is_sparse: bool,
+    every: int,
     out: np.ndarray,
 ) -> None:
     """Write the linear colours of a window, times a matrix, into `out`, shape (row, column, 3).
 
     Positions outside the frame become NaN. `colours` are the table of `linear_light` and the
-    `colour_coefficients`. A sparse window has the pixels only that a sparse sum of
-    `normal_equations` needs.
+    `colour_coefficients`. Only pixels are written that `normal_equations` looks at.
     """
     luma, blue, red = planes
     table, mix = colours
     rows, columns = out.shape[0], out.shape[1]
     for j in range(rows):
         y = corner[1] + stride * j
-        for i in range(1 - j % 2 if is_sparse else 0, columns, 2 if is_sparse else 1):
+        for i in range(3 * j % every, columns, every):
             x = corner[0] + stride * i
             if x < 0 or y < 0 or x >= luma.shape[1] or y >= luma.shape[0]:
                 out[j, i] = np.nan
@@ -141,18 +143,20 @@ def window(
 def add_between(
     table: np.ndarray, row: float, column: float, share: float, out: np.ndarray
 ) -> None:
-    """Add a share of what a table (row, column, channel) holds between its entries to `out`."""
-    # Whole numbers without a sign spare the question whether they count from the end.
-    q, p, one = np.uint64(row), np.uint64(column), np.uint64(1)
+    """Add a share of what a table (row, column, 4) holds between its entries to `out`."""
+    # Whole numbers without a sign spare the question whether they count from the end. Four single
+    # numbers are added at once.
+    q, p, one = np.uint32(row), np.uint32(column), np.uint32(1)
     b, a = row - q, column - p
     k11, k10, k01 = share * a * b, share * b, share * a
     k10, k01, k00 = k10 - k11, k01 - k11, share - k10 - k01 + k11
-    for c in range(table.shape[2]):
+    f00, f01, f10, f11 = np.float32(k00), np.float32(k01), np.float32(k10), np.float32(k11)
+    for c in range(4):
         out[c] += (
-            k00 * table[q, p, c]
-            + k01 * table[q, p + one, c]
-            + k10 * table[q + one, p, c]
-            + k11 * table[q + one, p + one, c]
+            f00 * table[q, p, c]
+            + f01 * table[q, p + one, c]
+            + f10 * table[q + one, p, c]
+            + f11 * table[q + one, p + one, c]
         )
 
 
@@ -191,7 +195,6 @@ def cover(
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
                 add_between(ball.paint, v, u, share, out[j, i])
-                out[j, i, 3] += share
 
 
 @jit
@@ -207,13 +210,13 @@ def normal_equations(
 
     The image is ``behind (1 - sum of shares) + sum of layers``, all in whitened colours; `layers`
     has shape (ball, row, column, 4), `centres` (ball, 2). Residuals beyond `scale` count less and
-    less (Geman and McClure). A sparse sum leaves out every second pixel and those that no layer
+    less (Geman and McClure). The sum over a part of the pixels leaves out those that no layer
     reaches.
 
     The last one has shape (ball, 4): pixels of each ball, those explained, those that look like
     what is behind instead, and the ball's largest share, which decides what its pixels are.
     """
-    seen, behind, corner, is_sparse = patch
+    seen, behind, corner, every = patch
     balls, rows, columns = layers.shape[0], layers.shape[1], layers.shape[2]
     matrix, vector = np.zeros((2 * balls, 2 * balls)), np.zeros(2 * balls)
     tally = np.zeros((balls, 4))
@@ -225,16 +228,19 @@ def normal_equations(
     cost = 0.0
     limit = scale * scale
     slope = np.zeros((4, 3))
+    rods = pivot - centres
+    for b in range(balls):
+        rods[b] /= math.sqrt(rods[b, 0] ** 2 + rods[b, 1] ** 2)
     for j in range(1, rows - 1):
-        for i in range(1 + j % 2 if is_sparse else 1, columns - 1, 2 if is_sparse else 1):
+        for i in range(3 * j % every or every, columns - 1, every):
             is_edge = _has_slope(layers, j, i)
-            if is_sparse and not is_edge:
+            if every > 1 and not is_edge:
                 continue
             b0, b1, b2 = behind[j, i, 0], behind[j, i, 1], behind[j, i, 2]
             d0, d1, d2 = seen[j, i, 0] - b0, seen[j, i, 1] - b1, seen[j, i, 2] - b2
             if not (d0 == d0 and b0 == b0):
                 continue
-            if _is_rod(corner[0] + i, corner[1] + j, centres, pivot, radius):
+            if _is_rod(corner[0] + i, corner[1] + j, centres, rods, radius):
                 continue
             shares = 0.0
             r0, r1, r2 = d0, d1, d2
@@ -297,14 +303,15 @@ def _has_slope(layers: np.ndarray, j: int, i: int) -> bool:
 
 
 @jit
-def _is_rod(x: float, y: float, centres: np.ndarray, pivot: np.ndarray, radius: float) -> bool:
-    """Return whether a pixel lies where a rod hides the background beside its ball."""
+def _is_rod(x: float, y: float, centres: np.ndarray, rods: np.ndarray, radius: float) -> bool:
+    """Return whether a pixel lies where a rod hides the background beside its ball.
+
+    Rods are directions, shape (ball, 2).
+    """
     for b in range(centres.shape[0]):
-        ux, uy = pivot[0] - centres[b, 0], pivot[1] - centres[b, 1]
-        norm = math.sqrt(ux * ux + uy * uy)
+        ux, uy = rods[b]
         dx, dy = x - centres[b, 0], y - centres[b, 1]
-        along = (dx * ux + dy * uy) / norm
-        across = abs(dx * uy - dy * ux) / norm
+        along, across = dx * ux + dy * uy, abs(dx * uy - dy * ux)
         if along > _ROD_BEGINS * radius and across < _ROD_HALF_WIDTH * radius:
             return True
     return False

@@ -73,6 +73,7 @@ def running_sum(piece: np.ndarray, turn: float, ball: Ball) -> np.ndarray:
     """
     step = step_of(ball.blur)
     reach = ball.radius + 2.0 * ball.blur
+    core = max(ball.radius - 2.0 * ball.blur, 0.0) ** 2
     count = 2 * math.ceil(reach / step) + 1
     middle = (count - 1) // 2
     half = (ball.paint.shape[0] - 1) // 2
@@ -83,7 +84,8 @@ def running_sum(piece: np.ndarray, turn: float, ball: Ball) -> np.ndarray:
         piece[2] * cosine - piece[3] * sine,
         piece[2] * sine + piece[3] * cosine,
     )
-    before, now, total = np.zeros(4), np.zeros(4), np.zeros(4)
+    before, now, total = np.zeros((3, 4), np.float32)
+    half_step = np.float32(0.5 * step)
     for m in range(count):
         t = (m - middle) * step
         total[:] = before[:] = 0.0
@@ -92,14 +94,15 @@ def running_sum(piece: np.ndarray, turn: float, ball: Ball) -> np.ndarray:
             square = s * s + t * t
             now[:] = 0.0
             if square < reach * reach:
-                depth = (ball.radius - math.sqrt(square)) / ball.blur
-                share = 1.0 if depth >= 2.0 else 0.5 + depth * (0.375 - depth * depth * 0.03125)
+                share = 1.0
+                if square > core:
+                    depth = (ball.radius - math.sqrt(square)) / ball.blur
+                    share = 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 u = min(max(s * along_u - t * along_v + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(s * along_v + t * along_u + half, 0.0), 2.0 * half - 1e-3)
                 add_between(ball.paint, v, u, share, now)
-                now[3] = share
             for c in range(4):
-                total[c] += 0.5 * step * (before[c] + now[c])
+                total[c] += half_step * (before[c] + now[c])
                 out[m, n, c] = total[c]
                 before[c] = now[c]
     return out
