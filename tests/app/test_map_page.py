@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,13 +55,19 @@ def test_every_cell_has_its_colour_where_the_axes_say_with_the_small_values_belo
     pixels = np.array(found["data"]).reshape(frame["height"], frame["width"], 4)[..., :3]
     amplitudes, ratios = np.linspace(0.0, 0.5, 24), np.linspace(0.0, 5.0, 24)
     axes = {"drive_amplitude": amplitudes, "frequency_ratio": ratios}
-    angle = ll.load_scenario("fig05_push").sweep(duration=20.0, axes=axes).largest_angle.values
+    scenario = ll.load_scenario("fig05_push")
+    angle = scenario.sweep(duration=20.0, axes=axes).largest_angle.values
     wanted = colours_of(angle, angle.min(), angle.max())
+    # In chaos a change of gravity as small as rounding changes the colour too.
+    moved = replace(scenario.system, gravity=9.8 * (1.0 + 1e-13))
+    other = replace(scenario, system=moved).sweep(duration=20.0, axes=axes).largest_angle.values
+    regular = np.abs(other - angle) < 1e-6
+    assert regular.mean() > 0.9
     # Cells reach halfway to their neighbours, amounts not below zero.
     x_edges = np.concatenate([[0.0], 0.5 * (ratios[1:] + ratios[:-1]), [5.0 + 2.5 / 23]])
     y_edges = np.concatenate([[0.0], 0.5 * (amplitudes[1:] + amplitudes[:-1]), [0.5 + 0.25 / 23]])
     for i in range(24):
-        for j in range(24):
+        for j in np.flatnonzero(regular[i]):
             middle_x = 0.5 * (x_edges[j] + x_edges[j + 1]) / x_edges[-1]
             middle_y = 0.5 * (y_edges[i] + y_edges[i + 1]) / y_edges[-1]
             column = int(middle_x * frame["width"])

@@ -108,8 +108,9 @@ KINDS = {
     "air at rest": over("toy", "damping", "drive_amplitude", 2.0, options={"drag_frame": "lab"}),
 }  # fmt: skip
 WIDTH, HEIGHT = 7, 6
-# Values that a change of gravity by so much (relative) moves less than that are regular.
-NUDGES = (1e-13, -2e-13, 3e-13)
+# Values that none of these changes of gravity (relative) moves by more are regular. The smallest
+# ones act as rounding does.
+NUDGES = (1e-13, -2e-13, 3e-13, 4e-16, -4e-16, 1e-15, -1e-15, 3e-15)
 # So much may rounding add up to, in rad for angles.
 ROUNDING = 1e-12
 

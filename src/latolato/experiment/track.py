@@ -615,6 +615,7 @@ def _best_followed(
         return max((trial[0] for trial in trials), default=0.0)
 
     share = attempt(sample, balls)
+    is_refused = not trials
     if share < _OFTEN and task.setup.shape == "disc":
         seen = path
         if seen is None:
@@ -629,7 +630,9 @@ def _best_followed(
             trials[-1][2].append(f"what the ball looks like is learned from frame {number}")
     if not trials:
         raise refusals[0]
-    _, found, warned = max(trials, key=lambda trial: trial[0])
+    share, found, warned = max(trials, key=lambda trial: trial[0])
+    if is_refused and share < _SELDOM:  # a second look must be better than a first one
+        raise refusals[0]
     task.warnings += warned
     return found
 

@@ -45,10 +45,10 @@ def on_each(system: Toy) -> dict[str, Toy]:
 
 
 def on_one_engine(system: LatoLato) -> LatoLato:
-    """Return an undamped system on rods, run by the program that runs strings.
+    """Return an undamped system that is run by the same program on rods and on strings.
 
-    Without drag it does not matter where the air rests, but runs with drag relative to the room use
-    the same steps as strings. So equal motions are equal to the last digit.
+    Without drag it does not matter where the air rests, but all runs with drag relative to the room
+    use the same steps. So equal motions are equal to the last digit.
     """
     if system.damping > 0.0:
         raise ValueError("only without damping are both frames the same")

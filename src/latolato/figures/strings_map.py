@@ -50,10 +50,8 @@ def data(quick: bool = False) -> xr.Dataset:
     """Return the maps on rods and on strings, from rest and with a push."""
     from latolato.sweeps import sweep
 
-    systems = {
-        _RODS: on_one_engine(fig05.TOY),
-        _STRINGS: replace(fig05.TOY, suspension="string"),
-    }
+    toy = on_one_engine(fig05.TOY)
+    systems = {_RODS: toy, _STRINGS: replace(toy, suspension="string")}
     maps: dict[str, xr.Dataset] = {}
     for start, offset in STARTS.items():
         for name, system in systems.items():
