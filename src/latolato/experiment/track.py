@@ -54,9 +54,9 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
-# Shares of samples below which no ball was followed, too few are clean, and one in slow motion is
-# measured too seldom.
-_NEVER, _SELDOM, _OFTEN = 0.25, 0.7, 0.95
+# Shares of samples that are measured, and that are clean, below which no ball was followed; below
+# which too few are clean; and below which one in slow motion is measured too seldom.
+_NEVER, _HARDLY, _SELDOM, _OFTEN = 0.25, 0.1, 0.7, 0.95
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -748,10 +748,11 @@ def _believed(
     places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
     factor = task.setup.slow_motion
     pace = f"check the slow motion of {factor:g}: a wrong one makes the ball hard to follow"
-    if share < _NEVER:
+    clean = seen.clean_share(~sample.repeats)
+    if share < _NEVER or clean < _HARDLY:
         raise InputError(
             f"what was pointed at as a ball, at {places}, is found in {100.0 * share:.0f} % of the "
-            "samples only",
+            f"samples only ({100.0 * clean:.0f} % are ok)",
             way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
         )
     _examine(task, sample, seen, balls, radius)

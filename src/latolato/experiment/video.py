@@ -416,13 +416,20 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _pictures(path: Path, container: Any, stream: Any) -> Iterator[Any]:
-    """Decode one stream, with FFmpeg's reasons in one line."""
+    """Decode one stream, with FFmpeg's reasons in one line.
+
+    It ends where a file is cut off amid a frame; `Video.frames` judges how much is missing.
+    """
     import av
 
+    is_begun = False
     try:
-        yield from container.decode(stream)
+        for picture in container.decode(stream):
+            is_begun = True
+            yield picture
     except av.error.FFmpegError as error:
-        raise _unreadable(path, f"decoding fails ({error.strerror})") from None
+        if not (is_begun and missing_bytes(path)):
+            raise _unreadable(path, f"decoding fails ({error.strerror})") from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:
