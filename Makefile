@@ -1,6 +1,6 @@
-# latolato: everything here needs Python 3.11 or newer and make; the tests need Chromium and Firefox
-# too, which `make test` installs as root on Debian and otherwise asks for. All else is installed
-# into .venv; only pip, npm and apt use the network.
+# latolato: everything here needs Python 3.11 or newer and make; the tests need Chromium too, and
+# `make test-all` Firefox, which they install as root on Debian and otherwise ask for. All else is
+# installed into .venv; only pip, npm and apt use the network.
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
@@ -62,12 +62,17 @@ kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python .ci/kernels.py
 
 .PHONY: test
-test: $(STAMPS)/test $(STAMPS)/browsers kernels ## install with test extras, run all tests and the examples in docstrings
+test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run the tests and the examples in docstrings
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src \
-		--ignore tests/smoke $(PYTEST_ARGS)
+		--ignore tests/smoke -m "not slow" $(PYTEST_ARGS)
+
+.PHONY: test-all
+test-all: $(STAMPS)/test-all $(STAMPS)/chromium $(STAMPS)/firefox-esr kernels ## the slow and rare tests too, then mutants: before a release
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src $(PYTEST_ARGS)
+	$(MAKE) mutants
 
 .PHONY: smoke
-smoke: $(STAMPS)/test $(STAMPS)/browsers kernels ## every preset, example, question and documented command once
+smoke: $(STAMPS)/test $(STAMPS)/chromium kernels ## every preset, example, question and documented command once
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal tests/smoke $(PYTEST_ARGS)
 
 .PHONY: doctest
@@ -93,9 +98,13 @@ format: $(STAMPS)/dev ## apply the style and the format
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+.PHONY: wheel
+wheel: dist ## install the wheel elsewhere and try it with the newest packages
+	$(BIN)/python .ci/elsewhere.py
+
 .PHONY: lowest
-lowest: $(STAMPS)/test ## try the lowest versions of the packages that pyproject.toml allows
-	$(BIN)/python .ci/lowest.py
+lowest: dist ## install the wheel elsewhere and try it with the lowest versions that pyproject.toml allows
+	$(BIN)/python .ci/elsewhere.py --lowest
 
 .PHONY: mutants
 mutants: $(STAMPS)/mutants kernels ## try thirty mutants of the sources on the tests; SEED=2 for others
@@ -107,7 +116,7 @@ docs: $(STAMPS)/docs kernels ## build the documentation into docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
 .PHONY: pictures
-pictures: $(STAMPS)/test $(STAMPS)/browsers kernels ## make the README's pictures again
+pictures: $(STAMPS)/test $(STAMPS)/chromium kernels ## make the README's pictures again
 	$(BIN)/python .ci/pictures.py
 
 .PHONY: bench
@@ -139,7 +148,7 @@ distclean: clean ## remove .venv as well
 # dependencies may have changed, so an edit of the sources installs nothing (it is editable).
 
 # The demonstration needs `video` for its synthetic videos.
-$(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/docs $(STAMPS)/mutants $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
+$(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/test-all $(STAMPS)/docs $(STAMPS)/mutants $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
 	@touch $@
@@ -151,21 +160,20 @@ $(STAMPS)/typescript: $(STAMPS)/dev
 		--prefix $(VENV)/js typescript@5.9
 	@touch $@
 
-# The tests of the application drive real browsers: the system's Chromium, and once its Firefox.
-$(STAMPS)/browsers: | $(STAMPS)/venv
-	@set -e; has() { for b; do command -v $$b >/dev/null && return 0; done; return 1; }; \
-	missing() { has chromium chromium-browser google-chrome || echo chromium; \
-		has firefox-esr firefox || echo firefox-esr; }; \
-	packages=$$(missing); \
-	if [ -n "$$packages" ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-		echo "installing" $$packages: the tests of the application drive browsers; \
+# The tests of the application drive real browsers, the system's; these are Debian's packages.
+$(STAMPS)/chromium $(STAMPS)/firefox-esr: $(STAMPS)/%: | $(STAMPS)/venv
+	@has() { for b in $* $(NAMES_OF_$*); do command -v $$b >/dev/null && return 0; done; return 1; }; \
+	if ! has && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "installing $*: the tests of the application drive browsers"; \
 		{ apt-get update -q && DEBIAN_FRONTEND=noninteractive \
-			apt-get install -y -q --no-install-recommends $$packages; } >/dev/null || true; \
+			apt-get install -y -q --no-install-recommends $*; } >/dev/null || true; \
 	fi; \
-	packages=$$(missing); \
-	[ -z "$$packages" ] || { echo "the tests of the application need browsers. Type"; \
-		echo "    sudo apt-get install" $$packages; echo "and try again"; exit 1; }
+	has || { echo "the tests of the application need a browser. Type"; \
+		echo "    sudo apt-get install $*"; echo "and try again"; exit 1; }
 	@touch $@
+
+NAMES_OF_chromium := chromium-browser google-chrome
+NAMES_OF_firefox-esr := firefox
 
 # Debian and Ubuntu keep ensurepip in a package of its own. Without it: use a pip that is already
 # here, else fetch the package as root, else say what to type.

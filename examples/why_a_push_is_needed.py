@@ -37,12 +37,12 @@ assert abs(tried / needed - 1.0) < 1e-9
 
 # How hard a ball at rest must be pushed.
 ratios = np.linspace(1.8, 3.4, 17)
-push = ll.analysis.first_push(TOY, DRIVE, frequency_ratio=ratios, scan_points=60).squeeze()
+push = ll.analysis.first_push(TOY, DRIVE, frequency_ratio=ratios, scan_points=40).squeeze()
 for ratio, speed, status in zip(ratios, push.first_push.values, push.status.values, strict=True):
     print(f"  w/w0 = {ratio:.1f}: {speed:4.2f} rad/s ({status})")
 
 # Where all starts lead, at one frequency.
-basins = ll.analysis.basins(TOY, DRIVE, angle_points=120, velocity_points=120)
+basins = ll.analysis.basins(TOY, DRIVE, angle_points=80, velocity_points=80)
 rests = basins.status.values == "rest"
 share = basins.basin_fraction.values[rests].sum()
 print(

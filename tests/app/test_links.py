@@ -33,9 +33,13 @@ BROKEN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("view", ["play", "live", "map", "analyse"])
+# All views read links with the same code: each opens a share of the broken ones.
+VIEWS = ("play", "live", "map", "analyse")
+
+
+@pytest.mark.parametrize("view", VIEWS)
 def test_a_view_names_what_it_leaves_out_of_a_link_and_shows_the_rest(page, view):
-    for query, words in BROKEN.items():
+    for query, words in list(BROKEN.items())[VIEWS.index(view) :: len(VIEWS)]:
         page.goto(f"/?view={view}&{query}&map.size=8")
         page.locator(".message").get_by_text(words).wait_for()
         page.wait_for_selector(READY, timeout=PATIENCE)

@@ -22,7 +22,6 @@ from latolato.cli.main import app
 from same_runs import check_same, in_python
 
 DOCS = Path(__file__).parents[2] / "docs"
-MAPS = [name for name, each in registry()["scenarios"].items() if each["sweep"]]
 RUNS = [name for name, each in registry()["scenarios"].items() if not each["sweep"]]
 PATIENCE = 60_000
 MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
@@ -77,9 +76,10 @@ def visit(browser, web):
     context.close()
 
 
-def test_every_scenario_runs_without_a_server_that_computes(visit, web):
+def test_scenarios_run_without_a_server_that_computes(visit, web):
+    # `make smoke` opens them all; the numbers of each are compared below.
     address, _ = web
-    for name in RUNS:
+    for name in ("toy", "zeno", "ballpair_asymmetric"):
         visit.goto(f"{address}?view=play&scenario={name}")
         visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
         assert visit.locator(".error:visible").all_inner_texts() == [], name
@@ -97,8 +97,8 @@ def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
         visit.get_by_text("latolato app").wait_for()
 
 
-@pytest.mark.parametrize("name", MAPS)
-def test_every_sweep_is_computed_without_a_server_that_computes(visit, web, name):
+@pytest.mark.parametrize("name", ["fig03cd", "fig05"])
+def test_a_sweep_is_computed_without_a_server_that_computes(visit, web, name):
     visit.goto(f"{web[0]}?view=map&map.scenario={name}&map.size=10")
     visit.wait_for_selector("[data-done]", timeout=PATIENCE)
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
@@ -258,6 +258,7 @@ def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
     assert kept == _code(web[1], is_scalar=True)
 
 
+@pytest.mark.slow
 def test_firefox_runs_the_site(web):
     with firefox_page(f"{web[0]}?view=play&scenario=fig04a_push&duration=3 s") as evaluate:
         evaluate("new Promise((done) => { const look = () => (document.querySelector('[data-runs]')"

@@ -21,7 +21,6 @@ def test_the_folder_holds_the_examples_and_each_asserts_something():
         assert len(text.splitlines()) <= 80, script.name
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("script", SCRIPTS, ids=[script.stem for script in SCRIPTS])
 def test_an_example_succeeds_and_draws_its_picture(script, tmp_path):
     picture = tmp_path / "picture.png"

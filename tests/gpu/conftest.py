@@ -59,7 +59,15 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.fixture(params=list(CASES))
+# Between them, every kind of kernel; `make test-all` compiles the others as well.
+SHORT = ("pendulum-harmonic", "latolato-friction", "latolato-strings", "ballpair-kicks")
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=[] if name in SHORT else [pytest.mark.slow]) for name in CASES
+    ]
+)
 def plan(request):
     """A plan of 2 x 2 points for 1 s."""
     system, drive, axes, watched, more = CASES[request.param]

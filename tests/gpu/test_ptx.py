@@ -38,7 +38,6 @@ def _compiler():
             pytest.fail(f"CUDA's lib{library} is not installed; {extra_command('cuda')}")
 
 
-@pytest.mark.slow
 def test_kernel_compiles_to_ptx_in_double_precision(plan):
     import numba
     from numba import cuda

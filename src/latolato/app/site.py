@@ -46,16 +46,7 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     FileNotFoundError
         If the code for pages has not been compiled.
     """
-    if report is not None and not (report / "index.html").is_file():
-        raise InputError(
-            f"'{report}' contains no report",
-            way_out=f"make one: latolato reproduce --output {report}",
-        )
-    if docs is not None and not (docs / "index.html").is_file():
-        raise InputError(f"'{docs}' contains no documentation", way_out="make it: make docs")
-    kernels_folder()
-    if folder.is_file():
-        raise NotADirectoryError(ENOTDIR, "a site needs a folder, but this is a file", str(folder))
+    check_site(folder, report=report, docs=docs)
     # Types of vendored libraries are for those who check the sources.
     types = shutil.ignore_patterns("*.d.ts")
     shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)
@@ -73,6 +64,20 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     _write_paper(folder / "paper", report)
     _write_offline(folder)
     return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+def check_site(folder: Path, *, report: Path | None = None, docs: Path | None = None) -> None:
+    """Raise what `write_site` would raise; making a report first takes a minute."""
+    if report is not None and not (report / "index.html").is_file():
+        raise InputError(
+            f"'{report}' contains no report",
+            way_out=f"make one: latolato reproduce --output {report}",
+        )
+    if docs is not None and not (docs / "index.html").is_file():
+        raise InputError(f"'{docs}' contains no documentation", way_out="make it: make docs")
+    kernels_folder()
+    if folder.is_file():
+        raise NotADirectoryError(ENOTDIR, "a site needs a folder, but this is a file", str(folder))
 
 
 def _copy(source: str, target: str) -> None:

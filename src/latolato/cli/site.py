@@ -24,6 +24,7 @@ def site(
 ) -> None:
     """Write Play, Live, Map, the report and the documentation as a site for any web space."""
     module = import_extra("latolato.app.site", "app", "the site")
+    module.check_site(folder, report=report, docs=docs)
     if report is None:
         from latolato.report import reproduce
 
