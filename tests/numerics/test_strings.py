@@ -32,7 +32,7 @@ from string_motions import (
 class TestReferences:
     """Both programs hold the file's motions; stated there: repeated values agree to 5e-12."""
 
-    @pytest.fixture(params=[name for name in CASES if name != "toy"])
+    @pytest.fixture(params=CASES)
     def case(self, request):
         return CASES[request.param]
 
@@ -60,36 +60,6 @@ class TestReferences:
         self.check(run, case, 1e-9)
         for kind in ("bottom", "slack", "taut"):
             listed = [row[0] for row in case["events"] if row[1] == kind and row[0] > 1e-12]
-            np.testing.assert_allclose(rows(run, kind), listed, rtol=0, atol=1e-9)
-
-    @pytest.fixture
-    def toy(self):
-        """The file's toy is a rod up to its first contact, though pushed at time zero.
-
-        It is taken from there, a string: motion, start, and the case with times counted from it.
-        """
-        case = CASES["toy"]
-        motion, _, times = read(case)
-        begin, _, _, after = case["events"][0]
-        later = [i for i, time in enumerate(times) if time > begin]
-        rest = {
-            "samples": [case["samples"][i] for i in later],
-            "events": [[row[0] - begin, *row[1:]] for row in case["events"][1:]],
-        }
-        motion.phase += motion.w * begin
-        low = math.asin(motion.bodies[0].r / motion.bodies[0].l)
-        return motion, [(low, after)], [times[i] - begin for i in later], rest
-
-    def test_the_independent_program_follows_the_toy(self, toy):
-        motion, start, times, case = toy
-        self.check(motion.run(start, times).samples, case, 1e-10)
-
-    def test_latolato_follows_the_toy(self, toy):
-        motion, start, times, case = toy
-        run = simulated(motion, start, times)
-        self.check(run, case, 1e-9)
-        for kind in ("bottom", "slack", "taut"):
-            listed = [row[0] for row in case["events"] if row[1] == kind]
             np.testing.assert_allclose(rows(run, kind), listed, rtol=0, atol=1e-9)
 
 
