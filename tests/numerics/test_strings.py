@@ -221,6 +221,20 @@ class TestPair:
             expected = np.repeat(rows(toy, kind), 2 if kind == "slack" else 1)
             np.testing.assert_allclose(rows(pair, kind), expected, rtol=0, atol=1e-9)
 
+    # At a coarse tolerance the ball is past the string at the end of the step, or long in it.
+    @pytest.mark.filterwarnings("ignore:the run stopped")
+    @pytest.mark.parametrize("seed", [45, 64, 100, 212])
+    def test_a_ball_that_brushes_a_string_ends_the_run_where_they_meet(self, seed):
+        motion, start = any_pair(np.random.default_rng(seed))
+        coarse, fine = (
+            simulated(motion, start, [0.0, 2.0], tolerance=tolerance).attrs["status"]
+            for tolerance in (1e-6, 1e-12)
+        )
+        assert "a string ran into a ball" in fine
+        # Both have the time to nine digits; that of the coarse run is as wrong as its motion.
+        times = [float(status.partition("t = ")[2].split()[0]) for status in (coarse, fine)]
+        assert times[0] == pytest.approx(times[1], abs=1e-6)
+
 
 class TestObservables:
     NAMES = ("slack_fraction", "first_slack", "largest_string_impulse", "top_contacts")
