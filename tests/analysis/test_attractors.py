@@ -57,6 +57,13 @@ def test_rotations_both_ways_are_two_attractors_with_mirrored_basins():
     np.testing.assert_array_equal(table[::-1, ::-1] == one, table == other)
 
 
+def test_mirror_images_are_numbered_by_rotation_and_not_by_a_few_starts():
+    # One start that rounding sends to the one or the other makes their basins unequal here.
+    drive = ll.Harmonic(drive_amplitude=0.09, drive_frequency=6.26)
+    found = basins(SINGLE, drive, angle_points=12, velocity_points=12)
+    assert found.rotation_number.values.tolist() == [0.5, -1.0, 1.0, -1.0, 1.0]
+
+
 # Driven pendulum of Leven & Koch (1981), x'' + 0.15 x' + (1 + p cos 1.56 t) sin x = 0, p = 0.7:
 # gravity over length 1, and A0 w^2/g = p; the sign of p is a matter of the drive's phase.
 LEVEN_KOCH = ll.Pendulum(length=1.0, mass=1.0, gravity=1.0, damping=0.15)

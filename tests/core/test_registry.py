@@ -31,7 +31,7 @@ TOY = [f.name for f in dataclasses.fields(systems["latolato"]) if f.init]
             for typed in ("schedule", "frequencyschedule")
         ),
         *((typed, HARMONIC, "drive_phase") for typed in ("phase", "drive-phase", "drivephase")),
-        ("amplitude", HARMONIC, "drive_amplitude"),
+        *((typed, HARMONIC, "drive_amplitude") for typed in ("amplitude", "drive_amp")),
         *((typed, TOY, "length") for typed in ("lenght", "lengt", "Length")),
         *((typed, TOY, "damping") for typed in ("dampening", "dampnig")),
         *((typed, TOY, "restitution") for typed in ("resitution", "restituion")),

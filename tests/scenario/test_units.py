@@ -100,6 +100,15 @@ def test_other_units_are_refused_in_one_line_with_the_rule(text, unit):
     assert str(refused.value) == expected
 
 
+@pytest.mark.parametrize(
+    "text, unit, meant", [("2.4 hz", "rad/s", "Hz"), ("20 MM", "m", "mm"), ("1 KG", "kg", "kg")]
+)
+def test_capitals_that_are_wrong_lead_to_the_unit_that_was_meant(text, unit, meant):
+    with pytest.raises(ValueError, match="must be given in") as refused:
+        to_si("drive_frequency", text, unit)
+    assert refused.value.way_out == f"did you mean '{meant}'?"
+
+
 def test_a_pure_number_with_a_unit_is_refused():
     with pytest.raises(
         ValueError, match=r"restitution must be given as a plain number, got '0.9 kg'"

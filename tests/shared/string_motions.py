@@ -19,7 +19,7 @@ def read(case):
     """Return a case of the file as `Strings`, its start and its times."""
     p = dict(case["parameters"])
     body = Body(**{name: p.pop(name) for name in ("l", "m", "C", "r") if name in p})
-    string = case["suspension"] == "string"
+    string = case.get("suspension", "string") == "string"  # that of the toy is not named
     return Strings([body], string=string, **p), [tuple(case["start"])], case["times"]
 
 

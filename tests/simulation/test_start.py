@@ -158,3 +158,27 @@ def test_a_sideways_drive_needs_a_system_that_it_can_move(system, message):
 @pytest.mark.parametrize("system", [ONE, PAIR])
 def test_a_sideways_drive_moves_pendula_and_free_balls(system):
     assert checked_drive(SIDEWAYS, system) is SIDEWAYS
+
+
+SWING = ll.Pendulum(**BALL)
+
+
+@pytest.mark.parametrize(
+    "started, options",
+    [
+        (ll.simulate, {"initial_angle": 90}),
+        (ll.sweep, {"axes": {"mass": [0.1]}, "initial_angle": 90.0}),
+        (ll.sweep, {"axes": {"initial_angle": [1.0, 90.0]}}),
+    ],
+)
+def test_initial_angles_that_look_like_degrees_are_pointed_out(started, options):
+    words = r"initial_angle is in rad, and 90 rad are 14.3 turns: if you .* give 1.5708"
+    with pytest.warns(RuntimeWarning, match=words) as caught:
+        started(SWING, duration=0.1, **options)
+    assert caught[0].filename == __file__
+
+
+def test_an_angle_that_a_rotating_pendulum_ended_with_is_taken_without_a_word():
+    turned = ll.simulate(SWING, initial_angle=0.0, initial_angular_velocity=20.0, duration=1.0)
+    assert turned.angle[-1] > 2.0 * math.tau
+    ll.simulate(SWING, initial_angle=turned.angle[-1].item(), duration=0.1)

@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.observables import Crossings, MotionClass, PoincareSection
 from latolato.physics.contacts import ClampContact
 from latolato.sweeps.axes import Axis
+from latolato.sweeps.labels import Memory
 from latolato.sweeps.plan import Plan, make_plan
 from latolato.sweeps.points import columns_of
 
@@ -425,3 +426,17 @@ def test_balls_vary_one_by_one():
     np.testing.assert_array_equal(columns["left_mass"], 0.8)
     np.testing.assert_array_equal(columns["initial_angle_left"], [-0.5, -1.0, -0.5, -1.0])
     np.testing.assert_array_equal(columns["initial_angle_right"], 0.7)
+
+
+def test_a_map_too_large_is_refused_with_its_size_and_a_way_out(monkeypatch):
+    amplitudes, frequencies = np.linspace(0.0, 0.1, 40_000), np.linspace(1.0, 2.0, 40_000)
+    axes = {"drive_amplitude": amplitudes, "drive_frequency": frequencies}
+    with pytest.raises(InputError, match=r"40000 x 40000 points .* take 26 GB; take fewer values"):
+        planned(axes=axes)
+
+    def full(*_, **__):
+        raise MemoryError("Unable to allocate 1 TiB")
+
+    monkeypatch.setattr(np, "full", full)
+    with pytest.raises(InputError, match=r"of 4 points do not fit .* allocate 1 TiB; give a store"):
+        Memory(planned(), "host")

@@ -147,9 +147,11 @@ def basins(
     the numerical error. No tolerance settles such a start: its label is one of several that
     are possible, and only the shares mean something. The second run finds these starts; as it
     takes shorter steps, both take about 2.3 times as long as the first. Equal basins
-    are numbered by rotation number, then by mean angle. With `known` the pairs of attractors
-    with the smallest mean distance between their samples are matched first, up to 0.5 rad, as
-    ``match_statespacesets!`` of Attractors.jl does; a number that has vanished is not given again.
+    are numbered by rotation number, then by mean angle; so are those of two motions that are
+    mirror images of each other, whose shares differ by such starts only. With `known` the pairs
+    of attractors with the smallest mean distance between their samples are matched first, up to
+    0.5 rad, as ``match_statespacesets!`` of Attractors.jl does; a number that has vanished is not
+    given again.
 
     What it can miss: attractors whose basins are smaller than the grid's spacing or outside the
     range; motions still on their way after the transient. Those that die down, or have a period
@@ -217,7 +219,7 @@ def basins(
     )
     count = len(samples)
     examples, numbers, used, place = _numbered(
-        samples, motion["rotation_number"], both[:count], examples, known
+        samples, motion["rotation_number"], both[:count], examples, chaos_box, known
     )
     labels, others = place[both[:count]], place[both[count:]]
     uncertain = (labels != others).reshape(shape)
@@ -326,7 +328,12 @@ def _check_known(known: Any, system: System) -> None:
 
 
 def _numbered(
-    samples: Floats, rotation: Floats, labels: Labels, examples: Labels, known: xr.Dataset | None
+    samples: Floats,
+    rotation: Floats,
+    labels: Labels,
+    examples: Labels,
+    chaos_box: float,
+    known: xr.Dataset | None,
 ) -> tuple[Labels, Labels, int, Labels]:
     """Return the attractors in order: an example of each, its number, and how many are used.
 
@@ -335,8 +342,10 @@ def _numbered(
     """
     shares = np.bincount(labels[labels >= 0], minlength=len(examples))
     own = np.flatnonzero((shares > 0) & (examples < len(samples)))
-    angles = samples[examples[own], :, 0].mean(axis=1).round(6)
-    order = own[np.lexsort([angles, rotation[examples[own]], -shares[own]])]
+    states = samples[examples[own]]
+    sizes = shares[own] + shares[own][_mirror_partners(states, chaos_box)]
+    angles = states[:, :, 0].mean(axis=1).round(6)
+    order = own[np.lexsort([angles, rotation[examples[own]], -sizes])]
     numbers, used = np.arange(len(order)), len(order)
     if known is not None:
         numbers, used = _known_numbers(samples[examples[order]], known)
@@ -344,6 +353,23 @@ def _numbered(
     place = np.full(max(len(shares), 1) + 1, UNRESOLVED)  # the last is what -1 reads
     place[order] = np.arange(len(order))
     return examples[order], numbers, used, place
+
+
+def _mirror_partners(samples: Floats, most: float) -> Labels:
+    """Return the attractor that is the mirror image of each, up to `most` [rad]; else itself.
+
+    Two such basins are equally large, but for starts whose fate is a matter of rounding.
+    """
+    # Angles and velocities change sign, and two balls change places.
+    parts = samples.reshape(*samples.shape[:2], 2, samples.shape[2] // 2)
+    mirrored = -parts[..., ::-1].reshape(samples.shape)
+    apart = np.array([[_apart(one, other) for other in mirrored] for one in samples])
+    itself = np.arange(len(samples))
+    if not len(samples):
+        return itself
+    nearest = apart.argmin(axis=1)
+    is_mutual = (nearest[nearest] == itself) & (apart.min(axis=1) <= most)
+    return np.where(is_mutual, nearest, itself)
 
 
 def _known_numbers(samples: Floats, known: xr.Dataset) -> tuple[Labels, int]:

@@ -29,13 +29,16 @@ _SHORTEST_PART = 3
 def suggest(name: object, known: list[str]) -> str:
     """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known.
 
-    Suggested is the known name that the fewest slips of the pen lead from, capitals and dashes
-    aside, if they are few for its length; else the only known name that `name` is a part of.
+    Suggested is the only known name that begins with `name`, capitals and dashes aside; else the
+    one that the fewest slips of the pen lead from, if they are few for its length; else the only
+    one that `name` is a part of.
 
     Examples
     --------
     >>> suggest("latlato", ["pendulum", "latolato"])
     "did you mean 'latolato'?"
+    >>> suggest("drive_amp", ["drive_amplitude", "drive_phase"])
+    "did you mean 'drive_amplitude'?"
     >>> suggest("phase", ["drive_amplitude", "drive_phase"])
     "did you mean 'drive_phase'?"
     >>> suggest("drive_times", ["times", "drive_phase"])
@@ -47,12 +50,16 @@ def suggest(name: object, known: list[str]) -> str:
     if within in known:
         return f"did you mean '{within}'?"
     typed = _plain(str(name))
+    is_long = len(typed) >= _SHORTEST_PART
+    longer = [each for each in known if _plain(each).startswith(typed)]
+    if len(longer) == 1 and is_long:
+        return f"did you mean '{longer[0]}'?"
     likeness = {each: _likeness(typed, _plain(each)) for each in known}
     nearest = max(known, key=likeness.__getitem__, default="")
     if known and likeness[nearest] >= _LIKENESS:
         return f"did you mean '{nearest}'?"
     holders = [each for each in known if typed in _plain(each)]
-    if len(holders) == 1 and len(typed) >= _SHORTEST_PART:
+    if len(holders) == 1 and is_long:
         return f"did you mean '{holders[0]}'?"
     return f"known are {', '.join(known)}"
 

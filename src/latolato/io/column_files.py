@@ -136,7 +136,7 @@ def _read_parquet(path: Path) -> tuple[Columns, dict[str, Any]]:
     try:
         table = pyarrow.parquet.read_table(path)
     except pyarrow.ArrowInvalid as error:
-        raise InputError(f"'{path}'is not a Parquet file: {error}") from None
+        raise InputError(f"'{path}' is not a Parquet file: {error}") from None
     attributes = {
         key.decode(): _value(value.decode())
         for key, value in (table.schema.metadata or {}).items()

@@ -197,7 +197,7 @@ def _read(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
             f"'{path}' is a track table, not a run", way_out="see `latolato fit --help`"
         )
     if not {"scenario", "plan", "latolato_version"} & attributes.keys():
-        raise InputError(f"'{path}'is not a run of latolato: its header is missing")
+        raise InputError(f"'{path}' is not a run of latolato: its header is missing")
     typed: Columns = {}
     for head, (values, about) in columns.items():
         name, unit = _name_and_unit(head)
@@ -300,7 +300,7 @@ def _read_netcdf(path: Path) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path, engine="h5netcdf")
     except OSError as error:
-        raise InputError(f"'{path}'is not a NetCDF-4 file: {error}") from None
+        raise InputError(f"'{path}' is not a NetCDF-4 file: {error}") from None
     dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
     return _with_complex(dataset)
 

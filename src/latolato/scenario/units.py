@@ -128,7 +128,7 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         return value
     match = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
     if match is None:
-        raise _refusal(name, value, unit)
+        raise _refusal(name, value, "", unit)
     number, written = float(match["number"]), (match["unit"] or "").strip()
     if written.replace(" ", "*") in ("", unit):
         return number
@@ -149,13 +149,35 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         TypeError,
         ValueError,
     ):
-        raise _refusal(name, value, unit) from None
+        raise _refusal(name, value, written, unit) from None
 
 
-def _refusal(name: str, value: str, unit: str) -> InputError:
-    """Return the error for a text that is no such quantity."""
+def _refusal(name: str, value: str, written: str, unit: str) -> InputError:
+    """Return the error for a text that is no such quantity, with another unit that is meant."""
     rule = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
-    return InputError(f"must be given {rule}", parameter=name, value=value)
+    meant = _in_other_letters(written, unit) if written and unit != "1" else None
+    way_out = None if meant is None else f"did you mean '{meant}'?"
+    return InputError(f"must be given {rule}", parameter=name, value=value, way_out=way_out)
+
+
+def _in_other_letters(written: str, unit: str) -> str | None:
+    """Return the unit that differs in capitals only and converts to `unit`, None if there is none.
+
+    Examples
+    --------
+    >>> _in_other_letters("hz", "rad/s")
+    'Hz'
+    """
+    registry = _registry()
+    target = registry.parse_units(unit)
+    for name in registry._units:
+        for prefix in ("", *filter(None, registry._prefixes)):
+            meant = f"{prefix}{name}"
+            if meant.lower() == written.lower() and registry.parse_units(meant).is_compatible_with(
+                target
+            ):
+                return meant
+    return None
 
 
 def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> Any:

@@ -39,6 +39,7 @@ from latolato.simulation.start import (
     checked_system,
     kicks_of,
     walls_of,
+    warn_of_degrees,
 )
 
 if TYPE_CHECKING:
@@ -191,6 +192,7 @@ def _recorded(
     start = checked_start(
         system, walls, initial_angle, initial_angular_velocity, initial_offset, initial_distance
     )
+    warn_of_degrees("initial_angle", start.angles, stacklevel=3)
     kick_times, kick_sizes = kicks_of(noise, system, end)
 
     if law.fixed_step is not None and law.fixed_step > end:

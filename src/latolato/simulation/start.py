@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -292,6 +293,22 @@ def checked_start(
         on_wall = low if abs(gap - low) <= ON_WALL else high
         return Start((on_wall if abs(gap - on_wall) <= ON_WALL else gap,), velocities)
     return Start((right + shift, left), velocities)
+
+
+def warn_of_degrees(name: str, angles: Iterable[float], stacklevel: int) -> None:
+    """Warn of initial angles beyond a turn that look like degrees.
+
+    Those that a run of a rotating pendulum ended with are beyond a turn too, but never so even.
+    """
+    for angle in angles:
+        if abs(angle) > math.tau and math.fmod(2.0 * angle, 1.0) == 0.0:
+            warnings.warn(
+                f"{name} is in rad, and {angle:g} rad are {abs(angle) / math.tau:.3g} turns: if "
+                f"you meant {angle:g} degrees, give {math.radians(angle):.6g}",
+                RuntimeWarning,
+                stacklevel=stacklevel + 1,
+            )
+            return
 
 
 def kicks_of(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.core.registry import flattened
 from latolato.core.versions import version_of
@@ -177,10 +178,16 @@ class Memory(Results):
     def __init__(self, plan: Plan, rounding: str) -> None:
         super().__init__(plan, rounding)
         lengths = lengths_of(plan)
-        self.arrays = {
-            name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
-            for name, (dims, dtype, fill) in template(plan).items()
-        }
+        try:
+            self.arrays = {
+                name: np.full([lengths[d] for d in dims], fill, dtype=dtype)
+                for name, (dims, dtype, fill) in template(plan).items()
+            }
+        except MemoryError as error:
+            raise InputError(
+                f"the results of {plan.size:,} points do not fit into memory: {error}",
+                way_out="give a store, which is written chunk by chunk, or take fewer points",
+            ) from None
 
     def __enter__(self) -> Memory:
         return self

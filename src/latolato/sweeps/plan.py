@@ -36,6 +36,7 @@ from latolato.simulation.start import (
     checked_numbers,
     checked_offset,
     checked_system,
+    warn_of_degrees,
 )
 from latolato.sweeps.axes import (
     Axis,
@@ -48,6 +49,8 @@ from latolato.sweeps.axes import (
 )
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
+# More points than this are refused: they would take days to compute, and fill a disk.
+_MOST_POINTS = 1_000_000_000
 # Velocity kicks of a chunk's points are in memory at once, in 16 bytes each.
 _KICKS_OF_A_CHUNK = 4_000_000
 
@@ -318,12 +321,30 @@ def make_plan(
         direction=direction,
         chunk_size=1 if chunk_size is None else SWEEP_PARAMETERS["chunk_size"].checked(chunk_size),
     )
+    if plan.size > _MOST_POINTS:
+        numbers = sum(len(o.variables) for o in watched)
+        raise InputError(
+            f"{' x '.join(map(str, plan.shape))} points exceed the limit of {_MOST_POINTS:,}: "
+            f"their results would take {8e-9 * numbers * plan.size:,.0f} GB",
+            way_out="take fewer values along an axis, or split the map",
+        )
     if noise is not None and plan.own_streams and noise.noise_stream + plan.size not in STREAMS:
         raise InputError(
             f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
             "lie in [0, 2^53): begin with a smaller one"
         )
+    for name, values in _start_angles(plan).items():
+        warn_of_degrees(name, values, stacklevel=3)
     return plan if chunk_size is not None else replace(plan, chunk_size=_usual_chunk_size(plan))
+
+
+def _start_angles(plan: Plan) -> dict[str, Iterable[float]]:
+    """Return the initial angles of a sweep by name [rad], fixed ones and those along its axes."""
+    result: dict[str, Iterable[float]] = {name: (value,) for name, value in plan.start}
+    for axis in plan.axes:
+        result |= dict(zip(axis.parameters, axis.values, strict=True))
+    names = ("initial_angle", "initial_angle_right", "initial_angle_left")
+    return {name: result[name] for name in names if name in result}
 
 
 def _usual_chunk_size(plan: Plan) -> int:

@@ -266,7 +266,9 @@ class Store(Results):
     def _with_way_out(self, error: OSError) -> OSError:
         """Return an error of the system with what is kept and the way out."""
         text = error.strerror or str(error)
-        way_out = "finished chunks are kept; once this is fixed, the same sweep resumes from there"
+        way_out = "no chunk was finished; name another path, or make sure that this one is writable"
+        if self._reasons:
+            way_out = "finished chunks are kept; once this is fixed, the same sweep resumes there"
         return OSError(error.errno, f"{text} ({way_out})", str(self.path))
 
 

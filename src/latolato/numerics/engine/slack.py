@@ -46,7 +46,7 @@ def make_slack(
     count: int, part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Return the mode of `count` balls of which at least one has a slack string."""
-    await_slack, stop_at_once, note_tangle = strings[:3]
+    await_slack, stop_at_once, await_tangle = strings[:3]
     follow_image = strings.follow_image
     tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
     slopes, pull, spare_of, gap_of = fall.slopes, fall.pull, apart.spare, apart.gap
@@ -228,6 +228,8 @@ def make_slack(
             THERE / run.bodies[0].coupling
         ):
             run.keeps_touch = 1
+        if count == 2:
+            await_tangle(run)
         sum_up(run)
 
     @part
@@ -267,8 +269,6 @@ def make_slack(
             a1, e1, p1 = slopes(run, i, end)
             look.show(run, eyes, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
         follow_image(run)
-        if count == 2:
-            note_tangle(run)
 
     functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
     return Mode(SLACK, *functions)

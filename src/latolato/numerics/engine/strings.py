@@ -20,6 +20,7 @@ from latolato.numerics.engine.image import Image
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
+    NOTHING,
     RELEASE,
     SETTLE,
     SLACK,
@@ -35,6 +36,9 @@ from latolato.physics.pair import runs_through
 # A tension this small is at the brink; then the motion a little later decides. Shares of the
 # largest tension, and of the step.
 _BRINK, _LITTLE = 1e-11, 1.0 / 64.0
+# Strides in which a step is searched for a taut string in the other ball, and how precisely the
+# time is found at which it gets there, as a share of the step.
+_STRIDES, _SHARP = 8, 1e-12
 # More impacts at one instant than string and ball can need; also the rows that they may fill.
 MOST_AT_ONCE = 6
 # Balls that part more slowly than this at the end of lasting contact press [rad/s^2].
@@ -46,7 +50,7 @@ class Strings(NamedTuple):
 
     await_slack: Callable[..., None]
     stop_at_once: Callable[..., None]
-    note_tangle: Callable[..., None]
+    await_tangle: Callable[..., None]
     loosen: Callable[..., None]
     jolt: Callable[..., None]
     follow_image: Callable[..., None]
@@ -127,18 +131,72 @@ def make_strings(
         balls.fly_by(run, run.length, run.end)
 
     @part
-    def note_tangle(run: Any) -> None:
-        """Note where a taut string runs into the other ball, which is not described."""
-        if run.settings.high == math.inf:  # all passes through all
-            return
+    def place_beside(run: Any, points: Any, i: int) -> tuple[float, float]:
+        """Return how far along a string and beside it the centre of the other ball is [m]."""
+        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].coupling
+        along = (one.x * other.x + one.y * other.y) / length
+        return along, (one.x * other.y - one.y * other.x) / length
+
+    @part
+    def runs_through_ball(run: Any, points: Any) -> bool:
+        """Return whether a taut string runs through the other ball."""
         for i in range(2):
-            one, other = run.end[i], run.end[1 - i]
             if run.state.is_slack[i] == 0:
-                length = 1.0 / run.bodies[i].coupling
-                along = (one.x * other.x + one.y * other.y) / length
-                beside = (one.x * other.y - one.y * other.x) / length
-                if runs_through(length, along, beside, run.settings.radius[1 - i]):
-                    run.state.is_tangled = 1
+                along, beside = place_beside(run, points, i)
+                length, radius = 1.0 / run.bodies[i].coupling, run.settings.radius[1 - i]
+                if runs_through(length, along, beside, radius):
+                    return True
+        return False
+
+    @part
+    def clearance(run: Any, points: Any, i: int) -> tuple[float, float]:
+        """Return how far a taut string is from the other ball [m], and its rate at most [m/s]."""
+        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].coupling
+        along, beside = place_beside(run, points, i)
+        apart = math.hypot(beside, max(-along, along - length, 0.0))
+        speed = abs(one.velocity) * math.hypot(other.x, other.y)
+        return apart - run.settings.radius[1 - i], speed + math.hypot(other.vx, other.vy)
+
+    @part
+    def may_tangle(run: Any) -> bool:
+        """Return whether a taut string may meet the other ball in the step: most are too far.
+
+        The way there and back is not longer than the path, which is taken as twice what the speeds
+        at both ends make it, in case they are larger in between.
+        """
+        for i in range(2):
+            if run.state.is_slack[i] == 0:
+                begin, first = clearance(run, run.now, i)
+                end, last = clearance(run, run.end, i)
+                if begin + end <= (first + last) * run.length:
+                    return True
+        return False
+
+    @part
+    def await_tangle(run: Any) -> None:
+        """End the step where a taut string meets the other ball, which is not described.
+
+        A ball that only brushes the string may be past it at the end of the step, so the step is
+        looked at in strides, and from the first that shows the string in the ball on halved ones.
+        """
+        passes = run.settings.high == math.inf  # all through all
+        if passes or not may_tangle(run):
+            return
+        low, stride, meets = 0.0, run.length / _STRIDES, False
+        least = max(SHORTEST * run.t, _SHARP * run.length)
+        while stride > least and low < run.length - 0.5 * stride:
+            balls.fly_by(run, low + stride, run.inside)
+            if runs_through_ball(run, run.inside):
+                meets = True
+            else:
+                low += stride
+            if meets:
+                stride *= 0.5
+        if not meets:
+            return
+        balls.shorten(run, max(low + 2.0 * stride, SHORTEST * run.t))
+        balls.fly_by(run, run.length, run.end)
+        run.event, run.state.is_tangled = NOTHING, 1
 
     @part
     def write_row(run: Any, output: Output, kind: int, ball: int, before: Any) -> None:
@@ -390,5 +448,5 @@ def make_strings(
         Event(TAUTEN, tauten),
     )  # fmt: skip
     return Strings(
-        await_slack, stop_at_once, note_tangle, loosen, jolt, image.step, image.throw, events
+        await_slack, stop_at_once, await_tangle, loosen, jolt, image.step, image.throw, events
     )

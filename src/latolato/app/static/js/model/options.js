@@ -25,8 +25,7 @@ export function toSi(registry, name, value, unit) {
   if (match && (unitText === "" || unitText.replaceAll(" ", "*") === unit)) return number;
   const [size, powers] = unitOf(registry, unitText) ?? [NaN, {}];
   const [unitSize, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
-  const isSame = Object.keys({ ...powers, ...known }).every((base) => (powers[base] ?? 0) === (known[base] ?? 0));
-  if (!match || !isSame || Number.isNaN(size / unitSize)) throw notInUnits(name, value, unit);
+  if (!match || !areAlike(powers, known) || Number.isNaN(size / unitSize)) throw notInUnits(registry, name, value, unitText, unit);
   return Number.isFinite(number) ? times(match[1], String(size / unitSize)) : number * (size / unitSize);
 }
 
@@ -84,13 +83,40 @@ function unitOf({ units, prefixes }, text) {
 }
 
 /**
+ * @param {Registry} registry
  * @param {string} parameter
  * @param {string} value
+ * @param {string} written the unit in it
  * @param {string} unit
  */
-function notInUnits(parameter, value, unit) {
+function notInUnits(registry, parameter, value, written, unit) {
   const rule = unit === "1" ? "as a plain number" : `in ${unit} (or a unit that converts to it)`;
-  return new InputError(`must be given ${rule}`, { parameter, value });
+  const meant = written && unit !== "1" ? inOtherLetters(registry, written, unit) : undefined;
+  return new InputError(`must be given ${rule}`,
+    { parameter, value, ...(meant ? { wayOut: `did you mean '${meant}'?` } : {}) });
+}
+
+/**
+ * Return the unit that differs in capitals only and converts to `unit`, undefined if there is none.
+ * @param {Registry} registry
+ * @param {string} written
+ * @param {string} unit
+ */
+function inOtherLetters(registry, written, unit) {
+  const [, known] = unitOf(registry, unit) ?? [NaN, {}];
+  return Object.keys(registry.units)
+    .flatMap((name) => ["", ...Object.keys(registry.prefixes)].map((prefix) => prefix + name))
+    .filter((meant) => meant.toLowerCase() === written.toLowerCase())
+    .find((meant) => areAlike(unitOf(registry, meant)?.[1] ?? {}, known));
+}
+
+/**
+ * Return whether two units are of the same powers of SI units, so that one converts to the other.
+ * @param {Record<string, number>} one
+ * @param {Record<string, number>} other
+ */
+function areAlike(one, other) {
+  return Object.keys({ ...one, ...other }).every((base) => (one[base] ?? 0) === (other[base] ?? 0));
 }
 
 /**

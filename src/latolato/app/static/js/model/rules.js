@@ -163,11 +163,14 @@ export function suggest(name, known) {
   if (known.includes(within)) return `did you mean '${within}'?`;
   const plain = (/** @type {string} */ text) => text.toLowerCase().replaceAll("-", "_");
   const typed = plain(name);
+  const isLong = typed.length >= SHORTEST_PART;
+  const longer = known.filter((each) => plain(each).startsWith(typed));
+  if (longer.length === 1 && isLong) return `did you mean '${longer[0]}'?`;
   const likeness = known.map((each) => likenessOf(typed, plain(each)));
   const best = Math.max(...likeness);
   if (best >= LIKENESS) return `did you mean '${known[likeness.indexOf(best)]}'?`;
   const holders = known.filter((each) => plain(each).includes(typed));
-  if (holders.length === 1 && typed.length >= SHORTEST_PART) return `did you mean '${holders[0]}'?`;
+  if (holders.length === 1 && isLong) return `did you mean '${holders[0]}'?`;
   return `known are ${known.join(", ")}`;
 }
 
