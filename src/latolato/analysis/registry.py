@@ -14,12 +14,13 @@ import numpy as np
 from latolato.core.errors import is_quantity
 from latolato.core.parameters import Parameter, function_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import Registry, checked_array, describe, flattened
+from latolato.core.registry import Given, Registry, checked_array, describe, flattened
 from latolato.core.versions import version_of
 from latolato.physics.drives import Drive, Harmonic, drives
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.record import BALL, BALLS
+from latolato.simulation.start import checked_drive, checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,13 +33,13 @@ class Analyses(Registry[Callable[..., Any]]):
     the `Range` of their annotation, values along an axis arrays; words must be among their choices.
     """
 
-    def register(self, name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def register(self, name: str) -> Callable[[Given], Given]:
         """Return a decorator that adds a function under `name`, and returns the checked one."""
         add = super().register(name)
         return lambda function: add(_with_checked_arguments(function))
 
 
-def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
+def _with_checked_arguments(function: Any) -> Any:
     """Return a function that passes checked arguments on; None stays where it is the default."""
     called = signature(function)
 
@@ -73,7 +74,8 @@ def quantity_named(name: str, system: System, drive: Drive | None) -> Quantity:
     from latolato.sweeps.axes import parameters_of
 
     drive = drive or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    known = {each.name: each.quantity for each in parameters_of(system, drive).values()}
+    parameters = parameters_of(checked_system(system), checked_drive(drive))
+    known = {each.name: each.quantity for each in parameters.values()}
     return (QUANTITIES | known).get(name, Quantity("1", "", str(name)))
 
 

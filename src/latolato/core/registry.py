@@ -12,12 +12,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from itertools import pairwise
-from typing import Any, Generic, TypeVar, get_type_hints
+from typing import Any, Generic, TypeVar, cast, get_type_hints
 
 from latolato.core.errors import InputError, is_quantity
 from latolato.core.quantities import ANY, COUNT, Range, in_brackets
 
 Entry = TypeVar("Entry")
+Given = TypeVar("Given")
 Law = TypeVar("Law")
 Number = TypeVar("Number", bound=float)
 
@@ -102,13 +103,13 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         self.kind = kind
         self._entries: dict[str, Entry] = {}
 
-    def register(self, name: str) -> Callable[[Entry], Entry]:
-        """Return a decorator that adds an entry under `name`."""
+    def register(self, name: str) -> Callable[[Given], Given]:
+        """Return a decorator that adds an entry under `name`, and keeps its own type."""
 
-        def add(entry: Entry) -> Entry:
+        def add(entry: Given) -> Given:
             if name in self._entries:
                 raise ValueError(f"{self.kind} '{name}' is registered twice")
-            self._entries[name] = entry
+            self._entries[name] = cast(Entry, entry)
             return named(entry) if isinstance(entry, type) and is_dataclass(entry) else entry
 
         return add
