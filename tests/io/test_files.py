@@ -444,7 +444,7 @@ def sweeps():
         observables=["slack_fraction", "first_slack", "largest_string_impulse", "retension_loss"],
     )
     grid = filled(plan)
-    grid.status[0, 1] = 6  # tangled
+    grid.status[0, 1] = "tangled"
     yield grid
     yield filled(
         make_plan(
