@@ -2,6 +2,7 @@
 
 import inspect
 
+import pint
 import pytest
 
 import latolato as ll
@@ -54,3 +55,19 @@ def test_something_that_is_no_drive_is_a_wrong_type(name, drive):
         settings["initial_angle"] = 0.2
     with pytest.raises(InputError, match="drive must be None or one of"):
         analyses[name](system, drive=drive, **settings)
+
+
+def test_the_public_names_are_listed_and_nothing_else():
+    assert set(dir(ll.analysis)) == {*ll.analysis.__all__, *analyses}
+
+
+def test_an_end_is_in_the_unit_of_the_parameter_that_is_named():
+    unit = pint.UnitRegistry()
+    settings = {"points": 2, "transient_periods": 1, "initial_angle": 20 * unit.deg}
+    ends = {"low": 20 * unit.mm, "high": 2.1 * unit.cm}
+    found = ll.analysis.bifurcation_diagram(
+        TOY, DRIVE, parameter="drive_amplitude", **ends, **settings
+    )
+    assert found.drive_amplitude.values == pytest.approx([0.02, 0.021])
+    with pytest.raises(InputError, match=r"low must be given in rad/s .* got 20 milli"):
+        ll.analysis.bifurcation_diagram(TOY, DRIVE, parameter="drive_frequency", **ends, **settings)

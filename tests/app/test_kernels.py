@@ -11,6 +11,7 @@ import pytest
 import latolato as ll
 from in_node import described_array, read_layout, record_run
 from latolato.app.pages import STATIC
+from latolato.sweeps.statuses import codes_of
 
 RUN = """
 async ({ arrays, how }) => {
@@ -110,7 +111,7 @@ def test_workers_of_a_page_compute_a_map(empty_page):
         "observables": [{"name": "largest_angle"}],
     }  # fmt: skip
     page = empty_page.evaluate(MAP, plan)
-    assert page["status"] == native["status"].values.ravel().tolist()
+    assert page["status"] == codes_of(native["status"]).ravel().tolist()
     np.testing.assert_allclose(
         page["angles"], native["largest_angle"].values.ravel(), rtol=0, atol=1e-10
     )

@@ -273,7 +273,7 @@ def test_a_stored_map_can_be_downloaded(maps, kind, name, tmp_path):
 
 def test_a_file_of_an_unfinished_map_says_so(tmp_path):
     grid = wanted()
-    grid.status[0, :3] = -1
+    grid.status[0, :3] = "missing"
     grid.to_netcdf(tmp_path / "part.nc")
     known = stored.named([tmp_path / "part.nc"])
     request = {"stored": "part.nc"}
@@ -281,7 +281,7 @@ def test_a_file_of_an_unfinished_map_says_so(tmp_path):
     assert about["missing"] == 3
     (tmp_path / "again.nc").write_bytes(content)
     told = ll.load(tmp_path / "again.nc").attrs["unfinished"]
-    assert told == "3 of 12 points are not computed: status is -1 there"
+    assert told == "3 of 12 points are not computed: status is missing there"
     _, svg = made(request | {"kind": "svg"}, tmp_path / "work", known)
     assert b"not computed yet (3)" in svg
     with pytest.raises(InputError, match="3 points are not computed yet"):

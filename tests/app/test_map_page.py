@@ -298,7 +298,7 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     assert waiting.value.suggested_filename == "latolato_map_fig05_push.unfinished.csv"
     waiting.value.save_as(tmp_path / "part.csv")
     part = ll.load(tmp_path / "part.csv")
-    assert int((part.status < 0).sum()) == 10_000 - known
+    assert int((part.status == "missing").sum()) == 10_000 - known
     page.get_by_role("button", name="Go on").click()
     wait_done(page, 2)
     again = page.get_by_text(re.compile(r"^10000 points, \d+ of them new")).inner_text()
@@ -315,7 +315,7 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     waiting.value.save_as(tmp_path / "map.csv")
     whole = ll.load(tmp_path / "map.csv")
     np.testing.assert_array_equal(shown, whole.largest_angle.values)
-    done = part.status.values >= 0
+    done = part.status.values != "missing"
     np.testing.assert_array_equal(part.largest_angle.values[done], shown[done])
 
 
@@ -571,7 +571,7 @@ def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
     made = ll.load_scenario("fig05_push").sweep(
         axes=axes, duration=5.0, store=tmp_path / "own.zarr"
     )
-    made.status[0, 1] = -1
+    made.status[0, 1] = "missing"
     made.to_netcdf(tmp_path / "part.nc")
     files = [f"--open={tmp_path / name}" for name in ("own.zarr", "part.nc")]
     server = start_server(*files)

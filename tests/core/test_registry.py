@@ -3,11 +3,14 @@
 import dataclasses
 import re
 
+import numpy as np
+import pint
 import pytest
+import xarray as xr
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import POSITIVE, UNIT_INTERVAL, Range
-from latolato.core.registry import checked_number, suggest
+from latolato.core.quantities import ANY, POSITIVE, UNIT_INTERVAL, Range
+from latolato.core.registry import checked_array, checked_number, suggest
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
 from latolato.scenario.scenario import scenarios
@@ -73,3 +76,60 @@ def test_a_number_out_of_range_is_refused_with_a_way_out(name, value, allowed, u
 def test_a_pure_number_has_no_unit_in_messages():
     with pytest.raises(InputError, match="restitution must be a number, got 'x'"):
         checked_number("restitution", "x", UNIT_INTERVAL, "1")
+
+
+UNIT = pint.UnitRegistry()
+
+
+@pytest.mark.parametrize(
+    "quantity, unit, number",
+    [
+        (24.5 * UNIT.cm, "m", 0.245),
+        (100 * UNIT.g, "kg", 0.1),
+        (0.5 * UNIT.min, "s", 30.0),
+        (90 * UNIT.deg, "rad", 0.5 * np.pi),
+        (UNIT.Quantity(0.3, ""), "rad", 0.3),
+        (UNIT.Quantity(20, "percent"), "1", 0.2),
+        # To pint a hertz is 1/s and an angle has no dimension.
+        (1.6 * UNIT.kHz, "rad/s", 3200.0 * np.pi),
+        (144 * UNIT.rpm, "rad/s", 4.8 * np.pi),
+        (2.0 / UNIT.s, "1/s", 2.0),
+        (1.0 * UNIT.g * UNIT.cm / UNIT.s, "kg*m/s", 1e-5),
+        (0.1 * UNIT.rad / UNIT.s**1.5, "rad/s^(3/2)", 0.1),
+    ],
+)
+def test_quantities_become_numbers_in_the_unit(quantity, unit, number):
+    assert checked_number("x", quantity, ANY, unit) == pytest.approx(number, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "quantity, unit, text",
+    [
+        (3 * UNIT.s, "m", "must be given in m (or a unit that converts to it), got 3 second"),
+        (2 / UNIT.s, "rad/s", "got 2 / second; give it in rad/s or Hz"),
+        (2 * UNIT.Hz, "1/s", "must be given in 1/s"),
+        (2 * UNIT.deg, "1", "must be given as a plain number, got 2 degree"),
+        (20 * UNIT.deg, "m", "must be given in m"),
+        (UNIT.Quantity(2, ""), "m", "got 2 dimensionless"),
+        ([1, 2] * UNIT.m, "m", "must be a number in m, got [1, 2]"),
+    ],
+)
+def test_quantities_of_another_kind_are_refused(quantity, unit, text):
+    with pytest.raises(InputError, match=re.escape(text)):
+        checked_number("x", quantity, ANY, unit)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        [10, 20] * UNIT.cm,
+        [10 * UNIT.cm, 0.2 * UNIT.m],
+        xr.DataArray([10, 20] * UNIT.cm),
+        xr.DataArray([0.1, 0.2], attrs={"units": "m"}),
+        np.ma.array([0.1, 0.2]),
+        np.array([0.1, 0.2], dtype=object),
+        (each / 10 for each in (1, 2)),
+    ],
+)
+def test_rows_of_numbers_are_taken_in_many_forms(values):
+    assert list(checked_array("x", values, unit="m")) == [0.1, 0.2]

@@ -30,7 +30,7 @@ def grid():
 def holed(grid):
     """The map with one point that met its limit of events and one that was never computed."""
     copy = grid.copy(deep=True)
-    for place, status in (((1, 2), 3), ((2, 0), -1)):
+    for place, status in (((1, 2), "event_limit"), ((2, 0), "missing")):
         copy.mean_energy[place] = np.nan
         copy.status[place] = status
     return copy
@@ -91,7 +91,7 @@ def test_points_without_an_answer_are_grey_and_counted_by_status(holed):
 
 def test_a_value_that_stands_with_a_failed_status_is_not_drawn(grid):
     wrong = grid.copy(deep=True)
-    wrong.status[0, 0] = 4
+    wrong.status[0, 0] = "failed"
     assert np.ma.getmaskarray(cells(ll.plot(wrong)).get_array())[0, 0]
 
 
@@ -239,7 +239,7 @@ def test_maps_of_strings_name_them_their_units_and_what_tangled():
     wanted = ("slack_fraction", "largest_string_impulse")
     grid = sweep(strings, observables=wanted, initial_angle=0.3)
     grid.slack_fraction[0, 0] = np.nan
-    grid.status[0, 0] = 6
+    grid.status[0, 0] = "tangled"
     figure = ll.plot(grid, "slack_fraction")
     assert "latolato on strings" in figure.axes[0].get_title(loc="left")
     assert "$e_s$ = 0.5" in figure.axes[0].get_title(loc="left")

@@ -8,6 +8,7 @@ import pytest
 
 import latolato as ll
 from latolato.numerics.records import CONVERGED, INVALID
+from latolato.sweeps.statuses import codes_of
 
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.1)
 DRIVE = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0, drive_phase=0.2)
@@ -165,7 +166,7 @@ def test_a_point_without_an_answer_hands_on_its_start():
     settings |= {"observables": ["final_angle"], "continuation": "radius"}
     with pytest.warns(RuntimeWarning, match="2 invalid"):
         result = ll.sweep(toy, DRIVE, axes=axes, **settings, direction="down")
-    assert list(result.status) == [CONVERGED, INVALID, INVALID]
+    assert codes_of(result.status).tolist() == [CONVERGED, INVALID, INVALID]
     # nothing has moved before the first good point
     alone = ll.sweep(toy, DRIVE, axes={"radius": [0.05]}, **settings)
     assert float(result.final_angle[0]) == float(alone.final_angle[0])

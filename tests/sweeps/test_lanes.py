@@ -131,4 +131,4 @@ def test_the_cases_bounce_rest_and_whirl():
     assert seen["elastic walls"].top_contacts.max() > 0
     assert seen["free and whirling"].rotations.max() > 3
     assert 0.1 < seen["no rebound"].rest_fraction.max() < 1.0
-    assert (seen["drag and rest"].status == 2).any()
+    assert (seen["drag and rest"].status == "rest").any()

@@ -26,6 +26,7 @@ from latolato.sweeps.differences import differences
 from latolato.sweeps.executors import ROUNDING
 from latolato.sweeps.labels import Memory, lengths_of, template
 from latolato.sweeps.plan import Plan, make_plan
+from latolato.sweeps.statuses import with_words
 from latolato.sweeps.store import Store, store_status, verify_store
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=0.9)
@@ -135,12 +136,13 @@ def test_a_store_opens_as_the_dataset_that_memory_gives(whole):
         memory = ll.sweep(TOY, DRIVE, **SWEEP, executor="reference")
     assert "radius" in memory.attrs["first_invalid"]
     for opened in (
-        xr.open_zarr(whole),
-        xr.open_zarr(whole, chunks=None, consolidated=False),
+        with_words(xr.open_zarr(whole)),
+        with_words(xr.open_zarr(whole, chunks=None, consolidated=False)),
         ll.load(whole),
     ):
+        assert opened.isel(radius=0).status.equals(memory.isel(radius=0).status)
         xr.testing.assert_identical(opened.load(), memory)
-        assert opened.status.dtype == np.int8
+        assert opened.status.dtype == object
         assert {k: type(v) for k, v in opened.attrs.items()} == {
             k: type(v) for k, v in memory.attrs.items()
         }
@@ -688,17 +690,20 @@ def test_the_status_tells_how_far_a_sweep_is(tmp_path):
 
 def test_an_unfinished_store_gives_a_warning_on_loading(tmp_path):
     fill(PLAN, tmp_path / "map.zarr", [0])
-    with pytest.warns(RuntimeWarning, match=r"is unfinished: 2 of 8 points are done, status is -1"):
+    with pytest.warns(RuntimeWarning, match="2 of 8 points are done, status is 'missing'"):
         dataset = ll.load(tmp_path / "map.zarr")
-    assert (dataset.status == -1).sum() == 6
-    assert np.isnan(dataset.largest_angle.values[dataset.status.values == -1]).all()
+    assert (dataset.status == "missing").sum() == 6
+    assert np.isnan(dataset.largest_angle.values[dataset.status.values == "missing"]).all()
 
 
 def test_a_sweep_goes_to_netcdf_and_back(whole, tmp_path):
     path = ll.save(ll.load(whole), tmp_path / "map.nc")
     result, expected = ll.load(path), ll.load(whole).load()
     xr.testing.assert_identical(result.drop_encoding(), expected)
-    assert result.status.dtype == np.int8
+    assert set(result.status.values.ravel()) == {"converged", "invalid"}
+    stored = xr.load_dataset(path, engine="h5netcdf").status  # bytes, with their meanings
+    assert stored.dtype == np.int8
+    assert stored.attrs["flag_meanings"].split()[int(stored[0, 0])] == result.status[0, 0]
     assert plan_from_store(path) == plan_from_store(whole) == PLAN
 
 

@@ -7,8 +7,10 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.sweeps.plan import make_plan
+from latolato.sweeps.statuses import codes_of
 from watched import IN_LANES
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9)
@@ -155,8 +157,11 @@ class TestDataset:
         assert result.length.attrs["units"] == "m"
 
     def test_status_is_explained(self):
-        attrs = self.found().status.attrs
-        assert len(attrs["flag_values"]) == len(attrs["flag_meanings"].split()) == 7
+        status = self.found().status
+        assert (status == "converged").all()
+        assert status.attrs["long_name"] == "status of the point"
+        with pytest.raises(InputError, match=r"must be one of converged, .* got 'fine'"):
+            codes_of(["converged", "fine"])
 
     def test_attributes_hold_every_parameter_that_does_not_vary(self):
         result = self.found(transient=0.1, rest_speed=1e-6)

@@ -97,3 +97,8 @@ __all__ = [
 for _module in pkgutil.iter_modules(__path__):
     importlib.import_module(f"{__name__}.{_module.name}")
 globals().update(analyses)
+
+
+def __dir__() -> list[str]:
+    """Return the public names, those of further analyses among them."""
+    return sorted({*__all__, *analyses})

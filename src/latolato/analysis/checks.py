@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Range
-from latolato.core.registry import checked_number
+from latolato.core.registry import check_increasing, checked_number
 from latolato.observables.period import LONGEST
 from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
-from latolato.physics.drives.base import check_increasing
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_drive, checked_periodic_drive, checked_system
 

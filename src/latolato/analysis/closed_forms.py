@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from latolato.analysis.elliptic import Array, checked_times, undriven_motion
+from latolato.analysis.elliptic import Array, checked_shaped, checked_times, undriven_motion
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE
 from latolato.core.registry import checked_count, checked_number
@@ -296,13 +296,7 @@ def reflected_angle(free_angle: ArrayLike) -> Array:
     >>> print(reflected_angle([-0.5, 4.0]).round(6))
     [0.5      2.283185]
     """
-    free = np.asarray(free_angle, dtype=np.float64)
-    if not np.all(np.isfinite(free)):
-        raise InputError(
-            "must be finite, got nan or inf",
-            parameter="free_angle",
-            way_out="drop such samples first",
-        )
+    free = checked_shaped("free_angle", free_angle, ANY, "rad")
     return np.asarray(np.abs(free - 2.0 * math.pi * np.rint(free / (2.0 * math.pi))))
 
 

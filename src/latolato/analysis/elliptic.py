@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from latolato.core.errors import InputError
-from latolato.core.quantities import ANY
-from latolato.core.registry import checked_number
+from latolato.core.quantities import ANY, Range
+from latolato.core.registry import checked_array, checked_number, in_unit
 from latolato.physics.pendulum import GRAVITY, Pendulum
 
 Array = NDArray[np.float64]
@@ -135,7 +134,8 @@ def _orbit(
 ) -> _Orbit:
     """Return the orbit through a state, checked."""
     # The mass drops out of eq4.
-    w0 = Pendulum(length=length, mass=1.0, gravity=gravity).natural_frequency
+    pendulum = Pendulum(length=length, mass=1.0, gravity=gravity)
+    w0 = pendulum.natural_frequency
     start = checked_number("initial_angle", initial_angle, ANY, "rad")
     velocity = checked_number("initial_angular_velocity", initial_angular_velocity, ANY, "rad/s")
     angle = math.remainder(start, 2.0 * math.pi)
@@ -143,7 +143,7 @@ def _orbit(
     s, c, p = math.sin(0.5 * angle), math.cos(0.5 * angle), abs(velocity) / (2.0 * w0)
     k = math.hypot(s, p)
     direction = math.copysign(1.0, velocity)
-    excess = _excess(angle, velocity, length, gravity)
+    excess = _excess(angle, velocity, pendulum.length, pendulum.gravity)
     if k == 0.0:
         return _Orbit(False, 0.0, 1.0, w0, w0, 0.0, turns, 1.0)
     if excess < 0.0:
@@ -165,7 +165,7 @@ def _excess(angle: float, velocity: float, length: float, gravity: float) -> flo
     The period near the separatrix hangs on this difference of nearly equal numbers.
     """
     with localcontext(prec=60):
-        square = Decimal(velocity) ** 2 * Decimal(float(length)) / (4 * Decimal(float(gravity)))
+        square = Decimal(velocity) ** 2 * Decimal(length) / (4 * Decimal(gravity))
         minus_angle_squared = -(Decimal(angle) ** 2)
         term = total = Decimal(1)
         for n in range(2, 80, 2):  # cos(angle), |angle| <= pi: the last term is below 1e-70
@@ -219,12 +219,12 @@ def _jacobi(u: Array, complement: float) -> tuple[Array, Array, Array, Array]:
 
 
 def checked_times(times: ArrayLike) -> Array:
-    """Return the instants as float64, all finite."""
-    instants = np.asarray(times, dtype=np.float64)
-    if not np.all(np.isfinite(instants)):
-        raise InputError(
-            "must be finite seconds, got nan or inf",
-            parameter="times",
-            way_out="drop such samples first",
-        )
-    return instants
+    """Return the instants [s] as float64, all finite."""
+    return checked_shaped("times", times, ANY, "s")
+
+
+def checked_shaped(name: str, values: ArrayLike, allowed: Range, unit: str) -> Array:
+    """Return checked numbers in the shape in which they are given."""
+    given = in_unit(name, values, unit)
+    given = given if hasattr(given, "dtype") else np.array(given, dtype=object)
+    return np.array(checked_array(name, given.ravel(), allowed, 0, unit=unit)).reshape(given.shape)

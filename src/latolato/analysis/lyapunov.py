@@ -11,7 +11,6 @@ import numpy as np
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.core.quantities import NON_NEGATIVE, Quantity
-from latolato.numerics.records import STATUS_NAMES
 from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -108,7 +107,7 @@ def lyapunov_spectrum(
     ).isel(case=0)
     exponents = grid.lyapunov_exponents.values
     residual = float(grid.sum_rule_residual)
-    status = STATUS_NAMES[int(grid.status)]
+    status = str(grid.status.item())
     total = float(np.sum(exponents))
     if np.all(np.isfinite(exponents)):
         # Neighbours on tori part linearly in time, and the vectors turn: ln(t)/t and 1/t.

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from latolato.analysis.elliptic import checked_shaped
 from latolato.analysis.hill import (
     LARGEST_CHARACTERISTIC_ROOT,
     LARGEST_MATHIEU_Q,
@@ -130,13 +131,10 @@ def mathieu_growth_rate(
     0.12505
     """
     system, zeta = _checked_system(length, mass, damping, gravity)
-    amplitude = np.asarray(drive_amplitude, dtype=np.float64)
-    frequency = np.asarray(drive_frequency, dtype=np.float64)
-    for value in amplitude.flat:
-        checked_number("drive_amplitude", value, NON_NEGATIVE, "m")
-    for value in frequency.flat:
-        checked_number("drive_frequency", value, POSITIVE, "rad/s")
-    amplitude, frequency = np.broadcast_arrays(amplitude, frequency)
+    amplitude, frequency = np.broadcast_arrays(
+        checked_shaped("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m"),
+        checked_shaped("drive_frequency", drive_frequency, POSITIVE, "rad/s"),
+    )
     w0 = system.natural_frequency
     a = np.asarray(4.0 * (1.0 - zeta**2) * (w0 / frequency) ** 2)
     q = np.asarray(2.0 * amplitude / system.length)
@@ -197,7 +195,7 @@ def mathieu_tongue_edges(
     order = checked_count("order", order, Range(1, LARGEST_CHARACTERISTIC_ROOT / 2))
     if zeta >= 1.0:
         raise InputError(
-            f"must be below 2 m l w0 for a tongue to exist, got {damping:g} "
+            f"must be below 2 m l w0 for a tongue to exist, got {system.damping:g} "
             f"({zeta:.3g} times that)",
             parameter="damping",
             way_out="use mathieu_growth_rate for overdamped cases",
@@ -276,7 +274,7 @@ def mathieu_threshold_amplitude(
     11.39 mm
     """
     system, zeta = _checked_system(length, mass, damping, gravity)
-    checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
+    frequency_ratio = checked_number("frequency_ratio", frequency_ratio, POSITIVE, "1")
     largest_q = 2.0 * checked_number(
         "largest_amplitude_ratio", largest_amplitude_ratio, POSITIVE, "1"
     )

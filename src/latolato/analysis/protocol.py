@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
-from latolato.core.registry import check_fields, checked_number
+from latolato.core.registry import check_fields, checked_array
 from latolato.physics.drives import FrequencySchedule
 
 if TYPE_CHECKING:
@@ -50,14 +50,10 @@ class Protocol:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        stages = tuple(
-            checked_number(f"drive_frequencies[{i}]", w, POSITIVE, "rad/s")
-            for i, w in enumerate(self.drive_frequencies)
-        )
-        dwells = tuple(
-            checked_number(f"dwells[{i}]", t, POSITIVE, "s") for i, t in enumerate(self.dwells)
-        )
-        if not stages or len(dwells) != len(stages) - 1:
+        frequencies, dwells = self.drive_frequencies, self.dwells
+        stages = tuple(checked_array("drive_frequencies", frequencies, POSITIVE, unit="rad/s"))
+        dwells = tuple(checked_array("dwells", dwells, POSITIVE, at_least=0, unit="s"))
+        if len(dwells) != len(stages) - 1:
             raise InputError(
                 f"must be one fewer than the {len(stages)} drive_frequencies",
                 parameter="dwells",

@@ -16,10 +16,10 @@ from latolato.analysis.starts import hanging_angles, start_columns
 from latolato.analysis.stroboscopic import octaves, run_samples
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import POSITIVE, QUANTITIES, Quantity, Range
-from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -215,7 +215,7 @@ class _Trials(NamedTuple):
             )
             reached = np.asarray(grid["largest_angle_watched"].values).reshape(len(part), -1)
             beyond = (reached - np.abs(rest)).max(axis=1)
-            result[part] = np.where(grid["status"].values >= EVENT_LIMIT, math.nan, beyond)
+            result[part] = np.where(has_answer(grid["status"]), beyond, math.nan)
         return result.reshape(pushes.shape)
 
     def starts(self, rest: Floats, sizes: Floats) -> dict[str, Floats]:

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache, wraps
 from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.errors import is_quantity
 from latolato.core.parameters import Parameter, function_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
-from latolato.core.registry import Registry, describe, flattened
+from latolato.core.registry import Given, Registry, checked_array, describe, flattened
 from latolato.core.versions import version_of
-from latolato.physics.drives import drives
-from latolato.physics.drives.base import checked_array
-from latolato.physics.pendulum import systems
+from latolato.physics.drives import Drive, Harmonic, drives
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.parameters import RUN_PARAMETERS
 from latolato.simulation.record import BALL, BALLS
+from latolato.simulation.start import checked_drive, checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,13 +33,13 @@ class Analyses(Registry[Callable[..., Any]]):
     the `Range` of their annotation, values along an axis arrays; words must be among their choices.
     """
 
-    def register(self, name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def register(self, name: str) -> Callable[[Given], Given]:
         """Return a decorator that adds a function under `name`, and returns the checked one."""
         add = super().register(name)
         return lambda function: add(_with_checked_arguments(function))
 
 
-def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
+def _with_checked_arguments(function: Any) -> Any:
     """Return a function that passes checked arguments on; None stays where it is the default."""
     called = signature(function)
 
@@ -56,6 +58,10 @@ def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
         bound.apply_defaults()
         for name, parameter in known().items():
             value = bound.arguments[name]
+            if parameter.unit_of and is_quantity(value):
+                system, drive = bound.arguments["system"], bound.arguments["drive"]
+                quantity = quantity_named(bound.arguments[parameter.unit_of], system, drive)
+                parameter = replace(parameter, quantity=quantity)
             if value is not None or called.parameters[name].default is not None:
                 bound.arguments[name] = _checked(parameter, value)
         return function(*bound.args, **bound.kwargs)
@@ -63,12 +69,23 @@ def _with_checked_arguments(function: Callable[..., Any]) -> Callable[..., Any]:
     return checked
 
 
+def quantity_named(name: str, system: System, drive: Drive | None) -> Quantity:
+    """Return the quantity of a parameter of a system or a drive, a plain number if unknown."""
+    from latolato.sweeps.axes import parameters_of
+
+    drive = drive or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    parameters = parameters_of(checked_system(system), checked_drive(drive))
+    known = {each.name: each.quantity for each in parameters.values()}
+    return (QUANTITIES | known).get(name, Quantity("1", "", str(name)))
+
+
 def _checked(parameter: Parameter, value: Any) -> Any:
     """Return a checked argument; one number is an axis of one value."""
     if not parameter.several:
         return parameter.checked(value)
-    several = value if np.ndim(value) else [value]
-    return np.array(checked_array(parameter.name, several, parameter.allowed, unit=parameter.unit))
+    if not np.ndim(value):
+        return np.array([parameter.checked(value)])
+    return np.array(checked_array(parameter.name, value, parameter.allowed, unit=parameter.unit))
 
 
 analyses = Analyses("analysis")

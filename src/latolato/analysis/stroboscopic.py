@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
-from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables.period import (
     LONGEST,
     PERIODICITY,
@@ -24,6 +23,7 @@ from latolato.observables.strings import SlackFraction
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import LatoLato, System
 from latolato.sweeps import sweep
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -201,9 +201,9 @@ def motion_of(
     and hops straight up and down has the status "slackens" instead of "rest".
     """
     two = system.angles == 2
-    codes = np.asarray(grid["status"].values).ravel()
-    failed = codes >= EVENT_LIMIT
-    count = len(codes)
+    words = grid["status"].values.ravel()
+    failed = ~has_answer(words)
+    count = len(words)
     each = np.broadcast_to(np.asarray(frequency, dtype=np.float64).ravel(), (count,))
 
     def of(name: str) -> Floats:
@@ -262,9 +262,7 @@ def motion_of(
     if "slack_fraction" in grid:  # a ball that hops straight up and down, which angles do not show
         hops = (status == PERIODICITY[0]) & (either("slack_fraction") > 0.0)
         status[hops], period[hops], rotation[hops] = "slackens", math.nan, math.nan
-    for number, name in enumerate(STATUS_NAMES):
-        if number >= EVENT_LIMIT:
-            status[failed & (codes == number)] = name
+    status[failed] = words[failed]
     return {
         "response_period": period,
         "rotation_number": rotation,

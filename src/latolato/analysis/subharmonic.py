@@ -15,13 +15,13 @@ from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, Quantity, Range
-from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
 from latolato.physics.noise import STREAMS, VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -299,7 +299,7 @@ def time_crystal(
         shape = (len(amplitudes), trajectories, periods)
         angles = grid.section_angle.values.reshape(shape)
         velocities = grid.section_angular_velocity.values.reshape(shape)
-        valid = (grid.status.values < EVENT_LIMIT).reshape(shape[:2])
+        valid = has_answer(grid.status).reshape(shape[:2])
         first = transient_periods + 1
         result.append(
             [

@@ -12,12 +12,12 @@ from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE
-from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.deviations import TransverseExponent
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -136,8 +136,7 @@ def pair_symmetry(
     growth = rate * (duration - transient)
     status = np.where(growth > np.log(_FACTOR), "broken", "undecided")
     status = np.where(growth < -np.log(_FACTOR), "valid", status)
-    names = np.array(STATUS_NAMES)[grid.status.values]
-    status = np.where(grid.status.values >= EVENT_LIMIT, names, status)
+    status = np.where(has_answer(grid.status), status, grid.status.values.astype(str))
     dims = tuple(varied)
     return labelled(
         "pair_symmetry",

@@ -12,13 +12,13 @@ from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.starts import start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
-from latolato.numerics.records import EVENT_LIMIT
 from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
 from latolato.physics.noise import STREAMS, VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_system
 from latolato.sweeps import sweep
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -195,7 +195,7 @@ def first_passage_time(
         raise InputError(
             f"the start must lie below threshold_angle {threshold_angle:g} rad; give a larger one"
         )
-    known = grid.status.values < EVENT_LIMIT
+    known = has_answer(grid.status)
     result = _statistics(times[known], duration)
     if result["status"] == NONE:
         warn(

@@ -77,8 +77,11 @@ class InputError(ValueError):
         if self.has_value:
             # Arrays and numbers of numpy as Python's own.
             value = _plain(self.value)
-            is_float = isinstance(value, float)
-            text += f", got {value:.9g}" if is_float else f", got {value!r:.{_LONGEST}}"
+            if isinstance(value, float):
+                shown = f"{value:.9g}"
+            else:
+                shown = str(value) if is_quantity(value) else repr(value)
+            text += f", got {shown:.{_LONGEST}}"
         if self.way_out is not None:
             text += f"; {self.way_out}"
         if self.where:
@@ -107,7 +110,14 @@ def _plain(value: Any) -> Any:
     """Return a value, and those in a tuple or list, without numpy's types."""
     if type(value) in (tuple, list):
         return type(value)(map(_plain, value))
+    if is_quantity(value):  # has a `tolist` that fails
+        return value
     return getattr(value, "tolist", lambda: value)()
+
+
+def is_quantity(value: Any) -> bool:
+    """Return whether a value is a quantity of pint, which need not be imported for it."""
+    return all(hasattr(type(value), name) for name in ("magnitude", "units", "to_root_units"))
 
 
 @contextmanager

@@ -9,7 +9,13 @@ from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from latolato.core.quantities import ANY, COUNT, QUANTITIES, Limit, Quantity, Range
-from latolato.core.registry import checked_choice, checked_count, checked_number, types_of
+from latolato.core.registry import (
+    checked_array,
+    checked_choice,
+    checked_count,
+    checked_number,
+    types_of,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +111,14 @@ class Parameter:
         if self.kind is int:
             return checked_count(self.name, value, self.allowed)
         return checked_number(self.name, value, self.allowed, self.unit)
+
+    def checked_row(self, values: Any) -> tuple[float, ...]:
+        """Return the numbers of an axis as floats, or raise an `InputError`."""
+        numbers = tuple(checked_array(self.name, values, self.allowed, unit=self.unit))
+        if self.kind is int:
+            for number in numbers:
+                checked_count(self.name, number, self.allowed)
+        return numbers
 
 
 def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:

@@ -7,15 +7,18 @@ scenario files, forms and tables are generated from the registries.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from array import array
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
-from typing import Any, Generic, TypeVar, get_type_hints
+from itertools import pairwise
+from typing import Any, Generic, TypeVar, cast, get_type_hints
 
-from latolato.core.errors import InputError
-from latolato.core.quantities import COUNT, Range, in_brackets
+from latolato.core.errors import InputError, is_quantity
+from latolato.core.quantities import ANY, COUNT, Range, in_brackets
 
 Entry = TypeVar("Entry")
+Given = TypeVar("Given")
 Law = TypeVar("Law")
 Number = TypeVar("Number", bound=float)
 
@@ -24,6 +27,8 @@ Number = TypeVar("Number", bound=float)
 _LIKENESS = 0.55
 # Shorter parts of a name occur in too many others.
 _SHORTEST_PART = 3
+# Kinds of NumPy's types that hold real numbers, or any objects, each of which is checked.
+_REAL = "fiuO"
 
 
 def suggest(name: object, known: list[str]) -> str:
@@ -105,13 +110,13 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         self.kind = kind
         self._entries: dict[str, Entry] = {}
 
-    def register(self, name: str) -> Callable[[Entry], Entry]:
-        """Return a decorator that adds an entry under `name`."""
+    def register(self, name: str) -> Callable[[Given], Given]:
+        """Return a decorator that adds an entry under `name`, and keeps its own type."""
 
-        def add(entry: Entry) -> Entry:
+        def add(entry: Given) -> Given:
             if name in self._entries:
                 raise ValueError(f"{self.kind} '{name}' is registered twice")
-            self._entries[name] = entry
+            self._entries[name] = cast(Entry, entry)
             return named(entry) if isinstance(entry, type) and is_dataclass(entry) else entry
 
         return add
@@ -143,17 +148,76 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
         return {"kind": self.name_of(law), **describe(law)}
 
 
+def in_unit(name: str, value: Any, unit: str) -> Any:
+    """Return what stands for a number, or several, in an SI unit.
+
+    A quantity of pint, which is known by its methods, is converted and returned as its number or
+    array; an xarray variable, a column of pandas and the like as their NumPy array. Anything else
+    is returned as it is.
+
+    Raises
+    ------
+    InputError
+        If the unit of `value` does not convert to `unit`.
+
+    Notes
+    -----
+    To pint an angle has no dimension, so it would take 1 Hz for 1 rad/s. Here a hertz is one turn
+    per second, and the powers of the radian must agree. Only for an angle itself may the radian be
+    missing, as in the ratio of an arc and its radius.
+    """
+    if hasattr(value, "to_numpy") and is_quantity(getattr(value, "data", None)):
+        value = value.data  # of an xarray variable, whose `to_numpy` would drop the unit
+    if is_quantity(value):
+        try:
+            wanted = type(value)(1.0, "" if unit == "1" else unit)
+            given, needed = (
+                dict(value.to_root_units().unit_items()),
+                dict(wanted.to_root_units().unit_items()),
+            )
+            turns = sum(power for each, power in value.unit_items() if each.endswith("hertz"))
+            angle = given.pop("radian", 0) + turns
+            is_bare = angle == 0 and not given and unit == "rad"
+            if angle == needed.pop("radian", 0) or is_bare:
+                number = value.to(wanted.units).magnitude
+                return number * math.tau**turns if turns else number
+        # Those of pint: of another dimension, of an offset unit, of a unit that it does not know.
+        except (ArithmeticError, AttributeError, TypeError, ValueError):
+            pass
+        raise InputError(
+            f"must be given {_in(unit)}",
+            parameter=name,
+            value=value,
+            way_out="give it in rad/s or Hz" if unit == "rad/s" else None,
+        )
+    stated = getattr(value, "attrs", {}).get("units", unit)
+    if isinstance(stated, str) and stated not in (unit, ""):
+        raise InputError(
+            f"must be in {unit}, but its attribute units is '{stated}'",
+            parameter=name,
+            way_out="convert the values and correct the attribute",
+        )
+    return value.to_numpy() if hasattr(value, "to_numpy") else value
+
+
+def _in(unit: str) -> str:
+    """Return how a quantity must be given."""
+    return "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
+
+
 def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
-    """Return `value` as a float, or raise with the value, the rule and a way out.
+    """Return `value` as a float in its unit, or raise with the value, the rule and a way out.
 
     Raises
     ------
     InputError
         If `value` is no real number, NaN, infinite, outside `allowed` or of a size that cannot be
-        computed with.
+        computed with, or if it has a unit that does not convert.
     """
     kind = "a number" if unit == "1" else f"a number in {unit}"
-    if isinstance(value, (str, bytes, bool)) or value is None:
+    value = in_unit(name, value, unit)
+    is_odd = getattr(getattr(value, "dtype", None), "kind", "f") not in _REAL
+    if is_odd or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
         raise InputError(f"must be {kind}", parameter=name, value=value)
     try:
         number = float(value)
@@ -166,6 +230,65 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     if not math.isfinite(number):
         raise InputError("must be finite", parameter=name, value=number, way_out=f"give {kind}")
     return _within(name, number, allowed, unit)
+
+
+def checked_array(
+    name: str, values: Any, allowed: Range = ANY, at_least: int = 1, *, unit: str
+) -> array[float]:
+    """Return several numbers as floats in their unit; each is checked as `checked_number` does.
+
+    Parameters
+    ----------
+    values : iterable
+        A list, a range, a one-dimensional array, a quantity of pint.
+    at_least : int
+        How many numbers are needed.
+
+    Raises
+    ------
+    InputError
+        If `values` is no row of numbers or is too short, or for the first number that is refused,
+        which is named ``name[i]``.
+    """
+    values = in_unit(name, values, unit)
+    shape, dtype = getattr(values, "shape", None), getattr(values, "dtype", None)
+    no_row = isinstance(values, (str, bytes, bytearray, Mapping, Set)) or shape == ()
+    if no_row or not hasattr(values, "__iter__"):
+        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
+    if shape is not None and len(shape) != 1:
+        raise InputError(f"must be one-dimensional, got shape {tuple(shape)}", parameter=name)
+    kind = getattr(dtype, "kind", "O")
+    if kind not in _REAL:
+        raise InputError(
+            f"must be a sequence of numbers in {unit}, got values of type {dtype}",
+            parameter=name,
+            way_out="divide them by np.timedelta64(1, 's')" if (kind, unit) == ("m", "s") else None,
+        )
+    if kind != "O":
+        values = values.astype("f8").tolist()  # what a mask hides becomes None
+    numbers = list(values)
+    if len(numbers) < at_least:
+        raise InputError(
+            f"must hold at least {at_least} values, got {len(numbers)}", parameter=name
+        )
+    if set(map(type, numbers)) == {float} and all(map(math.isfinite, numbers)):
+        ends = min(numbers), max(numbers)
+        if all(limit.holds(end) for limit in allowed.limits(unit) for end in ends):
+            return array("d", numbers)
+    return array(
+        "d", (checked_number(f"{name}[{i}]", each, allowed, unit) for i, each in enumerate(numbers))
+    )
+
+
+def check_increasing(name: str, values: Sequence[float]) -> None:
+    """Raise InputError unless each value is larger than the one before."""
+    for i, (a, b) in enumerate(pairwise(values)):
+        if not b > a:
+            raise InputError(
+                f"must increase strictly, got {b:g} after {a:g} at position {i + 1}",
+                parameter=name,
+                way_out="sort them and remove repeats",
+            )
 
 
 def checked_count(name: str, value: Any, allowed: Range = COUNT) -> int:

@@ -13,8 +13,8 @@ from latolato.figures import overlays, style
 from latolato.figures import paper_systems as paper
 from latolato.figures.cases import Floats, variable
 from latolato.figures.sides import Side
-from latolato.numerics.records import EVENT_LIMIT
 from latolato.physics.pendulum import LatoLato, OneBall, Pendulum
+from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -137,7 +137,7 @@ def gather(
         "points": ("points of the sweep", [g.status.size for g in everything.values()]),
         "unanswered": (
             "points without an answer",
-            [int((g.status >= EVENT_LIMIT).sum()) for g in everything.values()],
+            [int((~has_answer(g.status)).sum()) for g in everything.values()],
         ),
     }
     for name, (meaning, numbers) in counts.items():

@@ -17,6 +17,7 @@ from latolato.figures import overlays as marks
 from latolato.figures.map_title import in_words, plain_text, title_of
 from latolato.figures.sides import Side, side_of, values_along
 from latolato.numerics.records import EVENT_LIMIT, STATUS_NAMES
+from latolato.sweeps.statuses import codes_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -189,12 +190,13 @@ class Drawing:
         data = grid[self.name].transpose(*rest)
         self.grid, self.data, self.log = grid, data, log
         self.title = title_of(grid, selection, self.name)
-        self.values = np.array(data.values, dtype=np.float64)
         status = grid.get("status")
         if status is not None and set(status.dims) <= set(data.dims):
-            self.status = status.broadcast_like(data).transpose(*data.dims).values
+            self.status = codes_of(status.broadcast_like(data).transpose(*data.dims))
         else:
             self.status = np.zeros(data.shape, dtype=np.int8)
+        shown = self.status if self.name == "status" else data.values
+        self.values = np.array(shown, dtype=np.float64)
         self.classes = CLASSES.get(self.name, {})
         if self.name == "status":
             self.values[self.status < 0] = np.nan

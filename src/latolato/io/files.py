@@ -267,8 +267,10 @@ def _netcdf(dataset: xr.Dataset | Record) -> bytes:
     """Return everything as NetCDF-4, made in memory: HDF5 crashes when a disk is full."""
     if isinstance(dataset, Record):
         return _netcdf_of(dataset)
+    from latolato.sweeps.statuses import with_codes
+
     # Chunks and codecs of a store would be meant for Zarr.
-    plain = without_complex(dataset.drop_encoding())
+    plain = with_codes(without_complex(dataset.drop_encoding()))
     return bytes(plain.to_netcdf(engine="h5netcdf"))
 
 
@@ -297,12 +299,14 @@ def _read_netcdf(path: Path) -> xr.Dataset:
     """Return the dataset with attributes as plain Python values."""
     import xarray as xr
 
+    from latolato.sweeps.statuses import with_words
+
     try:
         dataset = xr.load_dataset(path, engine="h5netcdf")
     except OSError as error:
         raise InputError(f"'{path}' is not a NetCDF-4 file: {error}") from None
     dataset.attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in dataset.attrs.items()}
-    return _with_complex(dataset)
+    return with_words(_with_complex(dataset))
 
 
 def without_complex(dataset: xr.Dataset) -> xr.Dataset:
@@ -404,6 +408,6 @@ def _base(name: str) -> str:
 
 def _kind(name: str) -> type:
     """Return the type of a column's values."""
-    if name in ("contact_kind", "direction"):
+    if name in ("contact_kind", "direction", "status"):
         return str
     return np.int8 if _base(name) in ("slack", "contact_ball") else float

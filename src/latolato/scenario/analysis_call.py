@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import QUANTITIES, in_brackets
+from latolato.core.quantities import in_brackets
 from latolato.scenario.analysis_options import read_value
 
 if TYPE_CHECKING:
@@ -123,14 +123,10 @@ class AnalysisCall:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
         if not option.unit_of:
             return option.unit
-        from latolato.physics.drives import Harmonic
-        from latolato.sweeps.axes import parameters_of
+        from latolato.analysis.registry import quantity_named
 
-        drive = _moving(scenario) or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-        known = {n: p.quantity for n, p in parameters_of(scenario.system, drive).items()}
-        known = QUANTITIES | known
         name = values.get(option.unit_of) or self.own[option.unit_of].default
-        return known[name].unit if name in known else "1"
+        return quantity_named(name, scenario.system, _moving(scenario)).unit
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.registry import check_increasing, checked_array
 from latolato.numerics import records
 from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
@@ -339,30 +340,11 @@ def _checked_times(
             )
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
-    try:
-        instants = np.ascontiguousarray(times, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(
-            "must be a sequence of numbers in s", parameter="times", value=times
-        ) from None
-    if instants.ndim != 1 or instants.size == 0:
-        raise InputError(
-            f"must be a non-empty sequence, got shape {instants.shape}", parameter="times"
-        )
-    if not np.all(np.isfinite(instants)):
-        bad = int(np.argmin(np.isfinite(instants)))
-        raise InputError(
-            f"must be finite, got {instants[bad]} at position {bad}", parameter="times"
-        )
-    falls = np.flatnonzero(np.diff(instants) <= 0.0)
-    if falls.size:
-        i = int(falls[0])
-        raise InputError(
-            f"must increase strictly, got {instants[i + 1]:g} after {instants[i]:g} at "
-            f"position {i + 1}",
-            parameter="times",
-            way_out="sort them and remove repeats",
-        )
+    parameter = RUN_PARAMETERS["times"]
+    numbers = checked_array("times", times, parameter.allowed, unit=parameter.unit)
+    instants = np.array(numbers)
+    if np.any(np.diff(instants) <= 0.0):
+        check_increasing("times", numbers)
     if duration is None and instants[-1] <= 0.0:
         raise InputError(
             f"must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last",

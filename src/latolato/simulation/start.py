@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_array, checked_number, in_unit
 from latolato.numerics.integrate import Floats, Start
 from latolato.numerics.prepare import ON_WALL
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
@@ -130,19 +130,20 @@ def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) 
 def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> tuple[float, ...]:
     """Return one or two checked numbers of a start."""
     unit = QUANTITIES[name].unit
+    value = in_unit(name, value, unit)
     if count == 1:
-        if isinstance(value, (list, tuple, np.ndarray)) and np.ndim(value) > 0:
+        if np.ndim(value) > 0:
             raise InputError(
                 f"must be one number in {unit} for one angle", parameter=name, value=value
             )
         return (checked_number(name, value, allowed, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
-    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
+    if isinstance(value, str) or np.ndim(value) != 1 or len(value) != 2:
         raise InputError(
             "of a BallPair must be two numbers (right, left)", parameter=name, value=value
         )
-    return tuple(checked_number(f"{name}[{i}]", v, allowed, unit) for i, v in enumerate(value))
+    return tuple(checked_array(name, value, allowed, unit=unit))
 
 
 def checked_offset(system: System, angle: Any, offset: Any) -> float:
@@ -264,7 +265,7 @@ def checked_start(
         (value,) = checked_numbers("initial_angle", angle, 1)
         what, gap = "{parameter}", value
     else:
-        if np.isscalar(angle):
+        if np.ndim(angle) == 0:  # not even 0: the balls would overlap
             raise InputError(
                 "of a BallPair must be two numbers (right, left)",
                 parameter="initial_angle",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -74,14 +75,14 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
 
     from latolato.numerics.records import STATUS_NAMES
 
-    counts = np.zeros(len(STATUS_NAMES), dtype=np.int64)
+    counts: Counter[str] = Counter()
     ranges: dict[str, list[float]] = {}
     for number in range(plan.chunks):
         block = plan.block(number)
         for name in grid.data_vars:
             values = grid[name][block].values
             if name == "status":
-                counts += np.bincount(values[values >= 0].ravel(), minlength=len(counts))
+                counts.update(values.ravel().tolist())
             elif np.isfinite(values).any():
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 old = ranges.get(str(name), [low, high])
@@ -92,7 +93,7 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
         "duration": plan.duration,
         "axes": {axis.name: len(axis) for axis in plan.axes},
         "points": plan.size,
-        "status": {n: int(c) for n, c in zip(STATUS_NAMES, counts, strict=True) if c},
+        "status": {name: counts[name] for name in STATUS_NAMES if counts[name]},
         "first_invalid": grid.attrs.get("first_invalid", ""),
         "ranges": {
             str(name): [plain(end) for end in ranges.get(str(name), [None, None])]

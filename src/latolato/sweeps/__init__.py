@@ -102,9 +102,10 @@ def sweep(
     -------
     xarray.Dataset
         The observables' variables over the axes (also on ``ball`` for a `BallPair`, on ``sample``
-        where an observable gives several numbers), and `status`. Where it is ``event_limit``,
-        ``failed`` or ``invalid`` everything else is NaN; elsewhere NaN stands for what
-        does not exist, such as a mean impact speed without impacts.
+        where an observable gives several numbers), and `status`, a word: ``converged``,
+        ``grazing`` or ``rest``; where it is ``event_limit``, ``failed``, ``invalid`` or ``tangled``
+        everything else is NaN. Elsewhere NaN stands for what does not exist, such as a mean impact
+        speed without impacts.
 
     Raises
     ------

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
@@ -159,19 +157,7 @@ def _checked_values(name: str, values: Any, known: Mapping[str, Parameter]) -> t
     """Return the values of one parameter along an axis."""
     if name not in known:
         raise unknown_parameter(name, known)
-    parameter = known[name]
-    unit = parameter.unit
-    single = isinstance(values, np.ndarray) and values.ndim == 0
-    if isinstance(values, (str, bytes)) or single or not isinstance(values, Iterable):
-        raise InputError(
-            f"axis {{parameter}} must hold numbers in {unit}", parameter=name, value=values
-        )
-    values = values.tolist() if isinstance(values, np.ndarray) else list(values)
-    if not values:
-        raise InputError(f"axis {name} has no values: a sweep needs at least one point")
-    if isinstance(values[0], list):
-        raise InputError(f"axis {name} must be one-dimensional, got shape {np.shape(values)}")
-    return tuple(float(parameter.checked(value)) for value in values)
+    return known[name].checked_row(values)
 
 
 def _check_conflicts(axes: list[Axis]) -> None:

@@ -20,6 +20,7 @@ from latolato.simulation.record import BALL, BALLS
 from latolato.sweeps.axes import DERIVED, parameters_of
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.plan import Plan
+from latolato.sweeps.statuses import FLAGS, with_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,8 +78,7 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
     result["direction"] = Quantity("1", "", "way along the continuation").attributes
     result[STATUS] = {
         **Quantity("1", "", "status of the point").attributes,
-        "flag_values": list(range(len(STATUS_NAMES))),
-        "flag_meanings": " ".join(STATUS_NAMES),
+        **FLAGS,
     }
     return result
 
@@ -215,4 +215,4 @@ class Memory(Results):
         )
         if self._reason:
             dataset.attrs["first_invalid"] = self._reason
-        return dataset
+        return with_words(dataset)

@@ -10,6 +10,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.simulation.record import BALLS
+from latolato.sweeps.chunk import STATUS
 from latolato.sweeps.labels import (
     attributes_of_variables,
     coordinates_of,
@@ -17,6 +18,7 @@ from latolato.sweeps.labels import (
     template,
 )
 from latolato.sweeps.plan import Plan
+from latolato.sweeps.statuses import codes_of, with_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,9 +98,11 @@ def from_table(columns: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any
         if not set(names) <= columns.keys():
             continue
         values = np.stack([columns[each] for each in names], axis=-1)
+        if name == STATUS:
+            values = codes_of(values)
         if len(values) != plan.size:
             raise InputError(f"this table has {len(values)} rows, its sweep {plan.size} points")
         shape = [lengths[dim] for dim in dims]
         variables[name] = (dims, values.reshape(shape).astype(dtype), about[name])
     coords = {name: (*entry, about.get(name, {})) for name, entry in coordinates.items()}
-    return xr.Dataset(variables, coords=coords, attrs=dict(attributes))
+    return with_words(xr.Dataset(variables, coords=coords, attrs=dict(attributes)))

@@ -50,6 +50,7 @@ from latolato.sweeps.layout import (
     with_reason,
 )
 from latolato.sweeps.plan import Plan
+from latolato.sweeps.statuses import with_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -278,7 +279,7 @@ def open_store(path: str | Path) -> xr.Dataset:
     Warns
     -----
     RuntimeWarning
-        If the sweep is unfinished; `status` is -1 where nothing has been computed.
+        If the sweep is unfinished; `status` is ``missing`` where nothing has been computed.
 
     Raises
     ------
@@ -297,7 +298,7 @@ def open_store(path: str | Path) -> xr.Dataset:
         why = f" ({_shortened(notes)} damaged)" if notes else ""
         warnings.warn(
             f"the sweep in '{path}' is unfinished: {done} of {result.plan.size} points are done"
-            f"{why}, status is -1 at the others; run the sweep again to go on",
+            f"{why}, status is 'missing' at the others; run the sweep again to go on",
             RuntimeWarning,
             stacklevel=3,
         )
@@ -385,9 +386,10 @@ def _opened(path: Path, contents: Survey) -> xr.Dataset:
     dataset: xr.Dataset = xr.open_zarr(CheckedFiles.of(path, contents.digests), chunks=None)
     # As NumPy's fixed-width text, like the coordinates of a sweep in memory.
     texts = {n: c for n, c in dataset.coords.items() if c.dtype.kind not in "iuf"}
-    return dataset.assign_coords(
+    dataset = dataset.assign_coords(
         {name: (c.dims, np.array(c.values.tolist()), c.attrs) for name, c in texts.items()}
     )
+    return with_words(dataset, on_use=True)
 
 
 def _executors(rounding: str) -> str:

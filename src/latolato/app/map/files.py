@@ -126,7 +126,9 @@ class PageMap:
     @property
     def missing(self) -> int:
         """Points that are not computed."""
-        return int(np.sum(self.grid["status"].values < 0)) if "status" in self.grid else 0
+        from latolato.sweeps.statuses import MISSING
+
+        return int(np.sum(self.grid["status"].values == MISSING)) if "status" in self.grid else 0
 
     def drawing(self, variable: str, ball: Any) -> Drawing:
         """Return a variable as the library draws it, of a ball if each has its own."""
@@ -176,13 +178,14 @@ def _with_note(page_map: PageMap) -> xr.Dataset:
     if not page_map.missing:
         return page_map.grid
     total = page_map.grid["status"].size
-    text = f"{page_map.missing} of {total} points are not computed: status is -1 there"
+    text = f"{page_map.missing} of {total} points are not computed: status is missing there"
     return page_map.grid.assign_attrs(unfinished=text)
 
 
 def _store_of(page_map: PageMap, folder: Path) -> Path:
     """Return the store of a stored map, its own or one that is written from its file."""
     from latolato.sweeps.plan import Plan
+    from latolato.sweeps.statuses import codes_of
     from latolato.sweeps.store import Store
 
     assert page_map.path is not None
@@ -202,6 +205,7 @@ def _store_of(page_map: PageMap, folder: Path) -> Path:
     path = folder / f"{page_map.path.stem}.zarr"
     reason = str(page_map.grid.attrs.get("first_invalid", ""))
     arrays = {str(name): array.values for name, array in page_map.grid.data_vars.items()}
+    arrays["status"] = codes_of(arrays["status"])
     with Store(plan, path, page_map.grid.attrs["rounding"]) as store:
         for number in store.missing:
             block = plan.block(number)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+# Where the balls are at rest: below the pivot or above it.
+Position = Literal["hanging", "inverted"]
+
 RATIO_LABEL = r"driving over natural frequency $\omega/\omega_0$"
 LENGTH_LABEL = "driving amplitude over length $A_0/l$"
 _ORDERS = (1, 2, 3)
@@ -27,7 +30,7 @@ _SAMPLES, _FEW_SAMPLES = 81, 25  # amplitudes under a cosine, and under other wa
 
 
 def draw_tongues(
-    axes: Axes, system: System, drive: Drive, *, largest: float, position: str = "hanging"
+    axes: Axes, system: System, drive: Drive, *, largest: float, position: Position = "hanging"
 ) -> None:
     """Fill the tongues of orders 1 to 3 up to an amplitude [m], over w/w0 and A0/l."""
     length = system.balls[0].length
@@ -65,7 +68,12 @@ def mark_answer(
 
 
 def _tip(
-    system: System, drive: Drive, order: int, position: str, closed: float, row: tuple[float, ...]
+    system: System,
+    drive: Drive,
+    order: int,
+    position: Position,
+    closed: float,
+    row: tuple[float, ...],
 ) -> list[tuple[float, ...]]:
     """Return rows of amplitude, low and high between a closed amplitude and an open one."""
     if order == 0:
@@ -84,7 +92,7 @@ def _tip(
 
 
 def _edges(
-    system: System, drive: Drive, amplitude: float, order: int, position: str
+    system: System, drive: Drive, amplitude: float, order: int, position: Position
 ) -> tuple[float, float]:
     """Return the edges, NaN where closed, without a word."""
     with warnings.catch_warnings():

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from itertools import pairwise
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, Range, quantity_field
-from latolato.core.registry import Registry, check_fields, checked_number
+from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
+from latolato.core.registry import Registry, check_fields, check_increasing, checked_array
 from latolato.physics.drives.stretch import (
     Stretch,
     fastest_frequency,
@@ -131,25 +130,16 @@ class PeriodicDrive(Drive):
         return math.inf
 
 
-def checked_array(
-    name: str, values: Any, allowed: Range, at_least: int = 1, *, unit: str
-) -> tuple[float, ...]:
-    """Return a tuple of checked floats."""
-    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
-        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
-    numbers = tuple(checked_number(name, v, allowed, unit) for v in values)
-    if len(numbers) < at_least:
-        raise InputError(
-            f"must hold at least {at_least} values, got {len(numbers)}", parameter=name
-        )
-    return numbers
-
-
 def checked_lists(drive: Drive) -> dict[str, tuple[float, ...]]:
     """Check every list of a drive, store it as a tuple and return them by name."""
     lists = {
-        f.name: checked_array(
-            f.name, getattr(drive, f.name), f.metadata["range"], unit=f.metadata["quantity"].unit
+        f.name: tuple(
+            checked_array(
+                f.name,
+                getattr(drive, f.name),
+                f.metadata["range"],
+                unit=f.metadata["quantity"].unit,
+            )
         )
         for f in fields(drive)
         if f.metadata.get("array")
@@ -157,17 +147,6 @@ def checked_lists(drive: Drive) -> dict[str, tuple[float, ...]]:
     for name, values in lists.items():
         object.__setattr__(drive, name, values)
     return lists
-
-
-def check_increasing(name: str, values: tuple[float, ...]) -> None:
-    """Raise InputError unless each value is larger than the one before."""
-    for i, (a, b) in enumerate(pairwise(values)):
-        if not b > a:
-            raise InputError(
-                f"must increase strictly, got {b:g} after {a:g} at position {i + 1}",
-                parameter=name,
-                way_out="sort them and remove repeats",
-            )
 
 
 def check_stage_times(times: tuple[float, ...]) -> None:

@@ -10,13 +10,9 @@ from itertools import pairwise
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE, array_field, quantity_field
-from latolato.physics.drives.base import (
-    Drive,
-    check_increasing,
-    checked_array,
-    drives,
-)
+from latolato.core.quantities import NON_NEGATIVE, array_field, quantity_field
+from latolato.core.registry import check_increasing, checked_array
+from latolato.physics.drives.base import Drive, drives
 from latolato.physics.drives.stretch import POLYNOMIAL, Stretch
 
 # How often the curve is looked at between two samples, and by how many times their range it may
@@ -66,13 +62,13 @@ class MeasuredPivot(Drive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        times = checked_array("times", self.times, ANY, 6, unit="s")
+        times = tuple(checked_array("times", self.times, at_least=6, unit="s"))
         object.__setattr__(self, "times", times)
         for name in ("pivot_heights", "pivot_across"):
             values = getattr(self, name)
             if values is None:
                 continue
-            values = checked_array(name, values, ANY, 6, unit="m")
+            values = tuple(checked_array(name, values, at_least=6, unit="m"))
             if len(times) != len(values):
                 raise InputError(
                     f"{{parameter}} and {name} must be of one length, got "

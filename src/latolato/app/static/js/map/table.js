@@ -49,8 +49,6 @@ export function csvOf(question, grid) {
     ...grid.variables.map((variable, k) => ({ ...variable,
       name: variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
       at: (/** @type {number} */ cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]) })),
-    { name: "status", unit: "1", label: "status of the point",
-      at: (cell) => (own[cell] === NOT_YET ? -1 : own[cell]) },
   ];
   const plain = (/** @type {number} */ value) => (Number.isNaN(value) ? "nan"
     : Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf");
@@ -62,9 +60,11 @@ export function csvOf(question, grid) {
     return { head, title: `# column ${head}: ${label}`, text: (/** @type {number} */ cell) =>
       (Number.isFinite(at(cell)) ? shownText(at(cell), own) : plain(at(cell))) };
   });
+  shown.push({ head: "status", title: "# column status [1]: status of the point",
+    text: (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]]) });
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
     rounding: "page", ...attributesOf(question),
-    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is -1 there` } : {}),
+    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is missing there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
   const lines = [...Object.entries(about).map(([name, value]) => `# ${withUnit(registry, name)}: ${value}`),
     ...shown.map(({ title }) => title), shown.map(({ head }) => head).join(",")];

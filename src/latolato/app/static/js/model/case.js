@@ -1,7 +1,7 @@
 /** What is to be run, from its parameters, checked as `latolato.simulate` checks it. */
 
 import { loadKernels, moduleFor } from "../kernels/load.js";
-import { checkAcross, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
+import { checkAcross, checkedList, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
 import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
 
@@ -167,12 +167,7 @@ function instantsOf(registry, { times: given = null, samples = null, duration = 
     return { times: null, duration: endOf(duration) };
   }
   const parameter = "times";
-  if (!Array.isArray(times) || !times.every((time) => typeof time === "number"))
-    throw new InputError("must be a sequence of numbers in s", { parameter, value: times });
-  if (!times.length) throw new InputError("must be a non-empty sequence, got shape (0,)", { parameter });
-  const bad = times.findIndex((time) => !Number.isFinite(time));
-  if (bad >= 0)
-    throw new InputError(`must be finite, got ${general(times[bad], 17)} at position ${bad}`, { parameter });
+  checkedList(registry, parameter, times);
   checkIncreasing(parameter, times);
   const last = times[times.length - 1];
   if (duration === null && last <= 0)

@@ -262,15 +262,14 @@ export function driveOf(registry, kind, input) {
  * @param {string} name
  * @param {any} values
  */
-function checkedList(registry, name, values) {
+export function checkedList(registry, name, values) {
   const option = registry.options[name];
   const parameter = name;
   if (!Array.isArray(values))
     throw new InputError(`must be a sequence of numbers in ${option.unit}`, { parameter, value: values });
-  const numbers = values.map((value) => checkedNumber(option, name, value));
-  if (numbers.length < 1)
+  if (values.length < 1)
     throw new InputError("must hold at least 1 values, got 0", { parameter });
-  return numbers;
+  return values.map((value, i) => checkedNumber(option, `${name}[${i}]`, value));
 }
 
 /**
