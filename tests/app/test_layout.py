@@ -320,6 +320,40 @@ def test_the_curve_follows_a_clock_that_goes_on(page):
         assert end - begin == pytest.approx(12 * 2 * np.pi / np.sqrt(9.8))
 
 
+# Lets the clock leave the stretch on show, and returns how often each chart is drawn in each of the
+# next frames.
+COUNT_DRAWS = f"""async () => {{
+  const {{ clock, curves, more }} = {PLAYER};
+  let frame = [];
+  const frames = [];
+  [curves, more.curves].flatMap(({{ charts }}) => charts).forEach(({{ plot }}, k) => {{
+    frame[k] = 0;
+    (plot.hooks.draw ??= []).push(() => {{ frame[k] += 1; }});
+  }});
+  clock.seek(curves.span[1] - 0.05);
+  clock.play();
+  for (let k = 0; k < 30; k += 1) {{
+    await new Promise(requestAnimationFrame);
+    frames.push(frame);
+    frame = frame.map(() => 0);
+  }}
+  return frames;
+}}"""
+
+
+def test_a_run_that_plays_draws_no_chart_twice_in_a_frame(page):
+    open_view(page, "&scenario=fig02")
+    page.locator(".more-curves > summary").click()
+    page.wait_for_function(f"() => {PLAYER}.more.curves.charts.length === 2")
+    page.wait_for_timeout(300)
+    frames = np.array(page.evaluate(COUNT_DRAWS))
+    assert page.evaluate(f"() => {PLAYER}.curves.span[0]") > 0
+    assert frames.shape[1] == 3
+    assert frames.max() == 1
+    # The curves stand still until the clock leaves them.
+    assert frames.sum() < 3 * len(frames) / 2
+
+
 def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
