@@ -78,9 +78,9 @@ def test_the_headline_asks_what_the_preset_asks(page):
 def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, size):
     open_view(page, "", view, size)
     page.wait_for_timeout(200)
-    stage = page.locator("canvas.scene").bounding_box()
+    stage = page.locator(".stage").bounding_box()
     assert 0.57 < stage["width"] / size["width"] < 0.63
-    assert stage["height"] > 0.45 * size["height"]
+    assert page.locator("canvas.scene").bounding_box()["height"] > 0.45 * size["height"]
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
     seen += {"play": [".scrub", ".chart", ".drawers"], "live": [".strip", ".trick"]}[view]
     boxes = [page.locator(each).first.bounding_box() for each in seen]
@@ -442,6 +442,28 @@ def test_small_windows_show_the_stage_and_cut_nothing_off(page, view, size):
           && each.getBoundingClientRect().right > innerWidth + 1).map((each) => each.outerHTML)"""
     )
     assert wide == []
+
+
+@pytest.mark.parametrize("size", [LAPTOP, PHONE, {"width": 683, "height": 384}])
+def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size):
+    open_view(page, "&unknown=1", size=size)
+    page.locator(".stage-messages .message").wait_for()
+    page.get_by_label("Arrows").check()
+    curve = page.locator(".timeline").bounding_box()
+    page.wait_for_timeout(100)
+    picture = page.locator("canvas.scene").bounding_box()
+    assert picture["height"] >= 100
+    for each in (".stage-tools > *", ".stage-messages", ".of-arrows"):
+        for part in page.locator(each).all():
+            box = part.bounding_box()
+            assert (
+                box["y"] >= picture["y"] + picture["height"] - 0.5
+                or box["x"] >= picture["x"] + picture["width"] - 0.5
+            )
+    page.get_by_role("button", name="Dismiss this message").click()
+    page.get_by_label("Arrows").uncheck()
+    if size == LAPTOP:
+        assert page.locator(".timeline").bounding_box() == curve
 
 
 def test_a_slip_of_the_keyboard_is_refused_on_the_stage_with_a_way_on(page):
