@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
-import { Instant } from "./instant.js";
+import { followPointer, Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
 import { drawShades } from "./shades.js";
@@ -196,34 +196,10 @@ export class Curves {
       // Empty: `show` fills one chart after the other.
       const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
       plot.over.append(instant.head, ...instant.dots);
-      this.scrub(plot);
+      followPointer(plot, this.clock);
       return { plot, instant, curves: all[i], host, panel };
     });
     this.resize();
-  }
-
-  /**
-   * Let a pointer move the clock, which rests meanwhile.
-   * @param {any} plot
-   */
-  scrub(plot) {
-    const { over } = plot;
-    let wasPlaying = false;
-    const seek = (/** @type {PointerEvent} */ event) =>
-      this.clock.seek(plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
-    over.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
-      if (event.button || event.shiftKey) return;
-      over.setPointerCapture(event.pointerId);
-      wasPlaying = this.clock.playing;
-      this.clock.pause();
-      seek(event);
-    });
-    over.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-      if (over.hasPointerCapture(event.pointerId)) seek(event);
-    });
-    over.addEventListener("lostpointercapture", () => {
-      if (wasPlaying) this.clock.play();
-    });
   }
 
   /**
@@ -417,7 +393,7 @@ export class Curves {
   read(time) {
     const held = this.held();
     for (const { instant, curves } of this.charts)
-      if (this.motion) instant.read(this.motion, curves, time, held);
+      if (this.motion) instant.read(this.motion, curves, time, held, this.clock.lag);
   }
 
   resize() {
