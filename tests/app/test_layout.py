@@ -78,9 +78,9 @@ def test_the_headline_asks_what_the_preset_asks(page):
 def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, size):
     open_view(page, "", view, size)
     page.wait_for_timeout(200)
-    stage = page.locator("canvas.scene").bounding_box()
+    stage = page.locator(".stage").bounding_box()
     assert 0.57 < stage["width"] / size["width"] < 0.63
-    assert stage["height"] > 0.45 * size["height"]
+    assert page.locator("canvas.scene").bounding_box()["height"] > 0.45 * size["height"]
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
     seen += {"play": [".scrub", ".chart", ".drawers"], "live": [".strip", ".trick"]}[view]
     boxes = [page.locator(each).first.bounding_box() for each in seen]
@@ -320,6 +320,40 @@ def test_the_curve_follows_a_clock_that_goes_on(page):
         assert end - begin == pytest.approx(12 * 2 * np.pi / np.sqrt(9.8))
 
 
+# Lets the clock leave the stretch on show, and returns how often each chart is drawn in each of the
+# next frames.
+COUNT_DRAWS = f"""async () => {{
+  const {{ clock, curves, more }} = {PLAYER};
+  let frame = [];
+  const frames = [];
+  [curves, more.curves].flatMap(({{ charts }}) => charts).forEach(({{ plot }}, k) => {{
+    frame[k] = 0;
+    (plot.hooks.draw ??= []).push(() => {{ frame[k] += 1; }});
+  }});
+  clock.seek(curves.span[1] - 0.05);
+  clock.play();
+  for (let k = 0; k < 30; k += 1) {{
+    await new Promise(requestAnimationFrame);
+    frames.push(frame);
+    frame = frame.map(() => 0);
+  }}
+  return frames;
+}}"""
+
+
+def test_a_run_that_plays_draws_no_chart_twice_in_a_frame(page):
+    open_view(page, "&scenario=fig02")
+    page.locator(".more-curves > summary").click()
+    page.wait_for_function(f"() => {PLAYER}.more.curves.charts.length === 2")
+    page.wait_for_timeout(300)
+    frames = np.array(page.evaluate(COUNT_DRAWS))
+    assert page.evaluate(f"() => {PLAYER}.curves.span[0]") > 0
+    assert frames.shape[1] == 3
+    assert frames.max() == 1
+    # The curves stand still until the clock leaves them.
+    assert frames.sum() < 3 * len(frames) / 2
+
+
 def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
@@ -408,6 +442,28 @@ def test_small_windows_show_the_stage_and_cut_nothing_off(page, view, size):
           && each.getBoundingClientRect().right > innerWidth + 1).map((each) => each.outerHTML)"""
     )
     assert wide == []
+
+
+@pytest.mark.parametrize("size", [LAPTOP, PHONE, {"width": 683, "height": 384}])
+def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size):
+    open_view(page, "&unknown=1", size=size)
+    page.locator(".stage-messages .message").wait_for()
+    page.get_by_label("Arrows").check()
+    curve = page.locator(".timeline").bounding_box()
+    page.wait_for_timeout(100)
+    picture = page.locator("canvas.scene").bounding_box()
+    assert picture["height"] >= 100
+    for each in (".stage-tools > *", ".stage-messages", ".of-arrows"):
+        for part in page.locator(each).all():
+            box = part.bounding_box()
+            assert (
+                box["y"] >= picture["y"] + picture["height"] - 0.5
+                or box["x"] >= picture["x"] + picture["width"] - 0.5
+            )
+    page.get_by_role("button", name="Dismiss this message").click()
+    page.get_by_label("Arrows").uncheck()
+    if size == LAPTOP:
+        assert page.locator(".timeline").bounding_box() == curve
 
 
 def test_a_slip_of_the_keyboard_is_refused_on_the_stage_with_a_way_on(page):

@@ -319,6 +319,21 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     np.testing.assert_array_equal(part.largest_angle.values[done], shown[done])
 
 
+def test_a_map_is_coarse_until_somebody_asks_for_all_points(page):
+    open_map(page, "&map.scenario=fig05_push&map.duration=1&map.observable=largest_angle")
+    done = "() => window.latolato.views.map.grid.done"
+    assert page.evaluate(done) == 50 * 50
+    page.get_by_text("Finer: 40000 points, about").wait_for()
+    page.get_by_role("button", name="Finer", exact=True).click()
+    wait_done(page, 2)
+    assert page.evaluate(done) == 200 * 200
+    page.get_by_text("40000 points, 37500 of them new").wait_for()
+    # A link to this map names its points.
+    page.wait_for_function("() => location.search.includes('map.size=200')")
+    assert page.get_by_label("Points").input_value() == "200"
+    page.get_by_role("button", name="Compute again").wait_for()
+
+
 def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_path):
     open_map(page, f"{QUERY}&map.contours=colours&map.levels=1".replace("size=24", "size=8"))
     page.get_by_text("Download", exact=True).click()
@@ -547,7 +562,7 @@ def test_an_unusual_number_of_points_is_shown_and_too_many_are_refused(page):
     points.select_option("25")
     page.wait_for_selector("[data-done]", timeout=PATIENCE)
     assert alert.count() == 0
-    assert points.locator("option").count() == 5
+    assert points.locator("option").count() == 6  # the usual numbers, and a coarse map at first
 
 
 def test_ends_in_the_wrong_order_in_an_address_are_told(page):

@@ -43,6 +43,8 @@ def web(tmp_path_factory):
     """The address of a site in a folder of a web space, and the folder."""
     space = tmp_path_factory.mktemp("web")
     folder = space / "school" / "toy"
+    (folder / "paper").mkdir(parents=True)
+    (folder / "paper" / "fig02.block").write_bytes(b"a figure")
     write_site(folder)
     (folder / "mine.html").write_text(MINE)
     (folder / "around.html").write_text(AROUND)
@@ -146,10 +148,14 @@ def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     visit.evaluate("() => navigator.serviceWorker.ready")
     assert visit.evaluate(KEPT_CODE) == _code(web[1], is_scalar=False)
+    # The figures come by themselves.
+    visit.wait_for_function("() => caches.match('paper/fig02.block').then(Boolean)")
     visit.context.set_offline(True)
     for query, ready in OFFLINE.items():
         visit.goto(f"{web[0]}?{query}")
         visit.wait_for_selector(ready, timeout=PATIENCE)
+    figure = "() => fetch('paper/fig02.block').then((answer) => answer.text())"
+    assert visit.evaluate(figure) == "a figure"
     assert visit.faults == []
 
 

@@ -11,6 +11,7 @@ import json
 import re
 import shutil
 from errno import ENOTDIR
+from fnmatch import fnmatch
 from pathlib import Path
 
 from latolato.app import STATIC, kernels_folder
@@ -18,10 +19,11 @@ from latolato.app.forms import registry
 from latolato.app.stories import contents as contents_of_stories
 from latolato.core.errors import InputError
 
-# What a browser keeps at the first visit; the report and the documentation as they are read.
+# What a browser keeps at the first visit, the figures of the paper last; the report and the
+# documentation as they are read.
 OFFLINE = "offline.js"
-_LATER = ("report", "docs", "paper")
-_FIRST = ("paper/contents.json",)
+_LATER = ("report", "docs")
+_FIGURES = "paper/*.block"
 _DESCRIPTIONS = re.compile(r"/\*\*.*?\*/\n?", re.DOTALL)
 
 
@@ -116,11 +118,15 @@ def _write_offline(folder: Path) -> None:
     kept = sorted(
         path.as_posix()
         for path in paths
-        if path.as_posix() in _FIRST
-        or (path.parts[0] not in _LATER and path.as_posix() not in left_out)
+        if path.parts[0] not in _LATER and path.as_posix() not in left_out
     )
     digest = hashlib.sha256()
     for name in kept:
         digest.update(name.encode() + (folder / name).read_bytes())
-    about = {"version": digest.hexdigest()[:16], "paths": kept}
+    figures = [name for name in kept if fnmatch(name, _FIGURES)]
+    about = {
+        "version": digest.hexdigest()[:16],
+        "paths": [name for name in kept if name not in figures],
+        "figures": figures,
+    }
     (folder / "files.js").write_text(f"self.SITE = {json.dumps(about)};\n", encoding="utf-8")

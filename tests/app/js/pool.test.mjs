@@ -64,6 +64,19 @@ test("cells come from coarse to fine, every one once", () => {
   assert.deepEqual([...inOrder(3, 2).strides], [1, 1, 1, 1, 1, 1]);
 });
 
+test("a map with a stride has every so many rows and columns, and goes on with the others", async () => {
+  const { pool, workers, heard, listener } = await started();
+  await pool.start(PLAN, listener, undefined, 2);
+  while (!heard.done) for (const worker of workers.filter(({ ended, cells }) => !ended && cells.length)) worker.answer();
+  assert.equal(heard.cells.length, 15 * 10);
+  assert.ok(heard.cells.every((cell) => cell % 30 % 2 === 0 && Math.floor(cell / 30) % 2 === 0));
+  heard.cells.length = 0;
+  await pool.start(PLAN, listener);
+  assert.equal(heard.cells.length, 15 * 10);
+  while (heard.done < 2) for (const worker of workers.filter(({ ended, cells }) => !ended && cells.length)) worker.answer();
+  assert.deepEqual(heard.cells.sort((a, b) => a - b), Array.from({ length: 600 }, (_, i) => i));
+});
+
 test("workers share the first picture, and all cells come", async () => {
   const { workers, heard } = await started();
   assert.deepEqual(workers.map(({ cells }) => cells[0].length), [75, 75]);

@@ -1,9 +1,9 @@
 /** Keeps the site in the browser, so that it opens without a network after the first visit. */
 
-/* `files.js` is written beside this file with the site: its version and its files. */
+/* `files.js` is written beside this file with the site: its version, its files and its figures. */
 importScripts("files.js");
 
-const { version, paths } = self.SITE;
+const { version, paths, figures } = self.SITE;
 const NAME = `latolato ${version}`;
 // Of the compiled code a browser needs the variant that it runs, which its page names.
 const variant = new URL(self.location.href).searchParams.get("variant") ?? "";
@@ -23,13 +23,26 @@ self.addEventListener("activate", (event) => event.waitUntil((async () => {
   await self.clients.claim();
 })()));
 
+/* A page asks for the figures when it has all that it needs: together they are larger than all else. */
+self.addEventListener("message", (event) => event.waitUntil((async () => {
+  const cache = await caches.open(NAME);
+  for (const path of figures) {
+    if (await cache.match(path)) continue;
+    try {
+      await cache.add(path);
+    } catch {
+      return; // The next visit goes on here.
+    }
+  }
+})()));
+
 self.addEventListener("fetch", (event) => {
   const { request } = event;
   const { origin, pathname } = new URL(request.url);
   if (request.method !== "GET" || origin !== self.location.origin) return;
   const path = pathname.slice(new URL("./", self.location.href).pathname.length);
   // The report and the documentation are kept as they are read.
-  const isLater = /^(report|docs|paper)\//.test(path);
+  const isLater = /^(report|docs)\//.test(path);
   event.respondWith((async () => {
     const cache = await caches.open(NAME);
     const kept = await cache.match(request, { ignoreSearch: true });

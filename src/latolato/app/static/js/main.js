@@ -166,6 +166,8 @@ async function keepOffline() {
   if (window.top !== window || !("serviceWorker" in navigator)) return;
   const { variant } = await import("./kernels/load.js");
   await navigator.serviceWorker.register(`offline.js?variant=${variant()}`);
+  const { active } = await navigator.serviceWorker.ready;
+  active?.postMessage("figures");
 }
 
 document.documentElement.dataset.theme = recall(THEME) ?? "auto";

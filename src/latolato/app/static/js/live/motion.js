@@ -55,13 +55,17 @@ export class History {
   /**
    * Return the least and the largest value that is kept.
    * @param {string[]} names
+   * @param {number} [since] of the last so many seconds only
    * @returns {[number, number]}
    */
-  range(names) {
+  range(names, since = Infinity) {
     let [low, high] = [Infinity, -Infinity];
+    const newest = this.time[this.at(this.count - 1)];
     for (const name of names)
-      for (let k = 0; k < this.count; k += 1) {
-        const value = this.values[name][this.at(k)];
+      for (let k = this.count - 1; k >= 0; k -= 1) {
+        const i = this.at(k);
+        if (newest - this.time[i] > since) break;
+        const value = this.values[name][i];
         low = Math.min(low, value);
         high = Math.max(high, value);
       }

@@ -3,6 +3,7 @@
 import { followDrag } from "../shared/drag.js";
 import { slackText } from "../shared/hang.js";
 import { startKernels } from "../kernels/load.js";
+import { READ_EVERY } from "../shared/clock.js";
 import { followKeys } from "../shared/keys.js";
 import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
@@ -33,7 +34,6 @@ import { t, tr } from "../strings.js";
 // a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
 // the change); from 32 mm on they always do (60 of 60, within 15 s).
 const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
-const READ_EVERY = 100; // ms
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
 const RATIOS = { high: 3.136, low: 2.389 };
 // A push, in natural angular frequencies [rad/s].
@@ -342,7 +342,7 @@ export class LiveView {
     this.watch.draw(this.paused, this.parts.more.open);
     if (!this.paused && now - this.readAt < READ_EVERY) return;
     this.readAt = now;
-    this.watch.read(motion);
+    this.watch.read(motion, this.paused ? 0 : (pace.speed * READ_EVERY) / 1000);
     const text = toy.isShaken ? "liveReadoutShaken"
       : motion.balls.length > 1 ? "liveReadout" : "liveReadoutOne";
     const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;

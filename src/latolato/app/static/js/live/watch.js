@@ -1,6 +1,7 @@
 /** The curves of a live toy: the last seconds of its angles and energies. */
 
 import { curvesOf } from "../shared/describe.js";
+import { isBehind } from "../shared/instant.js";
 import { inText } from "../shared/narrator.js";
 import { short } from "../shared/units.js";
 import { History, SPAN } from "./motion.js";
@@ -59,13 +60,16 @@ export class Watch {
   }
 
   /**
-   * Write what a toy does now into the legends.
+   * Write what a toy does now into the legends, but for numbers that would be behind the picture.
    * @param {LiveMotion} motion
+   * @param {number} lag how far they may be behind [s of the toy]
    */
-  read(motion) {
+  read(motion, lag) {
     const now = valuesOf(motion);
+    const period = (2 * Math.PI) / motion.naturalFrequency;
     for (const [name, output] of Object.entries(this.values)) {
-      const text = short(now[name], DIGITS);
+      const [low, high] = this.history.range([name], period);
+      const text = isBehind(low, high, period, lag) ? "" : short(now[name], DIGITS);
       if (output.textContent !== text) output.textContent = text;
     }
   }

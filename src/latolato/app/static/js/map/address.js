@@ -13,7 +13,11 @@ import { SCALES } from "./colours.js";
 
 /** The shipped sweep that is shown where the address names nothing. */
 const FIRST_MAP = "fig05_push";
+/** Points along each axis of a map whose address names no number of them. */
 export const USUAL_SIZE = 200;
+// Such a map stops at every fourth of them, and goes on when somebody asks: all of them may take
+// minutes. At every eighth on a phone or a tablet, which is some four times as slow.
+const FIRST_STRIDE = { computer: 4, phone: 8 };
 const LEAST_SIZE = 2;
 /** Stands in the address for the parameters of the page. */
 export const PAGE = "page";
@@ -67,10 +71,16 @@ export function requestOf(registry, state) {
     const said = entries.filter(([, value]) => value !== null);
     return said.length ? Object.fromEntries(said) : null;
   };
-  const size = number("size") ?? USUAL_SIZE;
+  const named = number("size");
+  const size = named ?? USUAL_SIZE;
   const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);
   return { scenario: base, options: state.options, x: axis("x"), y: axis("y"), observable,
-    width: size, height: size, duration: number("duration"), transient: number("transient") };
+    width: size, height: size, stride: named === null ? firstStride() : 1, duration: number("duration"), transient: number("transient") };
+}
+
+/** Return the stride at which a map stops whose address names no number of points. */
+export function firstStride() {
+  return FIRST_STRIDE[matchMedia("(pointer: coarse)").matches ? "phone" : "computer"];
 }
 
 /**

@@ -3,7 +3,7 @@
 import { el } from "../shared/dom.js";
 import { plainSymbol } from "../shared/units.js";
 import { t } from "../strings.js";
-import { ended, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
+import { ended, firstStride, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
@@ -50,7 +50,7 @@ export class MapControls {
     this.ball = choice(t("mapBall"), (v) => set({ ball: v }));
     this.ball.root.hidden = true;
     this.select = el("div", { class: "fields" });
-    this.size = choice(t("mapSize"), (v) => set({ size: v === String(USUAL_SIZE) ? null : v }));
+    this.size = choice(t("mapSize"), (v) => set({ size: v || null }));
     this.duration = number("mapDuration", "duration");
     this.transient = number("mapTransient", "transient", "mapTransientHint");
     this.scale = choice(t("mapScale"), (v) => set({ scale: v }));
@@ -154,10 +154,10 @@ export class MapControls {
 
   /** Show how many points the address asks for, also where they are none of the usual numbers. */
   showSize() {
-    const size = Number(this.store.state.extra["map.size"] ?? USUAL_SIZE);
-    const sizes = [...new Set([...SIZES, size])].sort((a, b) => a - b);
-    this.size.show(sizes.map((n) => ({ value: String(n),
-      text: t("mapSizeText", { n, points: n * n }) })), String(size));
+    const size = this.store.state.extra["map.size"] ?? "";
+    const sizes = [...new Set([...SIZES, Number(size) || USUAL_SIZE])].sort((a, b) => a - b);
+    this.size.show([{ value: "", text: t("mapSizeFirst", { n: USUAL_SIZE / firstStride() }) },
+      ...sizes.map((n) => ({ value: String(n), text: t("mapSizeText", { n, points: n * n }) }))], size);
   }
 
   /**

@@ -129,11 +129,6 @@ export class Grid {
     return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };
   }
 
-  /** Return the share of the cells that have their own point. */
-  share() {
-    return this.done / (this.width * this.height);
-  }
-
   /** Return how many cells have no answer. */
   withoutAnswer() {
     return this.status.reduce((n, s) => n + (s >= FIRST_BAD && s !== NOT_YET ? 1 : 0), 0);

@@ -44,6 +44,10 @@ export class PageJob {
     this.agreed = agreed;
     this.listener = listener;
     this.ended = false;
+    const { width, height, stride = 1 } = request;
+    /** How many points are computed, of how many. */
+    this.count = Math.ceil(width / stride) * Math.ceil(height / stride);
+    this.all = width * height;
     /** @type {Question | null} */
     this.question = null;
     void this.prepare().catch((error) => this.refuse(error));
@@ -62,7 +66,8 @@ export class PageJob {
     this.question = question;
     this.estimate = estimate;
     this.listener.begin(beginOf(question));
-    if (estimate.seconds > LONG && !this.agreed) this.listener.asks(estimate.seconds);
+    const seconds = (estimate.seconds * this.count) / this.all;
+    if (seconds > LONG && !this.agreed) this.listener.asks(seconds);
     else this.start();
   }
 
@@ -75,7 +80,7 @@ export class PageJob {
       onCells: listener.cells, onRestart: listener.restarted,
       onDone: (progress) => { this.ended = true; listener.done(progress); },
       onError: (error) => this.refuse(error),
-    }, this.estimate);
+    }, this.estimate, this.request.stride);
   }
 
   /** @param {Error} error */
@@ -122,6 +127,7 @@ export class StoredJob {
     this.ended = false;
     this.agreed = true;
     this.question = null;
+    this.count = 0;
     this.control = new AbortController();
     void this.open();
   }
@@ -144,6 +150,7 @@ export class StoredJob {
       };
       listener.begin(begin);
       const count = arrays.status.length;
+      this.count = count;
       const progress = { points: 0, seconds: 0, rate: 0 };
       listener.cells({ cell: Int32Array.from({ length: count }, (_, i) => i),
         stride: new Uint8Array(count).fill(1), status: Uint8Array.from(arrays.status, (each) => each),

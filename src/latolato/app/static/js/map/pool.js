@@ -48,14 +48,17 @@ class Job {
   /**
    * @param {Plan} plan
    * @param {Listener} listener
+   * @param {number} stride of the rows and columns to compute
    */
-  constructor(plan, listener) {
+  constructor(plan, listener, stride) {
     this.plan = plan;
     this.listener = listener;
     const { cells, strides } = inOrder(plan.x.values.length, plan.y.values.length);
-    this.cells = cells;
-    this.strides = strides;
     this.count = cells.length;
+    // Strides fall.
+    const end = strides.findLastIndex((each) => each >= stride) + 1;
+    this.cells = cells.slice(0, end);
+    this.strides = strides.slice(0, end);
     this.next = 0;
     /** @type {import("./known.js").Known | null} */
     this.known = null;
@@ -155,10 +158,11 @@ export class Pool {
    * @param {Plan} plan
    * @param {Listener} listener
    * @param {Promise<Estimate> | Estimate} [known]
+   * @param {number} [stride] of the rows and columns to compute, a power of two
    */
-  async start(plan, listener, known = this.estimate(plan)) {
+  async start(plan, listener, known = this.estimate(plan), stride = 1) {
     this.stop();
-    const job = new Job(plan, listener);
+    const job = new Job(plan, listener, stride);
     this.job = job;
     try {
       const name = moduleOf(plan);

@@ -13,10 +13,11 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 /** @typedef {import("./choices.js").Span} Span */
 
 /**
- * What a page asks for; null leaves the choice to what the scenario says.
+ * What a page asks for; null leaves the choice to what the scenario says. With a stride, only every
+ * second, fourth, ... row and column is computed.
  * @typedef {{scenario: string | null, options: Record<string, any>, x: import("./choices.js").Asked,
  *   y: import("./choices.js").Asked, observable: string | null, width: number, height: number,
- *   duration: number | null, transient: number | null}} Request
+ *   stride?: number, duration: number | null, transient: number | null}} Request
  *
  * A map that can be computed: every option of its runs in SI units, its axes and their values, what
  * is gathered and which variable of that is shown.

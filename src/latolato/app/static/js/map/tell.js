@@ -1,6 +1,7 @@
 /** What a map says in words: places, values, colours. */
 
 import { el } from "../shared/dom.js";
+import { spanText } from "../shared/left.js";
 import { plainSymbol, short, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
@@ -83,12 +84,27 @@ export function legend(grid, { variable: k, log }, lines, trials, contours) {
 }
 
 /**
- * Return the summary of a finished map: its points, and those that are new or missing.
+ * Return the summary of a map that has come to its end: its points, those that are new or missing,
+ * and what those would take that were left out at first.
  * @param {Grid} grid
  * @param {import("./pool.js").Progress} done
+ * @param {number} all points that were to be computed
  */
-export function doneText(grid, { points, seconds, rate }) {
-  const all = grid.width * grid.height;
+export function doneText(grid, done, all) {
+  const whole = grid.width * grid.height;
+  const said = pointsText(grid, done, all);
+  if (all === whole) return said;
+  const { rate } = done;
+  return `${said}. ${rate > 0 ? t("mapWhole", { whole, time: spanText((whole - all) / rate) })
+    : t("mapWholeUnknown", { whole })}`;
+}
+
+/**
+ * @param {Grid} grid
+ * @param {import("./pool.js").Progress} done
+ * @param {number} all points that were to be computed
+ */
+function pointsText(grid, { points, seconds, rate }, all) {
   const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
   if (!points) return t("mapKnown", { points: all });

@@ -5,7 +5,8 @@ import { t } from "../strings.js";
 
 /** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */
 
-const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", done: "mapAgain" };
+const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", coarse: "mapFiner",
+  done: "mapAgain" };
 
 export class Toolbar {
   /** @param {Actions} actions */
@@ -51,7 +52,8 @@ export class Toolbar {
   }
 
   /**
-   * Show what the first button does: stop, go on, begin what takes long, or compute once more.
+   * Show what the first button does: stop, go on, begin what takes long, compute all points, or
+   * compute once more.
    * @param {keyof typeof STATES} state
    */
   state(state) {

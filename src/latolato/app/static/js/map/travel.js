@@ -51,7 +51,10 @@ export class Travel {
    * @param {number} rows
    */
   pan(columns, rows) {
-    if (columns || rows) this.go((grid) => movedBy(grid, columns, rows));
+    const { stride = 1 } = this.view.request;
+    // The points of a coarse map are those of every so many cells.
+    const [across, up] = [columns, rows].map((cells) => stride * Math.round(cells / stride));
+    if (across || up) this.go((grid) => movedBy(grid, across, up));
   }
 
   /** Zoom out to the map before. */

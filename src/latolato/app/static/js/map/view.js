@@ -9,7 +9,7 @@ import { followKeys, KeyList } from "../shared/keys.js";
 import { spanText } from "../shared/left.js";
 import { leaveOut, sentence, waysOn } from "../shared/reading.js";
 import { t } from "../strings.js";
-import { misread, openInPlay, requestOf, sameBut, sourceOf } from "./address.js";
+import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { ColourBar } from "./bar.js";
 import { MapChart } from "./chart.js";
@@ -266,10 +266,11 @@ export class MapView {
     this.change();
     const grid = /** @type {Grid} */ (this.grid);
     grid.put(cells);
-    const left = grid.width * grid.height - grid.done;
+    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
+    const share = Math.min(grid.done / count, 1);
     if (rate > 0)
-      this.tools.say(t("mapRate", { percent: Math.floor(100 * grid.share()),
-        rate: Math.round(rate), left: Math.ceil(left / rate) }), grid.share());
+      this.tools.say(t("mapRate", { percent: Math.floor(100 * share),
+        rate: Math.round(rate), left: Math.ceil((count * (1 - share)) / rate) }), share);
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
   }
@@ -279,8 +280,9 @@ export class MapView {
     this.change();
     const grid = /** @type {Grid} */ (this.grid);
     grid.complete = true;
-    this.tools.say(doneText(grid, progress), 1);
-    this.tools.state("done");
+    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
+    this.tools.say(doneText(grid, progress, count), 1);
+    this.tools.state(count < grid.width * grid.height ? "coarse" : "done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
     this.root.dataset.done = String(Number(this.root.dataset.done ?? 0) + 1);
@@ -311,6 +313,9 @@ export class MapView {
       this.tools.say(t("mapBegins"), 0);
       this.tools.state("busy");
       this.job?.start();
+    } else if (this.tools.now === "coarse") {
+      this.agreed = sameBut({ ...this.request, stride: 1 });
+      this.controls.keep({ size: USUAL_SIZE });
     } else if (this.growing()) {
       this.stop();
       this.tools.say(t("mapStopped"));

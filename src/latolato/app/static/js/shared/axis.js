@@ -61,7 +61,9 @@ const MARK_EVERY = 30; // pixels of the page
 /** Settings of an upright axis of uPlot: its width, and at least three marks. */
 export const UPRIGHT = {
   size: 58,
-  splits: (/** @type {any} */ { over }, /** @type {number} */ _, /** @type {number} */ low,
-    /** @type {number} */ high) => ticks(low, high, Math.max(Math.round(over.clientHeight / MARK_EVERY), 2)),
+  // The height that uPlot keeps: asking the page for it would lay it out in every frame.
+  splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
+    /** @type {number} */ high) => ticks(low, high,
+    Math.max(Math.round(bbox.height / devicePixelRatio / MARK_EVERY), 2)),
   values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => short(mark, 4)),
 };

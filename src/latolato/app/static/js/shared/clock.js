@@ -3,7 +3,7 @@
 // After a pause of the browser, such as a background tab, the clock goes on where it was.
 const LONGEST_FRAME = 0.1; // s
 // While it plays, texts follow at this rate and all at once; pictures at every instant.
-const READ_EVERY = 100; // ms
+export const READ_EVERY = 100; // ms
 
 export class Clock {
   constructor() {
@@ -81,6 +81,11 @@ export class Clock {
     }
     this.time = time;
     this.tell();
+  }
+
+  /** How far what texts show may be behind [s of the run]. */
+  get lag() {
+    return this.playing ? (this.speed * READ_EVERY) / 1000 : 0;
   }
 
   tell() {

@@ -8,11 +8,11 @@ import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
-import { Instant } from "./instant.js";
+import { followPointer, Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
 import { drawShades } from "./shades.js";
-import { dataOf, extremes, pathOf, resampled } from "./traces.js";
+import { dataOf, extremesUntil, pathOf, resampled } from "./traces.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -26,12 +26,13 @@ import { short } from "./units.js";
  */
 
 const HEIGHT = 170;
-// What is shown of a run while the clock is followed: so many natural periods, and the instant no
-// further on than this share of them.
+// While the clock is followed, so many natural periods of a run are shown, or all of one that is
+// little longer: they are more than this share of it.
 const SWINGS = 12;
-const AHEAD = 0.75;
-// How much of its way the stretch on show goes in a frame.
-const EASE = 0.2;
+const MOST = 0.75;
+// The curve stands still and turns like a page: scrolling would draw all charts again for each
+// picture. This share of a new page is what was seen before.
+const KEPT = 0.25;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
 // A notch of the wheel, with Ctrl held, shows so much less or more.
@@ -42,7 +43,7 @@ export class Curves {
    * @param {HTMLElement} root
    * @param {Clock} clock
    * @param {Panel[]} panels
-   * @param {{follows?: boolean}} [how] whether a readable stretch is shown that moves with the
+   * @param {{follows?: boolean}} [how] whether a readable stretch is shown that follows the
    *   clock, until somebody zooms
    */
   constructor(root, clock, panels, { follows = false } = {}) {
@@ -85,7 +86,12 @@ export class Curves {
     this.unsubscribe = clock.subscribe((time) => this.move(time));
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(root);
-    this.redraw = () => this.charts.forEach(({ plot }) => plot.redraw());
+    /** @type {Map<string, string>} colours of the style sheet, read once for each theme */
+    this.colours = new Map();
+    this.redraw = () => {
+      this.colours.clear();
+      this.charts.forEach(({ plot }) => plot.redraw());
+    };
     window.addEventListener("themechange", this.redraw);
   }
 
@@ -109,6 +115,7 @@ export class Curves {
     if (this.follows) this.span = this.stretch(this.span[0]);
     else if (wasWhole) this.span = axisLimits(0, motion.end);
     else this.span = axisLimits(this.span[0], Math.min(this.span[1], motion.end));
+    if (this.follows) this.span = this.spanAt(this.clock.time);
     this.onSpan(...this.span);
     const tasks = this.charts.map((chart, i) => () => {
       chart.curves = all[i];
@@ -116,7 +123,8 @@ export class Curves {
         chart.plot.setData(dataOf(motion, chart.curves), false);
         chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
       });
-      queueMicrotask(() => this.move(this.clock.time));
+      this.placeLater();
+      this.read(this.clock.time);
     });
     tasks[0]?.();
     return [...tasks.slice(1), () => this.describe(motion)];
@@ -154,6 +162,16 @@ export class Curves {
     return [...old, ...own];
   }
 
+  /**
+   * Return a colour of the style sheet.
+   * @param {string} name
+   */
+  paint(name) {
+    const paint = this.colours.get(name) ?? colour(name, this.root);
+    this.colours.set(name, paint);
+    return paint;
+  }
+
   /** @param {Curve[][]} all */
   build(all) {
     for (const { plot } of this.charts) plot.destroy();
@@ -178,34 +196,10 @@ export class Curves {
       // Empty: `show` fills one chart after the other.
       const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
       plot.over.append(instant.head, ...instant.dots);
-      this.scrub(plot);
+      followPointer(plot, this.clock);
       return { plot, instant, curves: all[i], host, panel };
     });
     this.resize();
-  }
-
-  /**
-   * Let a pointer move the clock, which rests meanwhile.
-   * @param {any} plot
-   */
-  scrub(plot) {
-    const { over } = plot;
-    let wasPlaying = false;
-    const seek = (/** @type {PointerEvent} */ event) =>
-      this.clock.seek(plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
-    over.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
-      if (event.button || event.shiftKey) return;
-      over.setPointerCapture(event.pointerId);
-      wasPlaying = this.clock.playing;
-      this.clock.pause();
-      seek(event);
-    });
-    over.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-      if (over.hasPointerCapture(event.pointerId)) seek(event);
-    });
-    over.addEventListener("lostpointercapture", () => {
-      if (wasPlaying) this.clock.play();
-    });
   }
 
   /**
@@ -214,7 +208,7 @@ export class Curves {
    * @returns {UPlot.Options}
    */
   options(panel, curves) {
-    const paint = (/** @type {string} */ name) => () => colour(name, this.root);
+    const paint = (/** @type {string} */ name) => () => this.paint(name);
     const axis = {
       stroke: paint("soft"),
       grid: { stroke: paint("grid"), width: 1 },
@@ -230,7 +224,7 @@ export class Curves {
       scales: {
         x: { time: false, auto: false },
         y: { range: (u, low, high) => limits(...(this.follows
-          ? extremes(u, low, high, this.span[1]) : /** @type {const} */ ([low, high]))) },
+          ? extremesUntil(u, low, high, this.span[1]) : /** @type {const} */ ([low, high]))) },
         right: { range: (_, low, high) => limits(low, high) },
       },
       cursor: {
@@ -269,7 +263,7 @@ export class Curves {
       }))],
       hooks: {
         drawAxes: [(/** @type {any} */ u) => {
-          if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), this.root);
+          if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), (name) => this.paint(name));
         }],
         setSize: [() => this.onLayout()],
         setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
@@ -295,7 +289,7 @@ export class Curves {
   get readable() {
     const { end = 1 } = this.motion ?? {};
     const length = SWINGS * this.swing;
-    return length < AHEAD * end ? length : end;
+    return length < MOST * end ? length : end;
   }
 
   /**
@@ -315,15 +309,13 @@ export class Curves {
     this.setSpan(...this.stretch(this.clock.time - 0.5 * this.readable));
   }
 
-  /** Move the stretch on show with the clock: steadily while it plays, else where it has to be. */
-  keepUp(/** @type {number} */ time) {
+  /**
+   * Return the stretch to show at an instant: the same one as long as the instant lies in it.
+   * @param {number} time
+   */
+  spanAt(time) {
     const [from, to] = this.span;
-    const width = to - from;
-    const isInside = time >= from && time <= to;
-    const late = time - AHEAD * width;
-    if (isInside && !(this.clock.playing && late > from)) return;
-    const aim = this.stretch(isInside ? from + EASE * (late - from) : late);
-    if (aim[0] !== from) this.setSpan(...aim);
+    return time >= from && time <= to ? this.span : this.stretch(time - KEPT * (to - from));
   }
 
   /**
@@ -347,8 +339,7 @@ export class Curves {
     this.span = [from, to];
     for (const { plot } of this.charts) plot.setScale("x", { min: from, max: to });
     this.onSpan(from, to);
-    // uPlot sets scales at the end of the task.
-    queueMicrotask(() => this.move(this.clock.time));
+    this.placeLater();
   }
 
   /**
@@ -378,12 +369,31 @@ export class Curves {
 
   /** @param {number} time */
   move(time) {
-    if (this.follows && this.motion) this.keepUp(time);
+    const span = this.follows && this.motion ? this.spanAt(time) : this.span;
+    if (span[0] !== this.span[0]) this.setSpan(...span);
+    else this.place();
+    if (this.clock.isRead) this.read(time);
+  }
+
+  /** Put the clock's instant into the charts. */
+  place() {
     const held = this.held();
-    for (const { plot, instant, curves } of this.charts) {
-      instant.place(plot, curves, time, held);
-      if (this.clock.isRead && this.motion) instant.read(this.motion, curves, time, held);
-    }
+    for (const { plot, instant, curves } of this.charts) instant.place(plot, curves, this.clock.time, held);
+  }
+
+  /** The same when uPlot has set the scales, which it does at the end of the task. */
+  placeLater() {
+    queueMicrotask(() => this.place());
+  }
+
+  /**
+   * Write the values of an instant into the legends.
+   * @param {number} time
+   */
+  read(time) {
+    const held = this.held();
+    for (const { instant, curves } of this.charts)
+      if (this.motion) instant.read(this.motion, curves, time, held, this.clock.lag);
   }
 
   resize() {
@@ -393,7 +403,7 @@ export class Curves {
       const height = heightOf(panel);
       if (plot.width !== width || plot.height !== height) plot.setSize({ width, height });
     }
-    this.move(this.clock.time);
+    this.place();
   }
 
   destroy() {

@@ -1,12 +1,32 @@
-/** What a chart shows of one instant: a line, the values in the legend, and dots where balls are led. */
+/**
+ * What a chart shows of one instant: a line, the values in the legend, and dots where balls are led;
+ * and the pointer that chooses it.
+ */
 
 import { el } from "./dom.js";
+import { before, range } from "./motion.js";
 import { valueAt } from "./traces.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./traces.js").Curve} Curve */
+
+// A number that is behind by more than this share of how large its quantity gets is not shown.
+const BEHIND = 0.05;
+
+/**
+ * Return whether a number that is written now and then would be seen to be behind: the quantity
+ * swings too far for that in a period.
+ * @param {number} low least value of the quantity in a period
+ * @param {number} high largest one
+ * @param {number} period of a swing [s]
+ * @param {number} lag how far the number may be behind [s]
+ */
+export function isBehind(low, high, period, lag) {
+  const fastest = (Math.PI * (high - low)) / period;
+  return lag * fastest > BEHIND * Math.max(-low, high);
+}
 
 export class Instant {
   /** @param {Curve[]} curves of the chart, of any run */
@@ -40,17 +60,46 @@ export class Instant {
   }
 
   /**
-   * Write the values into the legend.
+   * Write the values into the legend, but for those that would be behind the picture.
    * @param {Motion} motion
    * @param {Curve[]} curves
    * @param {number} time
    * @param {Pose | null} held
+   * @param {number} lag how far they may be behind [s]
    */
-  read(motion, curves, time, held) {
+  read(motion, curves, time, held, lag) {
+    const period = (2 * Math.PI) / motion.naturalFrequency || 1;
+    const [first, last] = [time - period / 2, time + period / 2].map((each) => before(motion.time, each));
     curves.forEach(({ ofPose, values }, k) => {
       const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(motion.time, values, time);
-      const text = short(value, 4);
+      const [low, high] = range(values, first, last + 1);
+      const text = isBehind(low, high, period, lag) ? "" : short(value, 4);
       if (this.values[k].textContent !== text) this.values[k].textContent = text;
     });
   }
+}
+
+/**
+ * Let a pointer over a chart move the clock, which rests meanwhile.
+ * @param {any} plot
+ * @param {import("./clock.js").Clock} clock
+ */
+export function followPointer(plot, clock) {
+  const { over } = plot;
+  let wasPlaying = false;
+  const seek = (/** @type {PointerEvent} */ event) =>
+    clock.seek(plot.posToVal(event.clientX - over.getBoundingClientRect().left, "x"));
+  over.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
+    if (event.button || event.shiftKey) return;
+    over.setPointerCapture(event.pointerId);
+    wasPlaying = clock.playing;
+    clock.pause();
+    seek(event);
+  });
+  over.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+    if (over.hasPointerCapture(event.pointerId)) seek(event);
+  });
+  over.addEventListener("lostpointercapture", () => {
+    if (wasPlaying) clock.play();
+  });
 }

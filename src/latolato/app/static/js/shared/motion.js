@@ -37,14 +37,16 @@ export function before(values, x) {
 }
 
 /**
- * Return the least and the largest finite value.
+ * Return the least and the largest finite value of all, or from one place up to another.
  * @param {ArrayLike<number>} values
+ * @param {number} [from]
+ * @param {number} [to]
  * @returns {[number, number]}
  */
-export function range(values) {
+export function range(values, from = 0, to = values.length) {
   let low = Infinity;
   let high = -Infinity;
-  for (let i = 0; i < values.length; i += 1) {
+  for (let i = from; i < to; i += 1) {
     const value = values[i];
     if (value < low && value > -Infinity) low = value;
     if (value > high && value < Infinity) high = value;

@@ -148,7 +148,7 @@ export class Player {
     const label = this.clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
     if (!this.clock.isRead) return;
-    if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(2) }) + slackText(this.motion, time);
+    if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(this.clock.playing ? 1 : 2) }) + slackText(this.motion, time);
     this.timeline.tell(time);
   }
 

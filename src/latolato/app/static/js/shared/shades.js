@@ -1,7 +1,5 @@
 /** Stretches of time behind curves, each in the colour of what it means. */
 
-import { colour } from "./dom.js";
-
 /** @typedef {{from: number, to: number, paint: string}} Shade */
 
 const STRENGTH = 0.28;
@@ -10,9 +8,9 @@ const STRENGTH = 0.28;
  * Draw stretches of time behind the curves of a chart.
  * @param {any} u the uPlot chart
  * @param {Shade[]} shades
- * @param {Element} root where colours are read
+ * @param {(name: string) => string} colour
  */
-export function drawShades(u, shades, root) {
+export function drawShades(u, shades, colour) {
   const { ctx: context, bbox } = u;
   context.save();
   context.beginPath();
@@ -22,7 +20,7 @@ export function drawShades(u, shades, root) {
   for (const { from, to, paint } of shades) {
     const x = u.valToPos(from, "x", true);
     const width = Math.max(u.valToPos(to, "x", true) - x, 1);
-    context.fillStyle = colour(paint, root);
+    context.fillStyle = colour(paint);
     context.fillRect(x, bbox.top, width, bbox.height);
   }
   context.restore();

@@ -39,6 +39,9 @@ export function pathOf(u, k, i0, i1, period) {
   return { stroke, fill: null, clip: null, gaps: null, flags: 0 };
 }
 
+/** @type {WeakMap<any, {least: Float64Array, largest: Float64Array}>} by the data of a chart */
+const running = new WeakMap();
+
 /**
  * Return the least and the largest of two values and all on the left axis up to an instant.
  * @param {any} u
@@ -47,17 +50,37 @@ export function pathOf(u, k, i0, i1, period) {
  * @param {number} until
  * @returns {[number, number]}
  */
-export function extremes(u, low, high, until) {
-  const [times, ...columns] = u.data;
-  columns.forEach((/** @type {ArrayLike<number>} */ values, /** @type {number} */ k) => {
-    if (u.series[k + 1].scale !== "y") return;
-    for (let i = 0; i < times.length && times[i] <= until; i += 1) {
-      if (values[i] === null) continue;
-      low = Math.min(low, values[i]);
-      high = Math.max(high, values[i]);
+export function extremesUntil({ data, series }, low, high, until) {
+  const i = before(data[0], until);
+  if (i < 0) return [low, high];
+  let extremes = running.get(data);
+  if (!extremes) {
+    extremes = runningExtremes(data.slice(1).filter((/** @type {any} */ _, /** @type {number} */ k) =>
+      series[k + 1].scale === "y"), data[0].length);
+    running.set(data, extremes);
+  }
+  return [Math.min(low, extremes.least[i]), Math.max(high, extremes.largest[i])];
+}
+
+/**
+ * Return the least and the largest value of all columns up to each sample; null counts for nothing.
+ * @param {ArrayLike<number | null>[]} columns
+ * @param {number} count of samples
+ */
+function runningExtremes(columns, count) {
+  const [least, largest] = [new Float64Array(count), new Float64Array(count)];
+  let [low, high] = [Infinity, -Infinity];
+  for (let i = 0; i < count; i += 1) {
+    for (const values of columns) {
+      const value = values[i];
+      if (value === null) continue;
+      if (value < low) low = value;
+      if (value > high) high = value;
     }
-  });
-  return [low, high];
+    least[i] = low;
+    largest[i] = high;
+  }
+  return { least, largest };
 }
 
 /**
