@@ -113,7 +113,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
 
     fill(page, "pivot to ball centre", "36.3")
     fill(page, "radius of one ball", "wide")
-    page.get_by_text("“wide” is not a number with a known unit").wait_for()
+    page.get_by_text("“wide” is not a number in mm").wait_for()
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
     fill(page, "radius of one ball", "20")
     fill(page, "mass of one ball", "-1")

@@ -304,7 +304,7 @@ def test_a_bad_value_is_explained_next_to_its_field(cell, run):
     field = cell.get_by_label("radius of one ball", exact=False).first
     field.fill("2000")
     field.press("Enter")
-    cell.get_by_text("must lie in [0, length)").wait_for()
+    cell.get_by_text("below the length, got 2000").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
 
 

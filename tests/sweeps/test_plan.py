@@ -245,7 +245,7 @@ MISTAKES = {
     "text as values": ({"axes": {"mass": "heavy"}}, "axis mass must hold numbers in kg"),
     "text as a value": ({"axes": {"mass": [1.0, "heavy"]}}, "mass must be a number in kg"),
     "one number": ({"axes": {"mass": 1.0}}, "axis mass must hold numbers in kg"),
-    "NaN": ({"axes": {"mass": [1.0, math.nan]}}, "mass must be finite"),
+    "NaN": ({"axes": {"mass": [1.0, math.nan]}}, "mass must be a number"),
     "out of range": ({"axes": {"restitution": [0.5, 1.5]}}, "restitution must lie in .0, 1."),
     "no drive": ({"drive": None, "axes": {"drive_phase": [0.0]}}, "needs a drive"),
     "half a drive": ({"drive": None, "axes": {"drive_amplitude": [0.1]}}, "needs a drive"),

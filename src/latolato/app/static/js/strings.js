@@ -84,7 +84,8 @@ export const STRINGS = {
   more: "More",
   unitOf: "unit of {name}",
   sliderOf: "{name}, slider",
-  oneNumber: "One number belongs here. Decimals follow a point: {text}",
+  numberNeeded: "A number belongs here, such as {example}.",
+  numberNeededHere: "A number belongs here.",
   addRow: "Add a row",
   removeRow: "Remove row {number}",
   // player
@@ -244,7 +245,9 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   liveHidden: "The toy was paused while its tab was in the background.",
   liveSlow: " · this device reaches {share}× real time",
   liveFault: "The toy restarts: {text}.",
-  noNumber: "“{text}” is not a number with a known unit.",
+  noNumber: "“{text}” is not a number.",
+  noNumberOf: "“{text}” is not a number {unit}.",
+  noNumberIn: "“{text}” is not a number in {unit}.",
   // stories
   storiesIntro: "A story shows you something, lets you guess, and then lets you try it. It takes a few minutes.",
   storiesList: "Stories",
@@ -341,7 +344,7 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   mapContoursTiny: "Rings about single points are left out ({count}).",
   mapLevels: "at the values",
   mapLevelsOf: "Contour lines at these values of {what}; an empty field stands for round ones",
-  noLevels: "“{text}” is not a list of numbers. Try 10, 20, 50.",
+  noLevels: "“{text}” is not a list of numbers. Try {example}.",
   mapTongue: "Mathieu tongue (eq14)",
   mapLift: "lift-off from rest (A₀ω² = g)",
   tooManyLevels: "At most {most} values at a time, got {count}.",
@@ -848,9 +851,13 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
 export const ENGLISH = "en";
 const GAP = /\{(\w+)\}/g;
 
+// Gaps that hold names and texts, in which a point between digits is no decimal point.
+const NAMES = ["name", "title", "text", "figure", "version", "error", "message", "claimed"];
+
 /** What the page speaks. */
 const spoken = {
   code: ENGLISH,
+  hasComma: false,
   /** @type {Record<string, Text>} */
   strings: STRINGS,
   /** @type {Map<string, string>} */
@@ -877,7 +884,7 @@ export function setLanguage(code, { strings, texts }) {
       shape: new RegExp(`^${text.split(GAP).map((part, i) =>
         (i % 2 ? "(.*?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
-    shapes });
+    shapes, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
 }
 
 /**
@@ -915,9 +922,30 @@ export function tr(text) {
 }
 
 /**
+ * Return numbers with decimal points as the language of the page writes them.
+ * @param {string} text
+ * @returns {string}
+ */
+export function local(text) {
+  return spoken.hasComma ? text.replace(/(\d)\.(?=\d)/g, "$1,") : text;
+}
+
+/**
+ * Return a list of numbers as the language of the page writes it; fields read it back.
+ * @param {string[]} numbers
+ * @returns {string}
+ */
+export function localList(numbers) {
+  return numbers.map(local).join(spoken.hasComma ? "; " : ", ");
+}
+
+/**
  * @param {string} text
  * @param {Record<string, string | number>} values
  */
 function filled(text, values) {
-  return text.replace(GAP, (_, gap) => String(values[gap]));
+  return text.replace(GAP, (_, gap) => {
+    const value = String(values[gap]);
+    return NAMES.includes(gap) ? value : local(value);
+  });
 }

@@ -4,7 +4,6 @@ import { followDrag } from "../shared/drag.js";
 import { slackText } from "../shared/hang.js";
 import { startKernels } from "../kernels/load.js";
 import { followKeys } from "../shared/keys.js";
-import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls, withSuspension } from "../live/address.js";
@@ -75,7 +74,7 @@ export class LiveView {
     this.preset = presetField(page);
     this.keeper = new Keeper(page, () => this.toy);
     this.shake = new Shake(() => this.toy, () => this.showShake());
-    this.knobs = makeKnobs(page.registry, (name, text, value) => this.take(name, text, value));
+    this.knobs = makeKnobs(page.registry, (name, _, value) => this.take(name, Number(value)));
     this.parts = makeParts(RATIOS, {
       pause: () => this.pause(),
       push: () => this.push(),
@@ -237,29 +236,15 @@ export class LiveView {
   }
 
   /**
-   * Take what was slid or typed, if the toy takes it.
+   * Take what was slid or typed.
    * @param {string} name
-   * @param {string} text
-   * @param {number | null} value in SI units
+   * @param {number} value in SI units
    */
-  take(name, text, value) {
-    const knob = this.knobs.all[name];
+  take(name, value) {
     const { toy } = this;
-    if (value === null || !Number.isFinite(value)) {
-      knob.error(t("noNumber", { text }));
-      return;
-    }
     const isRatio = name === "frequency_ratio";
     const scale = isRatio && toy ? toy.system.naturalFrequency : 1;
     const control = isRatio ? "drive_frequency" : name;
-    const range = toy?.limits[control].map((end) => end / scale) ?? [value, value];
-    const refused = refusal(knob, value, range);
-    if (refused) {
-      const { about, nearest } = refused;
-      knob.error(about);
-      this.say(about, [{ label: t("takeNearest", { value: nearest }), act: () => knob.give(value) }], true);
-      return;
-    }
     this.knobs.error(null);
     this.say("");
     this.set(control, value * scale);
@@ -394,7 +379,7 @@ export class LiveView {
 
   /** @param {number} ratio */
   ratio(ratio) {
-    if (this.toy) this.take("frequency_ratio", String(ratio), ratio);
+    if (this.toy) this.take("frequency_ratio", ratio);
   }
 
   /** Return what each key does. @returns {import("../shared/keys.js").Actions} */

@@ -2,7 +2,7 @@
 
 import { curvesOf } from "../shared/describe.js";
 import { inText } from "../shared/narrator.js";
-import { short } from "../shared/units.js";
+import { localShort } from "../shared/units.js";
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
@@ -65,7 +65,7 @@ export class Watch {
   read(motion) {
     const now = valuesOf(motion);
     for (const [name, output] of Object.entries(this.values)) {
-      const text = short(now[name], DIGITS);
+      const text = localShort(now[name], DIGITS);
       if (output.textContent !== text) output.textContent = text;
     }
   }

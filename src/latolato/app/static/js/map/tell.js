@@ -1,7 +1,7 @@
 /** What a map says in words: places, values, colours. */
 
 import { el } from "../shared/dom.js";
-import { plainSymbol, short, shownUnit } from "../shared/units.js";
+import { plainSymbol, localShort, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
 
@@ -21,7 +21,7 @@ const GAP = "\u00a0";
 export function withUnit(about, value) {
   const unit = shownUnit(about.units[0]?.name ?? "");
   const gap = unit && !unit.startsWith("°") ? GAP : "";
-  return `${short(value / sizeOf(about), 4)}${gap}${unit}`;
+  return `${localShort(value / sizeOf(about), 4)}${gap}${unit}`;
 }
 
 /**
@@ -92,6 +92,6 @@ export function doneText(grid, { points, seconds, rate }) {
   const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
   if (!points) return t("mapKnown", { points: all });
-  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: short(seconds, 2),
+  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
     rate: Math.round(rate) });
 }

@@ -5,7 +5,7 @@ import { el } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, refusal, spansOf, tellingOptions } from "../shared/knobs.js";
+import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
@@ -39,7 +39,7 @@ export class PlayView {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.form = new Form(form, page.registry, page.store);
     this.presets = presetField(page);
-    this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value));
+    this.knobs = new Knobs(page.registry, (name, text) => this.form.give(name, text || null));
     this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
@@ -87,7 +87,10 @@ export class PlayView {
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
         this.page.store.drop([RECORDING]);
-      if (changed === "preset") this.player.restart();
+      if (changed === "preset") {
+        this.form.forget();
+        this.player.restart();
+      }
       void this.simulate();
     }));
     void this.simulate();
@@ -197,38 +200,6 @@ export class PlayView {
   }
 
   /**
-   * Take what was slid or typed into a knob, unless it is far beyond its slider.
-   * @param {string} name
-   * @param {string} text
-   * @param {number | null} value in SI units
-   */
-  take(name, text, value) {
-    const knob = this.knobs.all[name];
-    const [low, farthest] = this.reach(name);
-    const refused = value === null ? null : refusal(knob, value, [low, farthest]);
-    if (!refused) {
-      this.form.give(name, text || null);
-      return;
-    }
-    knob.error(refused.about);
-    this.note(refused.about, [{ label: t("takeNearest", { value: refused.nearest }),
-      act: () => knob.give(Number(value) < low ? low : farthest) }], true);
-  }
-
-  /**
-   * Return what a knob takes: how often it shakes has one limit in both ways to say it.
-   * @param {string} name
-   * @returns {[number, number]}
-   */
-  reach(name) {
-    const { motion } = this.player;
-    if (name === "frequency_ratio" && motion)
-      return [0, this.reach("drive_frequency")[1] / naturalFrequency(motion.about.options)];
-    const { span } = this.knobs.all[name];
-    return SLIPS.includes(name) && span ? [0, Number(short(FARTHEST * span[1], 2))] : [-Infinity, Infinity];
-  }
-
-  /**
    * Show the knobs that tell most about a run.
    * @param {Motion} motion
    * @param {string | null} scenario
@@ -245,6 +216,12 @@ export class PlayView {
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));
     }
+    for (const name of SLIPS) {
+      const knob = this.knobs.all[name];
+      if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
+    }
+    const { drive_frequency: frequency, frequency_ratio: ratio } = this.knobs.all;
+    if (ratio) ratio.limits = [0, frequency.limits[1] / naturalFrequency(options)];
     for (const [name, knob] of Object.entries(this.knobs.all))
       knob.read(this.form.text(name), store.state.options[name] !== undefined);
     this.knobs.error(null);

@@ -2,7 +2,7 @@
 
 import { el } from "./dom.js";
 import { valueAt } from "./traces.js";
-import { short } from "./units.js";
+import { localShort } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./motion.js").Pose} Pose */
@@ -49,7 +49,7 @@ export class Instant {
   read(motion, curves, time, held) {
     curves.forEach(({ ofPose, values }, k) => {
       const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(motion.time, values, time);
-      const text = short(value, 4);
+      const text = localShort(value, 4);
       if (this.values[k].textContent !== text) this.values[k].textContent = text;
     });
   }
