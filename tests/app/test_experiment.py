@@ -136,7 +136,10 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     period = page.locator("[data-answer=small_period]")
     assert float(period.get_attribute("data-value")) == pytest.approx(1.0 / swings, rel=0.005)
     assert "±" in period.inner_text()
-    assert "with l = 36.3441 cm: the length 36.3 cm, taken as ± 1 mm" in page.locator("[data-answer=gravity]").inner_text()
+    assert (
+        "with l = 36.3441 cm: the length 36.3 cm, taken as ± 1 mm"
+        in page.locator("[data-answer=gravity]").inner_text()
+    )
     for width in (1366, 390):
         page.set_viewport_size({"width": width, "height": 900})
         places = (".numbers", ".finding", ".clip-box", ".cards", ".clip-exports")

@@ -124,7 +124,10 @@ def test_the_numbers_of_a_free_swing_are_period_frequency_fading_and_gravity():
     given = numbers["gravity"]["given"]
     assert given["length"] + 0.1 * given["more"] == pytest.approx(given["equivalent"])
     # With a pocket calculator, from the numbers that the page shows.
-    length, period = 0.01 * round(given["equivalent"], 4), round(numbers["small_period"]["value"], 5)
+    length, period = (
+        0.01 * round(given["equivalent"], 4),
+        round(numbers["small_period"]["value"], 5),
+    )
     assert 4.0 * math.pi**2 * length / period**2 == pytest.approx(9.81, abs=3e-4)
     assert numbers["half_life"]["value"] == pytest.approx(math.log(2.0) / 0.035)
 

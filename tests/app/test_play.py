@@ -444,7 +444,7 @@ def test_the_space_bar_is_left_to_those_that_need_it(page):
     was = loop.is_checked()
     page.keyboard.press("Space")
     assert loop.is_checked() != was
-    page.get_by_role("button", name="Pin this run").focus()
+    page.get_by_role("button", name="Pin this run to compare").focus()
     page.keyboard.press("Space")
     page.get_by_role("button", name="Unpin this run").wait_for()
     field = page.get_by_label("pivot to ball centre l", exact=True)
@@ -462,7 +462,7 @@ def test_the_space_bar_is_left_to_those_that_need_it(page):
 
 def test_a_pinned_run_stays_behind_the_next(page):
     open_form(page, "&scenario=fig04b_push&duration=10%20s")
-    page.get_by_role("button", name="Pin this run").click()
+    page.get_by_role("button", name="Pin this run to compare").click()
     field = page.get_by_label("driving amplitude", exact=False).first
     field.fill("30")
     field.press("Enter")

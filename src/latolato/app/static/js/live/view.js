@@ -21,17 +21,15 @@ import { inPagesWords } from "../model/words.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
+import { fromBottom } from "../shared/motion.js";
 import { Senses } from "../shared/senses.js";
-import { FIRST_OF_LIVE } from "../shared/state.js";
+import { withOptions } from "../shared/links.js";
+import { FIRST_OF_LIVE, OPTIONS_OF_LIVE } from "../shared/state.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 
-// What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
-// a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
-// the change); from 32 mm on they always do (60 of 60, within 15 s).
-const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
 const READ_EVERY = 100; // ms
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
 const RATIOS = { high: 3.136, low: 2.389 };
@@ -43,6 +41,7 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
+const DEGREES = 180 / Math.PI;
 
 /**
  * Return whether two cases differ in nothing but what the controls change.
@@ -72,6 +71,8 @@ export class LiveView {
     this.dirty = false;
     this.readAt = 0;
     this.preset = presetField(page);
+    /** The largest angle since the start [rad]. */
+    this.highest = 0;
     this.keeper = new Keeper(page, () => this.toy);
     this.shake = new Shake(() => this.toy, () => this.showShake());
     this.knobs = makeKnobs(page.registry, (name, _, value) => this.take(name, Number(value)));
@@ -186,21 +187,25 @@ export class LiveView {
   request() {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
-    if (!scenario && !options.system) {
+    const isFirst = !scenario && !options.system;
+    if (isFirst) {
       scenario = FIRST_OF_LIVE;
-      options = { ...FIRST_OPTIONS, ...options };
+      if ((options.drive ?? OPTIONS_OF_LIVE.drive) === OPTIONS_OF_LIVE.drive)
+        options = withOptions(OPTIONS_OF_LIVE, options);
     }
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
-    this.preset.show(scenario);
+    this.preset.show(isFirst ? null : scenario, isFirst ? t("liveFirst") : "");
     return { scenario, options };
   }
 
   /** @param {Toy} toy */
   start(toy) {
     this.toy = toy;
+    this.highest = 0;
     this.motion = new LiveMotion(toy, this.watch.history);
     fit(this.knobs, toy);
+    this.knobs.explain(toy.system.naturalFrequency);
     this.parts.hang.value = toy.system.suspension;
     this.parts.hang.disabled = toy.system.linear;
     this.showRatio();
@@ -293,6 +298,7 @@ export class LiveView {
     try {
       this.pace.move(toy, now, () => {
         motion.follow();
+        this.highest = Math.max(this.highest, ...toy.angles.map(fromBottom));
         const clacks = toy.clack > SOFTEST;
         this.watch.add(motion, clacks);
         if (clacks) this.scene.flash(motion.pose(), toy.clack);
@@ -334,6 +340,7 @@ export class LiveView {
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
+    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest * DEGREES) });
     this.showRatio();
     this.keeper.show();
     this.shake.watch();

@@ -1,12 +1,13 @@
 /** Play: the motion, three knobs beside it, and everything else one click away. */
 
 import { codeBlocks } from "../shared/code.js";
-import { el } from "../shared/dom.js";
+import { el, freshId } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
 import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
+import { openLink } from "../shared/links.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
@@ -27,6 +28,9 @@ const RECORDING = "play.recording";
 // Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
 const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
+// Where the question with which the page opens is answered at length.
+const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
+const DEGREES = 180 / Math.PI;
 
 export class PlayView {
   /** @param {Page} page */
@@ -54,8 +58,18 @@ export class PlayView {
     this.player.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.presets.head.append(this.reset, this.makePin());
-    place.prepend(el("div", { class: "desk" }, this.presets.question, this.player.bench,
-      el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field), this.knobs.root,
+    const hangId = freshId();
+    this.hang = el("select", { id: hangId, on: { change: () => this.form.hangOn(this.hang.value) } },
+      ...["rod", "string"].map((each) => el("option", { value: each }, tr(each))));
+    this.hanging = el("div", { class: "field hanging" }, el("label", { for: hangId }, t("hangsOn")), this.hang);
+    this.highest = el("span", {});
+    this.answer = el("span", { hidden: true }, " ", t("toyAnswer"), ...Object.entries(STORIES).flatMap(
+      ([name, title]) => [" ", openLink(page, { view: "play", scenario: null, options: {},
+        extra: { "story.name": name } }, tr(title))]));
+    this.presets.told.append(this.highest, this.answer);
+    this.player.clock.subscribe((time) => this.tellHighest(time));
+    place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
+      el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
         el("div", { class: "drawers" }, this.more, this.downloads.root,
           drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code)))));
     this.root = el("div", { class: "view play" }, place);
@@ -147,6 +161,7 @@ export class PlayView {
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
     this.presets.show(scenario);
+    this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
     // The form is made while the worker computes.
     const waiting = setTimeout(() => {
@@ -212,10 +227,13 @@ export class PlayView {
     if (subject !== this.knobsFor) {
       this.knobsFor = subject;
       this.knobs.make(names);
+      this.knobs.explain(naturalFrequency(options));
       const [{ length, mass }] = balls;
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));
     }
+    this.hanging.hidden = !registry.systems[options.system].options.includes("suspension");
+    this.hang.value = options.suspension ?? "rod";
     for (const name of SLIPS) {
       const knob = this.knobs.all[name];
       if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
@@ -225,6 +243,16 @@ export class PlayView {
     for (const [name, knob] of Object.entries(this.knobs.all))
       knob.read(this.form.text(name), store.state.options[name] !== undefined);
     this.knobs.error(null);
+  }
+
+  /**
+   * Say how high the balls have been since the start.
+   * @param {number} time
+   */
+  tellHighest(time) {
+    const { motion, clock } = this.player;
+    if (motion && clock.isRead) this.highest.textContent = t("highest",
+      { angle: Math.round(motion.highest(time) * DEGREES) });
   }
 
   /**

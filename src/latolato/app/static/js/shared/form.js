@@ -264,21 +264,27 @@ export class Form {
   }
 
   /**
+   * Hang the balls on rods or strings. What only strings have goes with them; a preset's own value is
+   * replaced.
+   * @param {string} suspension
+   */
+  hangOn(suspension) {
+    const own = this.store.state.options.string_restitution !== undefined;
+    /** @type {Record<string, string | null>} */
+    const others = suspension === "rod" ? { initial_distance: null,
+      string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
+    this.giveAll({ ...others, suspension });
+  }
+
+  /**
    * @param {string} name
    * @param {Option} option
    * @param {string[]} choices
    */
   choiceField(name, option, choices) {
     const id = freshId();
-    const take = () => {
-      // What only strings have goes with them; a preset's own value is replaced.
-      const own = this.store.state.options.string_restitution !== undefined;
-      /** @type {Record<string, string | null>} */
-      const others = select.value === "rod" ? { initial_distance: null,
-        string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
-      this.giveAll({ ...others, [name]: select.value });
-    };
-    const select = el("select", { id, on: { change: take } },
+    const select = el("select", { id, on: { change: () =>
+      (name === "suspension" ? this.hangOn(select.value) : this.give(name, select.value)) } },
       ...choices.map((each) => el("option", { value: each }, tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });

@@ -17,6 +17,8 @@ import { localShort, parseQuantity, short, shownUnit, symbolParts, toSi } from "
 
 // A slider moves in so many steps.
 const STEPS = 400;
+// A scale that ends below so many times a power of ten has a hundredth of that for a step, else a tenth.
+const COARSE = 4;
 /** A key moves a knob by this share of its slider. */
 const KEY_STEP = 0.01;
 
@@ -25,12 +27,13 @@ export class Knob {
    * @param {string} name of the option
    * @param {Option} option
    * @param {{take: Take, label?: string, unit?: Unit & {shown: string}, keys?: string[],
-   *   digits?: number, isList?: boolean, mayBeEmpty?: boolean, registry?: Registry,
+   *   digits?: number, meaning?: string, isList?: boolean, mayBeEmpty?: boolean, registry?: Registry,
    *   unitChosen?: () => void}} how `unit` is the only one, with what it is called; `isList` whether
-   *   several numbers may be given, `mayBeEmpty` whether none need be
+   *   several numbers may be given, `mayBeEmpty` whether none need be; `meaning` is a text that
+   *   says the value in other words
    */
   constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6,
-    isList = option.several, mayBeEmpty = false, registry, unitChosen }) {
+    isList = option.several, mayBeEmpty = false, meaning = "", registry, unitChosen }) {
     this.name = name;
     this.option = option;
     this.label = label;
@@ -39,6 +42,7 @@ export class Knob {
     this.digits = digits;
     this.isList = isList;
     this.mayBeEmpty = mayBeEmpty;
+    this.meaning = meaning;
     this.registry = registry;
     /** The unit that a text came with, or that was chosen here. */
     this.chosen = "";
@@ -77,12 +81,13 @@ export class Knob {
         change: () => { this.ends = this.reach(); },
       } });
     this.note = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
+    this.hint = meaning ? el("p", { class: "hint" }) : null;
     this.entry = el("span", { class: "entry" }, this.input, this.units
       ?? el("span", { class: "unit" }, unit?.shown ?? shownUnit(option.units[0]?.name ?? "")));
     this.root = el("div", { class: "field knob" },
       el("label", { for: id, title: option.description }, `${label} `, symbolOf(option),
         ...keys.map((key) => el("kbd", { "aria-hidden": "true" }, key))),
-      this.entry, this.slider, this.note);
+      this.entry, this.slider, this.hint, this.note);
   }
 
   /** The unit on show. @returns {Unit} */
@@ -174,6 +179,8 @@ export class Knob {
 
   /** Put the slider where the value is. */
   place() {
+    if (this.hint) this.hint.textContent = this.value === null ? ""
+      : t(this.meaning, { way: this.wordsOf(this.value) });
     if (!this.slider || this.value === null) return;
     if (!isFocused(this.slider)) this.ends = this.reach();
     const [low, high] = this.ends;
@@ -184,7 +191,9 @@ export class Knob {
   slide() {
     const [low, high] = this.ends;
     const share = Number(/** @type {HTMLInputElement} */ (this.slider).value) / STEPS;
-    this.give(low + share * (high - low));
+    const value = low + share * (high - low);
+    // Both ends can be reached; between them are the round numbers of the unit on show.
+    this.give(share % 1 === 0 ? value : snapped(value, Math.max(-low, high), this.unit.size));
   }
 
   /**
@@ -281,6 +290,18 @@ export function symbolOf({ symbol }) {
   const parts = symbolParts(symbol);
   return parts.length ? el("i", {}, ...parts.map(({ text, place }) =>
     (place === "line" ? text : el(place, {}, text)))) : "";
+}
+
+/**
+ * Return the nearest of the round numbers on a slider: forty to four hundred to its farther end.
+ * @param {number} value in SI units
+ * @param {number} farthest end, in SI units
+ * @param {number} size of the unit on show
+ */
+export function snapped(value, farthest, size) {
+  const power = Math.floor(Math.log10(farthest / size));
+  const step = size * 10 ** (farthest / size < COARSE * 10 ** power ? power - 2 : power - 1);
+  return Math.round(value / step) * step;
 }
 
 /** Return whether an element has the focus, also inside of a root of its own. */

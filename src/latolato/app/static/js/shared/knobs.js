@@ -3,6 +3,7 @@
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Knob } from "./knob.js";
+import { short } from "./units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /**
@@ -21,6 +22,8 @@ const NAMES = /** @type {Record<string, string>} */ ({
 });
 const AMPLITUDES = ["drive_amplitude", "vertical_amplitude", "horizontal_amplitude"];
 const COUNT = 3;
+/** What an amplitude means: half of the way from end to end. @type {Record<string, string>} */
+const MEANINGS = { drive_amplitude: "upAndDown", vertical_amplitude: "upAndDown", horizontal_amplitude: "toEachSide" };
 const DIGITS = 4;
 
 /**
@@ -70,6 +73,8 @@ export class Knobs {
     /** @type {Record<string, Knob>} */
     this.all = {};
     this.root = el("div", { class: "knobs" });
+    /** What the natural frequency is. */
+    this.natural = el("p", { class: "hint" });
   }
 
   /**
@@ -84,7 +89,7 @@ export class Knobs {
     const { entry, note } = this.all.drive_frequency;
     // Both ways in one knob: two fields and one slider.
     entry.append(ratio.entry);
-    note.after(ratio.note);
+    note.after(ratio.note, this.natural);
     ratio.input.setAttribute("aria-label", ratio.option.label);
     this.all.frequency_ratio = ratio;
   }
@@ -99,7 +104,15 @@ export class Knobs {
       : name === "drive_frequency" ? { name: "Hz", size: 2 * Math.PI, shown: t("perSecond") } : undefined;
     return new Knob(name, isRatio ? { ...option, suggested: null } : option, {
       label: name in NAMES ? t(NAMES[name]) : option.label, unit, keys: this.keys[name],
-      digits: DIGITS, registry: this.registry, take: (text, value) => this.take(name, text, value) });
+      digits: DIGITS, meaning: MEANINGS[name], registry: this.registry, take: (text, value) => this.take(name, text, value) });
+  }
+
+  /**
+   * Say what the natural frequency is, below the knob that counts in it.
+   * @param {number} frequency [rad/s]
+   */
+  explain(frequency) {
+    this.natural.textContent = t("naturalIs", { rate: short(frequency / (2 * Math.PI), 3) });
   }
 
   /** The registry, in which options have the names and units of their knobs on show. */
