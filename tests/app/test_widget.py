@@ -243,8 +243,8 @@ def test_a_slider_computes_the_run_of_python_in_the_page(cell, run):
     slider = cell.get_by_label("coefficient of restitution, slider")
     slider.focus()
     slider.press("ArrowLeft")
-    cell.get_by_text("restitution=0.8975").wait_for(state="attached")
-    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.8975)
+    cell.get_by_text("restitution=0.89").wait_for(state="attached")
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.02, restitution=0.89)
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.0)
     check_shown(cell, ll.simulate(toy, drive, initial_angle=0.5, duration=3.0))
     cell.get_by_role("button", name="Back to the run of this cell").click()
@@ -341,7 +341,7 @@ def test_a_page_that_allows_no_workers_computes_by_itself(browser, run, policy):
     for _ in range(4):
         page.get_by_label("driving amplitude, slider").press("ArrowRight")
         page.wait_for_timeout(100)
-    page.get_by_text("drive_amplitude=0.025").wait_for(state="attached")
+    page.get_by_text("drive_amplitude=0.06").wait_for(state="attached")
     assert len(workers) == ("blob" in policy)
     page.close()
 

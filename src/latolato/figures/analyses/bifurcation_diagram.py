@@ -107,7 +107,10 @@ def verdict(dataset: xr.Dataset) -> str:
         both = values[dataset["is_hysteretic"].values == 1]
         if both.size:
             where = range_of(knob, both.min(), both.max())
-            text += f" At {times(both.size, 'setting')}, {where}, it depends on whether you come from below or from above."
+            text += (
+                f" At {times(both.size, 'setting')}, {where}, it depends on whether you come from "
+                "below or from above."
+            )
     return text
 
 

@@ -35,6 +35,7 @@ export const STRINGS = {
   view_experiment: "Experiment",
   view_analyse: "Analyse",
   view_story: "Stories",
+  tabProgram: "Needs the installed program",
   unknownView: "There is no view “{name}”.",
   // messages on the stage, and what a link leaves out
   dismiss: "Dismiss this message",

@@ -142,16 +142,17 @@ export class AnalysisForm {
   reads(name, input) {
     const { kind, several } = this.fields[name];
     const usual = { name: this.units[name], size: 1 };
-    if (["float", "int"].includes(kind)) {
+    // Lists may also be ranges, as 1.4 : 3.2, which the server reads.
+    if (["float", "int"].includes(kind) && !several) {
       const { registry } = this;
       const { text, problem } = readEntry(input.value, { usual, units: [usual], unit: usual.name, registry,
-        isList: several, mayBeEmpty: true });
+        mayBeEmpty: true });
       if (problem === null) delete this.problems[name];
       else this.problems[name] = problem;
       this.error(null);
       if (problem !== null) return false;
-      // Decimal commas have become points.
-      if (/[,;]/.test(input.value)) input.value = text;
+      // A decimal comma has become a point.
+      if (input.value.includes(",")) input.value = text;
     }
     this.taken[name] = input.value.trim();
     return true;

@@ -15,10 +15,10 @@ import { localShort, parseQuantity, short, shownUnit, symbolParts, toSi } from "
  * @typedef {(text: string, value: number | null) => void} Take
  */
 
-// A slider moves in so many steps.
-const STEPS = 400;
 // A scale that ends below so many times a power of ten has a hundredth of that for a step, else a tenth.
 const COARSE = 4;
+// Ends of sliders are round numbers up to so much of a step.
+const ROUNDING = 1e-6;
 /** A key moves a knob by this share of its slider. */
 const KEY_STEP = 0.01;
 
@@ -75,7 +75,7 @@ export class Knob {
         unitChosen?.();
       } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
       : null;
-    this.slider = this.span && el("input", { type: "range", min: "0", max: String(STEPS), step: "1",
+    this.slider = this.span && el("input", { type: "range", min: "0", max: "1", step: "1",
       "aria-label": t("sliderOf", { name: label }), on: {
         input: () => this.slide(),
         change: () => { this.ends = this.reach(); },
@@ -183,17 +183,28 @@ export class Knob {
       : t(this.meaning, { way: this.wordsOf(this.value) });
     if (!this.slider || this.value === null) return;
     if (!isFocused(this.slider)) this.ends = this.reach();
-    const [low, high] = this.ends;
-    this.slider.value = String(Math.round((STEPS * (this.value - low)) / (high - low || 1)));
+    const { step, first, count } = this.grid;
+    this.slider.max = String(count);
+    this.slider.value = String(Math.round(this.value / step) - first);
     this.slider.setAttribute("aria-valuetext", this.wordsOf(this.value));
   }
 
-  slide() {
+  /**
+   * The positions of the slider: both ends, and between them the round numbers of the unit on show, so
+   * that an arrow key goes from one to the next. `first` and `step` are those of the round numbers.
+   */
+  get grid() {
     const [low, high] = this.ends;
-    const share = Number(/** @type {HTMLInputElement} */ (this.slider).value) / STEPS;
-    const value = low + share * (high - low);
-    // Both ends can be reached; between them are the round numbers of the unit on show.
-    this.give(share % 1 === 0 ? value : snapped(value, Math.max(-low, high), this.unit.size));
+    const { size } = this.unit;
+    const step = size * roundStep(Math.max(-low, high) / size || 1);
+    const first = Math.floor(low / step + ROUNDING);
+    return { low, high, step, first, count: Math.max(1, Math.ceil(high / step - ROUNDING) - first) };
+  }
+
+  slide() {
+    const { low, high, step, first, count } = this.grid;
+    const i = Number(/** @type {HTMLInputElement} */ (this.slider).value);
+    this.give(i <= 0 ? low : i >= count ? high : (first + i) * step);
   }
 
   /**
@@ -293,15 +304,12 @@ export function symbolOf({ symbol }) {
 }
 
 /**
- * Return the nearest of the round numbers on a slider: forty to four hundred to its farther end.
- * @param {number} value in SI units
- * @param {number} farthest end, in SI units
- * @param {number} size of the unit on show
+ * Return the distance of the round numbers on a slider: forty to four hundred go to its farther end.
+ * @param {number} farthest end, in the unit on show
  */
-export function snapped(value, farthest, size) {
-  const power = Math.floor(Math.log10(farthest / size));
-  const step = size * 10 ** (farthest / size < COARSE * 10 ** power ? power - 2 : power - 1);
-  return Math.round(value / step) * step;
+export function roundStep(farthest) {
+  const power = Math.floor(Math.log10(farthest));
+  return 10 ** (farthest < COARSE * 10 ** power ? power - 2 : power - 1);
 }
 
 /** Return whether an element has the focus, also inside of a root of its own. */
