@@ -115,7 +115,7 @@ def test_a_damped_pendulum_from_a_small_angle_grows_between_the_edges_of_the_ton
         (lambda g: (g, "mean_enrgy", 0.5), "did you mean 'mean_energy'"),
         (lambda g: (g.isel(drive_amplitude=0), "mean_energy", 0.5), "a map over two parameters"),
         (lambda g: (g.isel(drive_amplitude=[0]), "mean_energy", 0.5), "at least 2 values each"),
-        (lambda g: (g, "mean_energy", float("nan")), "level must be finite"),
+        (lambda g: (g, "mean_energy", float("nan")), "level must be a number"),
     ],
 )
 def test_bad_input_says_the_rule_and_the_way_out(make, message):

@@ -113,7 +113,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
 
     fill(page, "pivot to ball centre", "36.3")
     fill(page, "radius of one ball", "wide")
-    page.get_by_text("“wide” is not a number with a known unit").wait_for()
+    page.get_by_text("“wide” is not a number in mm").wait_for()
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
     fill(page, "radius of one ball", "20")
     fill(page, "mass of one ball", "-1")
@@ -136,7 +136,10 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     period = page.locator("[data-answer=small_period]")
     assert float(period.get_attribute("data-value")) == pytest.approx(1.0 / swings, rel=0.005)
     assert "±" in period.inner_text()
-    assert "g, from the length 0.363 m" in page.locator("[data-answer=gravity]").inner_text()
+    assert (
+        "with l = 36.3441 cm: the length 36.3 cm, taken as ± 1 mm"
+        in page.locator("[data-answer=gravity]").inner_text()
+    )
     for width in (1366, 390):
         page.set_viewport_size({"width": width, "height": 900})
         places = (".numbers", ".finding", ".clip-box", ".cards", ".clip-exports")

@@ -120,18 +120,30 @@ def test_the_numbers_of_a_free_swing_are_period_frequency_fading_and_gravity():
     numbers = {each["name"]: each for each in told}
     assert numbers["small_period"]["value"] == pytest.approx(math.tau / rate)
     assert numbers["gravity"]["value"] == pytest.approx(9.81)
-    assert numbers["gravity"]["sigma"] == pytest.approx(2e-3 * 9.81)
-    assert numbers["gravity"]["given"] == 0.363
+    assert numbers["gravity"]["sigma"] == pytest.approx(math.hypot(2e-3, 1e-3 / 0.363) * 9.81)
+    given = numbers["gravity"]["given"]
+    assert given["length"] + 0.1 * given["more"] == pytest.approx(given["equivalent"])
+    # With a pocket calculator, from the numbers that the page shows.
+    length, period = (
+        0.01 * round(given["equivalent"], 4),
+        round(numbers["small_period"]["value"], 5),
+    )
+    assert 4.0 * math.pi**2 * length / period**2 == pytest.approx(9.81, abs=3e-4)
     assert numbers["half_life"]["value"] == pytest.approx(math.log(2.0) / 0.035)
 
 
 def test_without_a_length_the_length_is_a_number_of_the_answer():
-    values = {**DECAY["values"], "length": value(0.364, 1e-3), "centre_length": value(0.363, 1e-3)}
+    values = {**DECAY["values"], "length": value(0.364, 1e-3)}
     told = answer_of(table(), {"decay": {"values": values}}, None, Apparatus())
     assert told[-1] == {
-        "name": "length", "value": pytest.approx(36.3), "sigma": pytest.approx(0.1), "units": "cm",
-        "given": 9.8,
+        "name": "length", "value": pytest.approx(36.4), "sigma": pytest.approx(0.1), "units": "cm",
+        "given": {"gravity": 9.8},
     }  # fmt: skip
+    values |= {"centre_length": value(0.363, 1e-3)}
+    told = answer_of(table(), {"decay": {"values": values}}, None, Apparatus(radius=0.02))
+    assert told[-1]["value"] == pytest.approx(36.3)
+    assert told[-1]["given"] == {"gravity": 9.8, "radius": 20.0, "equivalent": 36.4,
+        "more": pytest.approx(1.0)}  # fmt: skip
 
 
 def test_the_numbers_of_a_driven_toy_are_those_of_pivot_swing_and_collisions():

@@ -39,8 +39,9 @@ CLAUSES = [
     "at most 7", "below 7", "both axes show the 7: choose another one", "contact", "contact law",
     "did you mean '7'?", "drive", "failed at t = 7 s: the motion left the range of numbers",
     "give 7", "got", "in 7 (or a unit that converts to it)", "known are 7", "larger",
-    "leave it out", "left", "longer", "must be 7", "observable", "option", "parameter", "right",
-    "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system",
+    "leave it out", "left", "longer", "must be 7", "must lie between 7 and 7", "observable",
+    "option", "parameter", "right",
+    "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system", "the length",
     "{parameter} must lie in [0, pi] rad",
     "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
     f"stopped at t = 7 s: {TANGLED}", TANGLED,
@@ -255,7 +256,7 @@ def test_views_show_no_english_and_fit_a_phone(page, path, view, english):
     page.set_viewport_size({"width": 390, "height": 844})
     page.goto(f"/?view={view}&lang={path.stem}")
     page.wait_for_selector(VIEWS[view], timeout=PATIENCE)
-    for summary in page.locator("main summary").all():
+    for summary in page.locator("main summary").filter(visible=True).all():
         summary.click()
     assert page.evaluate("() => document.documentElement.lang") == path.stem
     shown = page.evaluate(_READ)
@@ -325,7 +326,7 @@ def test_a_refusal_stands_in_the_language_of_the_page(page):
     field.fill("2000")
     field.press("Enter")
     page.get_by_text(
-        "“jari-jari satu bola” harus berada dalam [0, panjang), tetapi diberikan 2"
+        "“jari-jari satu bola” harus sedikitnya 0 mm dan di bawah panjang, tetapi diberikan 2000"
     ).first.wait_for()
 
 

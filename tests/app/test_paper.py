@@ -221,7 +221,7 @@ def test_a_figure_through_the_chain_is_made_on_a_click_only_and_says_what_was_fi
     button.click()
     plate.get_by_text("samples that are simulated with the tracker").wait_for(timeout=240_000)
     assert plate.get_by_text("Not judged yet.").count() == 0
-    plate.get_by_role("img", name="Figure 8 through the chain").wait_for()
+    plate.get_by_role("img", name="Figure 8 from a synthetic experiment").wait_for()
     assert button.count() == 0
 
 

@@ -258,7 +258,7 @@ def test_nothing_flashes_for_who_wants_little_motion(page):
 
 def test_a_pinned_run_is_not_cut_off_by_a_smaller_one(page):
     open_play(page, "&scenario=toy")
-    page.get_by_role("button", name="Pin this run").click()
+    page.get_by_role("button", name="Pin this run to compare").click()
     page.get_by_label("Begin with").select_option("first_push")
     page.wait_for_function("() => /first_push/.test(location.search)")
     page.wait_for_function(

@@ -287,12 +287,12 @@ BROKEN = {
     "view=play&scenario=toy&drive=toString": "There is no drive “toString”",
     "view=play&__proto__=1&scenario=toy": "There is no parameter “__proto__”",
     "view=play&scenario=toy&system=pendulum&__proto__=1": "There is no parameter “__proto__”",
-    "view=play&scenario=toy&length=3 constructor": "must be given in cm",
-    "view=play&scenario=toy&duration=1e999 s": "must be finite",
+    "view=play&scenario=toy&length=3 constructor": "must be a number in cm",
+    "view=play&scenario=toy&duration=1e999 s": "must be a number in s, got inf",
     f"view=play&scenario={'x' * 5000}": "There is no preset “xxx",
     "view=map&format=99": "made by a newer latolato",
     "view=live&scenario=constructor": "There is no preset “constructor”",
-    "view=live&scenario=toy&radius=NaN": "must be finite",
+    "view=live&scenario=toy&radius=NaN": "must be a number in mm, got nan",
 }
 
 

@@ -101,9 +101,9 @@ def but(base, *changed):
 
 
 BAD_INPUT = [
-    (but(TOY, "--length", "nan"), "length must be finite, got nan; give a number in m"),
-    (but(TOY, "--mass", "inf"), "mass must be finite, got inf; give a number in kg"),
-    (but(TOY, "--damping", "-inf"), "damping must be finite, got -inf; give a number in kg*m/s"),
+    (but(TOY, "--length", "nan"), "length must be a number in m, got nan"),
+    (but(TOY, "--mass", "inf"), "mass must be a number in kg, got inf"),
+    (but(TOY, "--damping", "-inf"), "damping must be a number in kg*m/s, got -inf"),
     (but(TOY, "--mass", "-1"), "mass must lie in (0, inf) kg, got -1"),
     (but(TOY, "--length", "-1 m"), "length must lie in (0, inf) m, got -1"),
     (but(TOY, "--restitution", "-0.1"), "restitution must lie in [0, 1]"),
@@ -117,7 +117,7 @@ BAD_INPUT = [
         "initial_angle must lie between the contact angles [0.100167421, 3.04142523] rad, got 0.05",
     ),
     (["fig04a", "--initial-offset", "-1 deg"], "initial_offset must lie in [0, inf) rad"),
-    (but(TOY, "--initial-angle", "nan"), "initial_angle must be finite, got nan"),
+    (but(TOY, "--initial-angle", "nan"), "initial_angle must be a number in rad, got nan"),
     (but(TOY, "--times", "0,1,1"), "times must increase strictly, got 1 after 1 at position 2"),
     (but(TOY, "--times", "0,2,1"), "times must increase strictly, got 1 after 2 at position 2"),
     (but(TOY, "--times", "0 s, nan s"), "times[1] must be finite, got nan"),

@@ -277,7 +277,7 @@ BAD = [
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:3 kg"], "must be given in m"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=1 m:2:3"], "must carry a unit on every value"),
     ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=0:1:3 log m"], "log spacing must lie above 0"),
-    ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=nan:1:3"], "must be finite, got nan"),
+    ([*PENDULUM, *RATIO, "--axis", "drive_amplitude=nan:1:3"], "must be a number in m, got nan"),
     (
         [*PENDULUM, *RATIO, "--axis", "drive_amplitude=1,2,1"],
         "must not repeat a value, got 1 twice",

@@ -155,7 +155,7 @@ def test_the_tongue_is_that_of_the_sweeps_own_damping(grid):
     assert y == figure.axes[0].get_ylim()[1]  # the upper border of the last cells
     expected = mathieu_tongue_edges(drive_amplitude=y, length=0.5, mass=0.8, damping=0.05)
     assert x == pytest.approx(expected[0])
-    assert legend(figure) == ["Mathieu tongue (eq14)"]
+    assert legend(figure) == ["Mathieu tongue (theory)"]
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def test_thermal_noise_balances_the_damping():
     [
         ("300", "temperature must be a number in K, got '300'"),
         (-1.0, "temperature must lie in [0, inf) K, got -1"),
-        (math.nan, "temperature must be finite, got nan"),
+        (math.nan, "temperature must be a number in K, got nan"),
     ],
 )
 def test_a_wrong_temperature_is_refused(temperature, message):

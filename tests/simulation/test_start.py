@@ -101,7 +101,7 @@ REFUSED = [
     (PAIR, (0.5, -0.5), (0.1, 0.3), "initial_distance[1] must not exceed the length of the string"),
     (TOY, 0.5, 0.0, "initial_distance must lie in (0, inf) m, got 0"),
     (TOY, 0.5, -0.1, "initial_distance must lie in (0, inf) m, got -0.1"),
-    (TOY, 0.5, math.nan, "initial_distance must be finite, got nan"),
+    (TOY, 0.5, math.nan, "initial_distance must be a number in m, got nan"),
     (TOY, 0.5, (0.1, 0.1), "initial_distance must be one number in m for one angle"),
     (PAIR, (0.5, -0.5), 0.1, "initial_distance of a BallPair must be two numbers (right, left)"),
     (RODS, 0.5, 0.1, "initial_distance is for balls on strings: a rod keeps its ball"),

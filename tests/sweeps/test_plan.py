@@ -247,7 +247,7 @@ MISTAKES = {
     "durations": ({"axes": {"drive_phase": np.array([1], "m8[ms]")}}, "values of type timedelta64"),
     "text as a value": ({"axes": {"mass": [1.0, "heavy"]}}, r"mass\[1\] must be a number in kg"),
     "one number": ({"axes": {"mass": 1.0}}, "mass must be a sequence of numbers in kg"),
-    "NaN": ({"axes": {"mass": [1.0, math.nan]}}, r"mass\[1\] must be finite"),
+    "NaN": ({"axes": {"mass": [1.0, math.nan]}}, r"mass\[1\] must be a number"),
     "out of range": ({"axes": {"restitution": [0.5, 1.5]}}, r"restitution\[1\] must lie in .0, 1."),
     "no drive": ({"drive": None, "axes": {"drive_phase": [0.0]}}, "needs a drive"),
     "half a drive": ({"drive": None, "axes": {"drive_amplitude": [0.1]}}, "needs a drive"),

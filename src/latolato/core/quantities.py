@@ -173,7 +173,9 @@ QUANTITIES: dict[str, Quantity] = {
     "contact_angle_high": Quantity("rad", r"\theta_{high}", "contact angle at the top"),
     "contact_separation": Quantity("rad", r"\Theta", "angle between the balls at bottom contact"),
     "clamp_step": Quantity("s", "h", "fixed step of contact 'clamp'"),
-    "rest_speed": Quantity("rad/s", r"\dot\theta_{rest}", "capture speed of resting contact"),
+    "rest_speed": Quantity(
+        "rad/s", r"\dot\theta_{rest}", "speed below which touching balls stay together"
+    ),
     # drive
     "drive_amplitude": Quantity("m", "A_0", "driving amplitude", usual=0.02, first_unit="mm"),
     "drive_frequency": Quantity("rad/s", r"\omega", "angular driving frequency", usual=15.1),
@@ -255,7 +257,7 @@ QUANTITIES: dict[str, Quantity] = {
     "slack_fraction": Quantity("1", "", "fraction of time in which a string is slack"),
     "largest_string_impulse": Quantity("N*s", "J_{max}", "largest impulse of a string"),
     # maps
-    "crossings": Quantity("1", "N", "passages through the crossing angle"),
+    "crossings": Quantity("1", "N", "how often a ball passes the crossing angle"),
     "crossing_angle": Quantity("rad", r"\theta_x", "crossing angle"),
     "growth_rate": Quantity("1/s", r"\mu", "exponential growth rate"),
     # analyses

@@ -228,7 +228,7 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
             "must be finite, got an integer beyond all floats", parameter=name
         ) from None
     if not math.isfinite(number):
-        raise InputError("must be finite", parameter=name, value=number, way_out=f"give {kind}")
+        raise InputError(f"must be {kind}", parameter=name, value=number)
     return _within(name, number, allowed, unit)
 
 

@@ -55,10 +55,10 @@ def title_of(name: str) -> str:
     Examples
     --------
     >>> title_of("fig08"), title_of("fig08_chain")
-    ('Figure 8', 'Figure 8 through the chain')
+    ('Figure 8', 'Figure 8 from a synthetic experiment')
     """
     number, _, way = name.removeprefix("fig").lstrip("0").partition("_")
-    return f"Figure {number}" + (" through the chain" if way == "chain" else "")
+    return f"Figure {number}" + (" from a synthetic experiment" if way == "chain" else "")
 
 
 def _modules(pattern: re.Pattern[str]) -> list[str]:

@@ -123,7 +123,7 @@ def draw(axes: Axes, context: Context, name: str) -> Any:
     name = name.replace("-", "_")
     x, y = curve(context, name, axes.get_xlim(), axes.get_ylim())
     if name == "tongue":
-        text = "Mathieu tongue (eq14)" + (", linear drag only" if context.other_drag else "")
+        text = "Mathieu tongue (theory)" + (", linear drag only" if context.other_drag else "")
         return _line(axes, x, y, text, (0, ()))
     return _line(axes, x, y, r"lift-off from rest ($A_0\omega^2 = g$)", (0, (4, 2)))
 

@@ -8,7 +8,7 @@ import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js"
 import { setLanguage, STRINGS, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
 const LANGUAGES = { en: { name: "English", beta: false }, id: { name: "Bahasa Indonesia", beta: true } };
-const REGISTRY = /** @type {any} */ ({ options: { length: { label: "duljina" } } });
+const REGISTRY = /** @type {any} */ ({ options: { length: { label: "duljina", unit: "m" } } });
 
 test("of the languages that a reader wants the first that there is is taken, else English", () => {
   assert.equal(firstOf(LANGUAGES, ["id"]), "id");
@@ -23,9 +23,9 @@ test("a refusal has the unit and the label of the screen", () => {
   const beyond = new InputError("must lie in [0, 1.570796327] rad", { parameter: "angle", value: 2,
     wayOut: "give at most 1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
-    ["“Where it starts” must lie in [0, 90] °, got 114.592; give at most 90", "angle"]);
+    ["“Where it starts” must lie between 0 and 90 °, got 114.592", "angle"]);
   const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
-  assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be given in ° (or a unit), got 'x'");
+  assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {
@@ -50,7 +50,11 @@ test("a language has its own plural forms, and data is translated by its English
       "right ball": "desna kugla",
       "{name}, right ball": "{name}, desna kugla",
       "length": "duljina",
-      "must lie in {range}": "mora biti u {range}",
+      "must be {kind}": "mora biti {kind}",
+      "{one} and {other}": "{one} i {other}",
+      "at least {value}": "barem {value}",
+      "below {value}": "ispod {value}",
+      "the length": "duljine",
       "give less than {value}": "zadajte manje od {value}",
       "give only one of {parameter} and {other}": "zadajte ili {parameter} ili {other}",
       "got": "zadano je",
@@ -70,7 +74,7 @@ test("a refusal is translated in its parts, and its English sentence stays", () 
     { parameter: "length", value: 0.5, wayOut: "give less than 0.4" });
   assert.equal(error.message, "length must lie in [0, length), got 0.5; give less than 0.4");
   assert.deepEqual(inPagesWords(REGISTRY, error),
-    ["“duljina” mora biti u [0, length), zadano je 0.5; zadajte manje od 0.4", "length"]);
+    ["“duljina” mora biti barem 0 m i ispod duljine, zadano je 0,5; zadajte manje od 0,4", "length"]);
   const two = new InputError("give only one of {parameter} and initial_offset", { parameter: "length" });
   assert.equal(inPagesWords(REGISTRY, two)[0], "zadajte ili “duljina” ili initial_offset");
 });

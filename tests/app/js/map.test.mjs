@@ -223,6 +223,6 @@ test("an address with too many levels, or with one that is no number, is refused
   const many = contoursOn(map, { "map.levels": [...Array(21).keys()].join() });
   assert.deepEqual(many.notes, ["at most 20 contour lines, got 21 levels"]);
   const bad = contoursOn(map, { "map.levels": "1,x" });
-  assert.deepEqual(bad.notes, ["a level must be finite, got nan; give a number in SI"]);
+  assert.deepEqual(bad.notes, ["a level must be a number in SI units, got nan"]);
   assert.deepEqual(bad.chart.contours, []);
 });

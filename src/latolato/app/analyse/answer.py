@@ -82,13 +82,25 @@ def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
     from latolato.analysis.summary import as_lines
 
     rows = []
-    for name, text in as_lines(dataset.squeeze()).items():
+    for name, text in as_lines(_in_degrees(dataset.squeeze())).items():
         if name == "analysis":
             continue
         variable = dataset.variables.get(name)
         label = str(variable.attrs.get("long_name") or name) if variable is not None else name
         rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
     return rows
+
+
+def _in_degrees(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with its angles in degrees, as pages show them."""
+    import numpy as np
+
+    shown = dataset.copy()
+    for name, variable in dataset.variables.items():
+        if variable.attrs.get("units") == "rad":
+            attrs = {**variable.attrs, "units": "°"}
+            shown[name] = (variable.dims, np.degrees(variable.values), attrs)
+    return shown
 
 
 def _counted(match: re.Match[str]) -> str:

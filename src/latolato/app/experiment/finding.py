@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
+# Standard uncertainty of a length that somebody measured: one mark of a ruler [m].
+_RULER = 1e-3
 
 
 def finding_of(
@@ -75,13 +77,20 @@ def answer_of(
         The row of the trial table, if the pivot is driven.
     apparatus : Apparatus
         What was measured besides the video. With the length, gravity is a result; without it, the
-        length is one, with the gravity of `fit_decay`.
+        length is one, with the gravity of `fit_decay`, which is taken as exact.
 
     Returns
     -------
     list of dict
-        Each with `name`, `value`, `sigma` (one standard deviation) and `units`, and those that
-        rest on a number that was given with that number in SI units, `given`.
+        Each with `name`, `value`, `sigma` (one standard deviation) and `units`. Gravity and length
+        have `given`, the numbers from which they follow by ``T = 2 pi sqrt(l/g)``, as a page shows
+        them: `length` and `sigma`, its uncertainty, or `gravity`; and with a radius, that of the
+        ball, and by how much the equivalent length `l` exceeds the distance to the centre.
+
+    Notes
+    -----
+    A length is taken to be uncertain by 1 mm, one mark of a ruler, and a radius to be exact: of the
+    equivalent length ``l + 2/5 r^2/l`` it changes the small second part only.
     """
     drive, decay, restitution = (
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
@@ -97,7 +106,7 @@ def answer_of(
     return numbers
 
 
-def _number(name: str, value: float, sigma: float, units: str, **more: float) -> dict[str, Any]:
+def _number(name: str, value: float, sigma: float, units: str, **more: Any) -> dict[str, Any]:
     """Return a number of the answer."""
     return {"name": name, "value": value, "sigma": sigma, "units": units, **more}
 
@@ -131,12 +140,29 @@ def _of_decay(decay: Mapping[str, Any], apparatus: Apparatus) -> list[dict[str, 
     half = _half_life(decay)
     if half is not None:
         numbers.append(_number("half_life", *half, "s"))
+    given: dict[str, float] = {}
     if apparatus.length is None:
-        length = _value(decay.get("centre_length") or decay["length"], 1e2)
-        return [*numbers, _number("length", *length, "cm", given=apparatus.gravity)]
+        length, sigma = _value(decay.get("centre_length") or decay["length"])
+        if "centre_length" in decay:
+            given = _of_ball(length, decay["length"]["value"], apparatus)
+        given |= {"gravity": apparatus.gravity}
+        return [*numbers, _number("length", 1e2 * length, 1e2 * sigma, "cm", given=given)]
     point, _ = equivalent_pendulum(apparatus.length, 1.0, radius=apparatus.radius or 0.0)
-    gravity = point * rate**2, 2.0 * point * rate * error
-    return [*numbers, _number("gravity", *gravity, "m/s²", given=apparatus.length)]
+    if apparatus.radius:
+        given = _of_ball(apparatus.length, point, apparatus)
+    given |= {"length": 1e2 * apparatus.length, "sigma": 1e3 * _RULER}
+    gravity = point * rate**2
+    sigma = gravity * math.hypot(2.0 * error / rate, _RULER / apparatus.length)
+    return [*numbers, _number("gravity", gravity, sigma, "m/s²", given=given)]
+
+
+def _of_ball(centre: float, equivalent: float, apparatus: Apparatus) -> dict[str, float]:
+    """Return by how much a solid ball makes its pendulum longer [mm], and the sum [cm]."""
+    return {
+        "radius": 1e3 * (apparatus.radius or 0.0),
+        "more": 1e3 * (equivalent - centre),
+        "equivalent": 1e2 * equivalent,
+    }
 
 
 def _half_life(decay: Mapping[str, Any]) -> tuple[float, float] | None:

@@ -554,7 +554,10 @@ class _Body:
             parts.append(f"C = {estimates['damping']}")
         if "decay_rate" in estimates:
             parts.append(f"decay rate {estimates['decay_rate']}")
-        parts.append(f"length from the dynamics {estimates['length']}")
+        parts.append(
+            f"length from the dynamics {estimates['length']} "
+            f"(of a point, with g = {self.gravity:g} m/s^2 taken as exact)"
+        )
         words = f"With {law} drag the equation gives {', '.join(parts)}."
         if self.length is not None:
             away = estimates["length"].value / self.length - 1.0

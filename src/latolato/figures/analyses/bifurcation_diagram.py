@@ -108,7 +108,8 @@ def verdict(dataset: xr.Dataset) -> str:
         if both.size:
             where = range_of(knob, both.min(), both.max())
             text += (
-                f" At {times(both.size, 'setting')}, {where}, the way there decides what it does."
+                f" At {times(both.size, 'setting')}, {where}, it depends on whether you come from "
+                "below or from above."
             )
     return text
 

@@ -70,7 +70,9 @@ function startViews(page) {
   // Of views without a stage or a toolbar of their own.
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
-    const link = el("a", { href: `?view=${name}`, on: { click: (/** @type {MouseEvent} */ e) => {
+    const isForProgram = !page.registry.server && NEED_PROGRAM.includes(name);
+    const link = el("a", { href: `?view=${name}`, class: isForProgram && "program",
+      title: isForProgram && t("tabProgram"), on: { click: (/** @type {MouseEvent} */ e) => {
       if (e.ctrlKey || e.metaKey || e.shiftKey) return;
       e.preventDefault();
       page.store.set({ view: name }, "view");

@@ -35,6 +35,7 @@ export const STRINGS = {
   view_experiment: "Experiment",
   view_analyse: "Analyse",
   view_story: "Stories",
+  tabProgram: "Needs the installed program",
   unknownView: "There is no view “{name}”.",
   // messages on the stage, and what a link leaves out
   dismiss: "Dismiss this message",
@@ -59,15 +60,22 @@ export const STRINGS = {
   offline: "The server does not answer. The page tries again by itself.",
   // forms
   preset: "Begin with",
+  presetsToy: "The toy",
+  presetsPendulum: "One pendulum",
+  presetsPaper: "Figures of the paper",
   presetNone: "— own values —",
   presetAbout: "What is this?",
   questionOwn: "What will this toy do?",
+  highest: "Highest so far: {angle}°.",
+  toyAnswer: "They need a push, and a hand that shakes near 2 × ω₀.",
   reset: "Reset",
   moreParameters: "More parameters",
   knobAmplitude: "How far the hand moves",
   knobVertical: "How far up and down",
   knobHorizontal: "How far to the side",
   knobFrequency: "How often",
+  upAndDown: "{way} up, {way} down",
+  toEachSide: "{way} to the left, {way} to the right",
   knobRestitution: "Bounciness",
   knobDamping: "Friction",
   knobAngle: "Angle at the start",
@@ -77,6 +85,7 @@ export const STRINGS = {
   knobLengthLeft: "Length, left ball",
   perSecond: "per second",
   timesNatural: "× ω₀",
+  naturalIs: "1 × ω₀ is as often as a ball swings by itself: {rate} times per second.",
   system: "System",
   drive: "Drive",
   start: "Start and duration",
@@ -84,7 +93,8 @@ export const STRINGS = {
   more: "More",
   unitOf: "unit of {name}",
   sliderOf: "{name}, slider",
-  oneNumber: "One number belongs here. Decimals follow a point: {text}",
+  numberNeeded: "A number belongs here, such as {example}.",
+  numberNeededHere: "A number belongs here.",
   addRow: "Add a row",
   removeRow: "Remove row {number}",
   // player
@@ -182,7 +192,7 @@ export const STRINGS = {
   shareCopy: "Copy the link",
   sharePicture: "Save the picture",
   shareByHand: "The link is selected: copy it with Ctrl-C or Cmd-C.",
-  pin: "Pin this run",
+  pin: "Pin this run to compare",
   unpin: "Unpin this run",
   pinned: "pinned",
   hand: "the hand",
@@ -190,6 +200,7 @@ export const STRINGS = {
   openLive: "Open Live",
   // live
   liveStage: "The toy, running. Drag a ball or the hand with the mouse or a finger, or use the keys.",
+  liveFirst: "They hang still. Push once.",
   liveTry: "Try the trick of Fig. 12",
   liveHint: "At a low frequency the resting balls stay together, however long you wait. First high, then low gets them swinging:",
   liveStep1: "Go high and wait until the balls fly apart,",
@@ -244,7 +255,9 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   liveHidden: "The toy was paused while its tab was in the background.",
   liveSlow: " · this device reaches {share}× real time",
   liveFault: "The toy restarts: {text}.",
-  noNumber: "“{text}” is not a number with a known unit.",
+  noNumber: "“{text}” is not a number.",
+  noNumberOf: "“{text}” is not a number {unit}.",
+  noNumberIn: "“{text}” is not a number in {unit}.",
   // stories
   storiesIntro: "A story shows you something, lets you guess, and then lets you try it. It takes a few minutes.",
   storiesList: "Stories",
@@ -342,8 +355,8 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   mapContoursTiny: "Rings about single points are left out ({count}).",
   mapLevels: "at the values",
   mapLevelsOf: "Contour lines at these values of {what}; an empty field stands for round ones",
-  noLevels: "“{text}” is not a list of numbers. Try 10, 20, 50.",
-  mapTongue: "Mathieu tongue (eq14)",
+  noLevels: "“{text}” is not a list of numbers. Try {example}.",
+  mapTongue: "Mathieu tongue (theory)",
   mapLift: "lift-off from rest (A₀ω² = g)",
   tooManyLevels: "At most {most} values at a time, got {count}.",
   mapTrials: "Trial table",
@@ -602,8 +615,12 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   answer_small_period: "period of small swings",
   answer_small_frequency: "small swings per second",
   answer_half_life: "time to lose half of the swing",
-  answer_length: "length, from g = {given} m/s²",
-  answer_gravity: "g, from the length {given} m",
+  answer_length: "length l = gT²/4π², with g = {gravity} m/s² taken as exact",
+  answer_length_ball: "length l to the middle of the ball: gT²/4π² = {equivalent} cm, with g = {gravity} m/s² "
+    + "taken as exact, is {more} mm more for a ball of radius {radius} mm",
+  answer_gravity: "g = 4π²l/T², from the length l = {length} cm, taken as ± {sigma} mm",
+  answer_gravity_ball: "g = 4π²l/T², with l = {equivalent} cm: the length {length} cm, taken as ± {sigma} mm, "
+    + "and {more} mm for the size of the ball",
   answer_drive_amplitude: "amplitude of the pivot",
   answer_drive_frequency: "frequency of the pivot",
   answer_largest_angle: "largest angle",
@@ -852,9 +869,13 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
 export const ENGLISH = "en";
 const GAP = /\{(\w+)\}/g;
 
+// Gaps that hold names and texts, in which a point between digits is no decimal point.
+const NAMES = ["name", "title", "text", "figure", "version", "error", "message", "claimed"];
+
 /** What the page speaks. */
 const spoken = {
   code: ENGLISH,
+  hasComma: false,
   /** @type {Record<string, Text>} */
   strings: STRINGS,
   /** @type {Map<string, string>} */
@@ -881,7 +902,7 @@ export function setLanguage(code, { strings, texts }) {
       shape: new RegExp(`^${text.split(GAP).map((part, i) =>
         (i % 2 ? "(.*?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
-    shapes });
+    shapes, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
 }
 
 /**
@@ -919,9 +940,30 @@ export function tr(text) {
 }
 
 /**
+ * Return numbers with decimal points as the language of the page writes them.
+ * @param {string} text
+ * @returns {string}
+ */
+export function local(text) {
+  return spoken.hasComma ? text.replace(/(\d)\.(?=\d)/g, "$1,") : text;
+}
+
+/**
+ * Return a list of numbers as the language of the page writes it; fields read it back.
+ * @param {string[]} numbers
+ * @returns {string}
+ */
+export function localList(numbers) {
+  return numbers.map(local).join(spoken.hasComma ? "; " : ", ");
+}
+
+/**
  * @param {string} text
  * @param {Record<string, string | number>} values
  */
 function filled(text, values) {
-  return text.replace(GAP, (_, gap) => String(values[gap]));
+  return text.replace(GAP, (_, gap) => {
+    const value = String(values[gap]);
+    return NAMES.includes(gap) ? value : local(value);
+  });
 }

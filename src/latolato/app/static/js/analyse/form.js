@@ -2,6 +2,7 @@
 
 import { el, freshId } from "../shared/dom.js";
 import { inWords, NAMES } from "../shared/words.js";
+import { readEntry } from "../shared/entry.js";
 import { ENGLISH, t } from "../strings.js";
 
 /** @typedef {{label: string, description: string, unit: string | null, kind: string,
@@ -32,14 +33,23 @@ export function beginnings(name, fields, about, varied) {
 }
 
 export class AnalysisForm {
-  /** @param {(values: Record<string, string>) => void} changed called with what was changed */
-  constructor(changed) {
+  /**
+   * @param {import("../model/registry.js").Registry} registry
+   * @param {(values: Record<string, string>) => void} changed called with what was changed
+   */
+  constructor(registry, changed) {
+    this.registry = registry;
     this.changed = changed;
     this.root = el("div", { class: "settings" });
     /** @type {Record<string, HTMLInputElement | HTMLSelectElement>} */
     this.inputs = {};
     /** @type {Record<string, HTMLElement>} */
     this.errors = {};
+    /** What is wrong with what was typed, and what the fields had before that, by option. */
+    this.problems = /** @type {Record<string, string>} */ ({});
+    this.taken = /** @type {Record<string, string>} */ ({});
+    /** The units that the fields show, by option. */
+    this.units = /** @type {Record<string, string>} */ ({});
     /** @type {Record<string, Field>} */
     this.fields = {};
     /** @type {Record<string, string>} */
@@ -61,6 +71,8 @@ export class AnalysisForm {
     this.name = name;
     this.inputs = {};
     this.errors = {};
+    this.problems = {};
+    this.taken = {};
     this.fields = fields;
     this.words = { ...about.parameters, ...fields };
     const varied = VARIED in fields
@@ -107,9 +119,12 @@ export class AnalysisForm {
       input.prepend(el("option", { value, selected: true }, value));
     input.addEventListener("change", () => {
       if (name === VARIED) for (const limit of LIMITS) delete this.inputs[limit];
+      if (input instanceof HTMLInputElement && !this.reads(name, input)) return;
       this.changed(this.changes());
     });
     this.inputs[name] = input;
+    this.taken[name] = input.value.trim();
+    this.units[name] = unit;
     const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
     this.errors[name] = error;
     const long = field.several || input instanceof HTMLSelectElement;
@@ -119,10 +134,34 @@ export class AnalysisForm {
       el("p", { class: brief ? "unseen" : "hint", id: hintId, lang: ENGLISH }, field.description), error);
   }
 
-  /** Return what is typed, by option; empty fields are left out. */
+  /**
+   * Read what was typed; returns whether it is what belongs there.
+   * @param {string} name
+   * @param {HTMLInputElement} input
+   */
+  reads(name, input) {
+    const { kind, several } = this.fields[name];
+    const usual = { name: this.units[name], size: 1 };
+    // Lists may also be ranges, as 1.4 : 3.2, which the server reads.
+    if (["float", "int"].includes(kind) && !several) {
+      const { registry } = this;
+      const { text, problem } = readEntry(input.value, { usual, units: [usual], unit: usual.name, registry,
+        mayBeEmpty: true });
+      if (problem === null) delete this.problems[name];
+      else this.problems[name] = problem;
+      this.error(null);
+      if (problem !== null) return false;
+      // A decimal comma has become a point.
+      if (input.value.includes(",")) input.value = text;
+    }
+    this.taken[name] = input.value.trim();
+    return true;
+  }
+
+  /** Return what was typed and taken, by option; empty fields are left out. */
   values() {
-    return Object.fromEntries(Object.entries(this.inputs)
-      .map(([name, input]) => [name, input.value.trim()]).filter(([, value]) => value !== ""));
+    return Object.fromEntries(Object.entries(this.inputs).map(([name, input]) =>
+      [name, name in this.problems ? this.taken[name] : input.value.trim()]).filter(([, value]) => value !== ""));
   }
 
   /** Return what is typed and was not there at the beginning. */
@@ -134,15 +173,17 @@ export class AnalysisForm {
   }
 
   /**
-   * Show a refusal beside the field that it names first; returns whether there is one.
+   * Show a refusal beside the field that it names first, and at others what is wrong with them; returns
+   * whether there is such a field.
    * @param {string | null} text
    */
   error(text) {
     const field = text?.match(NAMES)?.find((word) => word in this.inputs);
     for (const [name, place] of Object.entries(this.errors)) {
-      place.hidden = name !== field;
-      place.textContent = name === field && text ? inWords(text, this.words) : "";
-      this.inputs[name]?.setAttribute("aria-invalid", String(name === field));
+      const problem = this.problems[name] ?? (name === field && text ? inWords(text, this.words) : "");
+      place.hidden = problem === "";
+      place.textContent = problem;
+      this.inputs[name]?.setAttribute("aria-invalid", String(problem !== ""));
       if (name === field && this.more.contains(place)) this.more.open = true;
     }
     return field !== undefined;

@@ -43,7 +43,7 @@ export class AnalyseView {
     this.timer = 0;
     this.working = "";
     this.list = new QuestionList((name) => this.choose(name));
-    this.own = new AnalysisForm((changes) => this.keep(changes));
+    this.own = new AnalysisForm(page.registry, (changes) => this.keep(changes));
     this.job = new JobLine();
     this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);

@@ -1,8 +1,8 @@
 /** What fits and trials say, in cards and a table. */
 
 import { el } from "../shared/dom.js";
-import { short, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
-import { ENGLISH, t } from "../strings.js";
+import { localShort, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
+import { ENGLISH, local, t } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} Value */
@@ -84,7 +84,7 @@ function fitTable(title, names, values, truth, registry) {
           ` ${unitText}`, el("small", {},
             [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
         compared && el("td", { class: "number" }, ...(name in truth
-          ? [short(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
+          ? [localShort(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
     }))));
 }
 
@@ -96,7 +96,7 @@ function head(names) {
 
 /** @param {number} share */
 function percent(share) {
-  const text = (100 * share).toFixed(Math.abs(share) < 0.001 ? 3 : 2).replace("-", "−");
+  const text = local((100 * share).toFixed(Math.abs(share) < 0.001 ? 3 : 2).replace("-", "−"));
   return `${share >= 0 ? "+" : ""}${text} %`;
 }
 
@@ -117,7 +117,7 @@ export function trialTable(trials, clips, open) {
     el("td", {}, row.set), el("td", {}, link(row.clip, nameOf(row))),
     el("td", {}, withSigma(1000 * row.drive_amplitude, 1000 * row.drive_amplitude_sigma)),
     el("td", {}, withSigma(row.drive_frequency, row.drive_frequency_sigma)),
-    el("td", {}, short(row.frequency_ratio ?? NaN, 4)),
+    el("td", {}, localShort(row.frequency_ratio ?? NaN, 4)),
     el("td", {}, degrees(row.largest_angle, row.largest_angle_sigma)),
     el("td", {}, degrees(row.largest_angle_after_transient, row.largest_angle_after_transient_sigma)),
     el("td", {}, t(`class_${row.class}`), row.borderline ? ` (${t("borderline")})` : ""),

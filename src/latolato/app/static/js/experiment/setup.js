@@ -74,7 +74,7 @@ export class Setup {
       on: { change: () => on.outside(outside.checked) } });
     this.outside = outside;
     this.unseen = el("label", { class: "check" }, outside, t("pivotOutside"));
-    const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name]);
+    const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name], true);
     const shapeId = freshId();
     const shape = el("select", { id: shapeId,
       on: { change: () => on.tool({ shape: shape.value }) } },
@@ -93,7 +93,7 @@ export class Setup {
       el("div", { class: "field choice" }, el("label", { for: shapeId }, t("shape")), shape),
       this.patch, el("label", { class: "check" }, this.hasStick, t("hasStick")), this.stickLength,
       el("label", { class: "check" }, this.hasRegion, t("hasRegion"))];
-    const quantities = el("div", { class: "fields" },
+    const quantities = el("div", { class: "fields", on: { change: () => this.tellWrong() } },
       el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")), this.count),
       ...FIRST.map(fieldOf), el("p", { class: "hint" }, t("scaleHint")), this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
@@ -172,11 +172,12 @@ export class Setup {
     this.tellWrong();
   }
 
-  /** Tell a text that is no quantity beside its field; nothing can be tracked with it. */
+  /** Tell a text that is no quantity beside its field; nothing is tracked until it is mended. */
   tellWrong() {
     const wrong = Object.keys(this.values).find((name) => this.number(name) === null) ?? null;
     this.error(wrong === null ? null : t("noNumber", { text: this.values[wrong] }), wrong);
-    this.track.disabled = !this.isReady || wrong !== null;
+    const isRefused = [...this.form.fields.values()].some((field) => field.isRefused?.());
+    this.track.disabled = !this.isReady || wrong !== null || isRefused;
   }
 
   /**

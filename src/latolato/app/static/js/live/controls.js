@@ -36,4 +36,6 @@ export function fit(knobs, { controls, limits, system }) {
     knobs.all[name].limits = limits[name];
     knobs.all[name].show(controls[name]);
   }
+  const { frequency_ratio: ratio } = knobs.all;
+  if (ratio) ratio.limits = [0, limits.drive_frequency[1] / naturalFrequency];
 }

@@ -52,12 +52,12 @@ export function makeParts(ratios, actions) {
  * @param {ReturnType<typeof makeParts>} parts
  * @param {{button: HTMLElement, result: HTMLElement}} keeper begins and ends a recording, and
  *   reports the last one
- * @param {{field: HTMLElement, question: HTMLElement}} preset
+ * @param {{field: HTMLElement, headline: HTMLElement}} preset
  * @param {HTMLElement} knobs
  * @param {import("../shared/senses.js").Senses} senses sound, description and the list of keys
  */
 export function layOut(parts, keeper, preset, knobs, senses) {
-  return el("div", { class: "view live" }, el("div", { class: "desk" }, preset.question,
+  return el("div", { class: "view live" }, el("div", { class: "desk" }, preset.headline,
     el("div", { class: "bench" },
       el("section", { class: "stage" }, parts.canvas,
         parts.status, el("div", { class: "stage-tools" }, senses.toggle),

@@ -2,7 +2,7 @@
 
 import { axisLimits, ticks } from "../shared/axis.js";
 import { colour, fitCanvas } from "../shared/dom.js";
-import { short } from "../shared/units.js";
+import { localShort } from "../shared/units.js";
 import { SPAN } from "./motion.js";
 
 /** @typedef {import("./motion.js").History} History */
@@ -90,7 +90,7 @@ export class Strip {
     for (const value of ticks(low, high, Math.max(2, height / (34 * ratio)))) {
       const y = place(value);
       stroke(context, left, y, left + width, y);
-      context.fillText(short(value, 4), left - 5 * ratio, y);
+      context.fillText(localShort(value, 4), left - 5 * ratio, y);
     }
     context.textAlign = "center";
     context.textBaseline = "top";

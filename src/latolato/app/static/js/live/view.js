@@ -5,7 +5,6 @@ import { slackText } from "../shared/hang.js";
 import { startKernels } from "../kernels/load.js";
 import { READ_EVERY } from "../shared/clock.js";
 import { followKeys } from "../shared/keys.js";
-import { refusal } from "../shared/knobs.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls, withSuspension } from "../live/address.js";
@@ -23,17 +22,15 @@ import { inPagesWords } from "../model/words.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { Scene } from "../shared/scene.js";
+import { fromBottom } from "../shared/motion.js";
 import { Senses } from "../shared/senses.js";
-import { FIRST_OF_LIVE } from "../shared/state.js";
+import { withOptions } from "../shared/links.js";
+import { FIRST_OF_LIVE, OPTIONS_OF_LIVE } from "../shared/state.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 
-// What is on show where the address says nothing. At the 30 mm that are assumed for Fig. 12 it is
-// a matter of luck whether the resting balls lift off at the high frequency (9 of 60 instants of
-// the change); from 32 mm on they always do (60 of 60, within 15 s).
-const FIRST_OPTIONS = { drive_amplitude: "34 mm" };
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
 const RATIOS = { high: 3.136, low: 2.389 };
 // A push, in natural angular frequencies [rad/s].
@@ -44,6 +41,7 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
+const DEGREES = 180 / Math.PI;
 
 /**
  * Return whether two cases differ in nothing but what the controls change.
@@ -73,9 +71,11 @@ export class LiveView {
     this.dirty = false;
     this.readAt = 0;
     this.preset = presetField(page);
+    /** The largest angle since the start [rad]. */
+    this.highest = 0;
     this.keeper = new Keeper(page, () => this.toy);
     this.shake = new Shake(() => this.toy, () => this.showShake());
-    this.knobs = makeKnobs(page.registry, (name, text, value) => this.take(name, text, value));
+    this.knobs = makeKnobs(page.registry, (name, _, value) => this.take(name, Number(value)));
     this.parts = makeParts(RATIOS, {
       pause: () => this.pause(),
       push: () => this.push(),
@@ -187,21 +187,25 @@ export class LiveView {
   request() {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
-    if (!scenario && !options.system) {
+    const isFirst = !scenario && !options.system;
+    if (isFirst) {
       scenario = FIRST_OF_LIVE;
-      options = { ...FIRST_OPTIONS, ...options };
+      if ((options.drive ?? OPTIONS_OF_LIVE.drive) === OPTIONS_OF_LIVE.drive)
+        options = withOptions(OPTIONS_OF_LIVE, options);
     }
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
-    this.preset.show(scenario);
+    this.preset.show(isFirst ? null : scenario, isFirst ? t("liveFirst") : "");
     return { scenario, options };
   }
 
   /** @param {Toy} toy */
   start(toy) {
     this.toy = toy;
+    this.highest = 0;
     this.motion = new LiveMotion(toy, this.watch.history);
     fit(this.knobs, toy);
+    this.knobs.explain(toy.system.naturalFrequency);
     this.parts.hang.value = toy.system.suspension;
     this.parts.hang.disabled = toy.system.linear;
     this.showRatio();
@@ -237,29 +241,15 @@ export class LiveView {
   }
 
   /**
-   * Take what was slid or typed, if the toy takes it.
+   * Take what was slid or typed.
    * @param {string} name
-   * @param {string} text
-   * @param {number | null} value in SI units
+   * @param {number} value in SI units
    */
-  take(name, text, value) {
-    const knob = this.knobs.all[name];
+  take(name, value) {
     const { toy } = this;
-    if (value === null || !Number.isFinite(value)) {
-      knob.error(t("noNumber", { text }));
-      return;
-    }
     const isRatio = name === "frequency_ratio";
     const scale = isRatio && toy ? toy.system.naturalFrequency : 1;
     const control = isRatio ? "drive_frequency" : name;
-    const range = toy?.limits[control].map((end) => end / scale) ?? [value, value];
-    const refused = refusal(knob, value, range);
-    if (refused) {
-      const { about, nearest } = refused;
-      knob.error(about);
-      this.say(about, [{ label: t("takeNearest", { value: nearest }), act: () => knob.give(value) }], true);
-      return;
-    }
     this.knobs.error(null);
     this.say("");
     this.set(control, value * scale);
@@ -308,6 +298,7 @@ export class LiveView {
     try {
       this.pace.move(toy, now, () => {
         motion.follow();
+        this.highest = Math.max(this.highest, ...toy.angles.map(fromBottom));
         const clacks = toy.clack > SOFTEST;
         this.watch.add(motion, clacks);
         if (clacks) this.scene.flash(motion.pose(), toy.clack);
@@ -349,6 +340,7 @@ export class LiveView {
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
+    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest * DEGREES) });
     this.showRatio();
     this.keeper.show();
     this.shake.watch();
@@ -394,7 +386,7 @@ export class LiveView {
 
   /** @param {number} ratio */
   ratio(ratio) {
-    if (this.toy) this.take("frequency_ratio", String(ratio), ratio);
+    if (this.toy) this.take("frequency_ratio", ratio);
   }
 
   /** Return what each key does. @returns {import("../shared/keys.js").Actions} */

@@ -3,7 +3,7 @@
 import { curvesOf } from "../shared/describe.js";
 import { isBehind } from "../shared/instant.js";
 import { inText } from "../shared/narrator.js";
-import { short } from "../shared/units.js";
+import { localShort } from "../shared/units.js";
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
@@ -69,7 +69,7 @@ export class Watch {
     const period = (2 * Math.PI) / motion.naturalFrequency;
     for (const [name, output] of Object.entries(this.values)) {
       const [low, high] = this.history.range([name], period);
-      const text = isBehind(low, high, period, lag) ? "" : short(now[name], DIGITS);
+      const text = isBehind(low, high, period, lag) ? "" : localShort(now[name], DIGITS);
       if (output.textContent !== text) output.textContent = text;
     }
   }

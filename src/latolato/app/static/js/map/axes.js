@@ -1,7 +1,7 @@
 /** The axes of a map: frame, numbers and names with units. */
 
 import { ticks } from "../shared/axis.js";
-import { plainSymbol, short, shownUnit } from "../shared/units.js";
+import { plainSymbol, localShort, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
@@ -69,14 +69,14 @@ export function drawAxes(chart, context, ratio) {
         context.lineTo(x, top + height + 4 * ratio);
         context.textAlign = "center";
         context.textBaseline = "top";
-        context.fillText(short(mark, 5), x, top + height + 6 * ratio);
+        context.fillText(localShort(mark, 5), x, top + height + 6 * ratio);
       } else {
         const y = top + (1 - share) * height;
         context.moveTo(left - 4 * ratio, y);
         context.lineTo(left, y);
         context.textAlign = "right";
         context.textBaseline = "middle";
-        context.fillText(short(mark, 5), left - 7 * ratio, y);
+        context.fillText(localShort(mark, 5), left - 7 * ratio, y);
       }
     }
     context.stroke();

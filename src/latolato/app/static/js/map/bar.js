@@ -2,7 +2,7 @@
 
 import { ticks } from "../shared/axis.js";
 import { colour, fitCanvas } from "../shared/dom.js";
-import { short } from "../shared/units.js";
+import { localShort } from "../shared/units.js";
 import { colourTable } from "./colours.js";
 
 /** @typedef {import("./chart.js").Look} Look */
@@ -60,7 +60,7 @@ export class ColourBar {
       context.moveTo(x, height);
       context.lineTo(x, height + 4 * ratio);
       context.stroke();
-      context.fillText(short(mark, 4), x, height + 5 * ratio);
+      context.fillText(localShort(mark, 4), x, height + 5 * ratio);
     }
   }
 }

@@ -26,7 +26,7 @@ export class MapControls {
     this.stored = [];
     const set = (/** @type {Record<string, any>} */ values) => this.keep(values);
     const number = (/** @type {string} */ name, /** @type {string} */ key, hint = "") =>
-      new QuantityField(t(name), (v) => set({ [key]: v }), hint ? t(hint) : "");
+      new QuantityField(t(name), (v) => set({ [key]: v }), { hint: hint ? t(hint) : "" });
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
     this.x = choice(t("mapX"), (v) => set(turned(this.now(), "x", v)));
@@ -55,8 +55,10 @@ export class MapControls {
     this.transient = number("mapTransient", "transient", "mapTransientHint");
     this.scale = choice(t("mapScale"), (v) => set({ scale: v }));
     this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : 0, low: null, high: null }));
-    this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v));
-    this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v));
+    this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v),
+      { mayBeEmpty: true });
+    this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v),
+      { mayBeEmpty: true });
     /** @type {[number, number]} values of the darkest and the brightest colour on show */
     this.limits = [0, 1];
     this.log.box.setAttribute("aria-label", t("mapLogColours"));

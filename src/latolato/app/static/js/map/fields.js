@@ -1,8 +1,8 @@
 /** Small fields of the Map view: a number with its unit, a choice, a switch. */
 
 import { el, freshId } from "../shared/dom.js";
-import { short, shownUnit, toSi, parseQuantity } from "../shared/units.js";
-import { t } from "../strings.js";
+import { readEntry } from "../shared/entry.js";
+import { localShort, shownUnit } from "../shared/units.js";
 
 /** @typedef {{name: string, size: number}} Unit */
 
@@ -27,10 +27,12 @@ export class QuantityField {
   /**
    * @param {string} label
    * @param {(value: number | null) => void} change called with SI units, null for an empty field
-   * @param {string} [hint]
+   * @param {{hint?: string, mayBeEmpty?: boolean}} [how] `mayBeEmpty` is for one that without a number
+   *   shows in grey what it stands for
    */
-  constructor(label, change, hint = "") {
+  constructor(label, change, { hint = "", mayBeEmpty = false } = {}) {
     const id = freshId();
+    this.mayBeEmpty = mayBeEmpty;
     /** @type {Unit[]} */
     this.units = [];
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
@@ -38,6 +40,7 @@ export class QuantityField {
     this.unit = el("span", { class: "unit" });
     this.problem = problemOf(this.input);
     this.seen = "";
+    this.example = "";
     this.root = el("div", { class: "field" }, el("label", { for: id, title: hint }, label),
       el("span", { class: "entry" }, this.input, this.unit), this.problem.line);
   }
@@ -55,23 +58,21 @@ export class QuantityField {
     this.seen = now;
     this.units = units;
     this.unit.textContent = shownUnit(units[0]?.name ?? "");
+    const text = value === null ? "" : localShort(value / (units[0]?.size ?? 1), 4);
+    this.example = text;
     this.problem.say(null);
     if (document.activeElement === this.input) return;
-    const text = value === null ? "" : short(value / (units[0]?.size ?? 1), 4);
     this.input.value = chosen ? text : "";
     this.input.placeholder = chosen ? "" : text;
   }
 
   /** @param {(value: number | null) => void} change */
   read(change) {
-    const text = this.input.value.trim();
-    const parsed = parseQuantity(text);
-    this.problem.say(null);
-    if (!text) return change(null);
-    const value = parsed && parsed.unit === "" ? parsed.number * (this.units[0]?.size ?? 1)
-      : toSi(text, this.units);
-    if (value === null || !Number.isFinite(value)) this.problem.say(t("noNumber", { text }));
-    else change(value);
+    const { units, mayBeEmpty, example } = this;
+    const { values: [value = null], problem } = readEntry(this.input.value,
+      { usual: units[0] ?? { name: "", size: 1 }, units, mayBeEmpty, example });
+    this.problem.say(problem);
+    if (problem === null) change(value);
   }
 }
 

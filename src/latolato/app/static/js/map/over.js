@@ -145,8 +145,7 @@ function checkedLevels(levels) {
     throw new InputError(`at most ${MOST_LEVELS} contour lines, got ${levels.length} levels`);
   const bad = levels.find((level) => !Number.isFinite(level));
   if (bad !== undefined)
-    throw new InputError("must be finite", { parameter: "a level", value: bad,
-      wayOut: "give a number in SI" });
+    throw new InputError("must be a number in SI units", { parameter: "a level", value: bad });
   return [...new Set(levels)].sort((a, b) => a - b);
 }
 

@@ -1,8 +1,9 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
 
 import { el, freshId } from "../shared/dom.js";
+import { withPoints } from "../shared/entry.js";
 import { parseQuantity, short, shownUnit, toSi } from "../shared/units.js";
-import { t } from "../strings.js";
+import { localList, t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { choice, problemOf, tick } from "./fields.js";
 import { MOST_LEVELS } from "./levels.js";
@@ -55,7 +56,7 @@ export class OverControls {
     const text = this.levels.value.trim();
     const levels = levelsOf(text, this.units);
     const many = levels !== null && levels.length > MOST_LEVELS;
-    this.problem.say(!levels ? t("noLevels", { text })
+    this.problem.say(!levels ? t("noLevels", { text, example: localList(["10", "20", "50"]) })
       : many ? t("tooManyLevels", { most: MOST_LEVELS, count: levels.length }) : null);
     if (levels && !many) keep({ levels: levels.length ? levels.join(",") : null });
   }
@@ -84,7 +85,7 @@ export class OverControls {
   /** @param {string} levels numbers in SI units */
   text(levels) {
     const size = this.units[0]?.size ?? 1;
-    return levels.split(",").map((v) => short(Number(v) / size, 6)).join(", ");
+    return localList(levels.split(",").map((v) => short(Number(v) / size, 6)));
   }
 
   /**
@@ -102,7 +103,7 @@ export class OverControls {
     this.units = variable.units;
     this.unit.textContent = shownUnit(variable.units[0]?.name ?? "");
     this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
-    const values = (drawn?.levels ?? []).map((v) => short(v / sizeOf(variable), 4)).join(", ");
+    const values = localList((drawn?.levels ?? []).map((v) => short(v / sizeOf(variable), 4)));
     this.levels.placeholder = values;
     const sentences = [...notes];
     if (isLater) sentences.push(t("mapContoursLater"));
@@ -146,7 +147,7 @@ export class OverControls {
  * @returns {number[] | null}
  */
 export function levelsOf(text, units) {
-  const parts = text.trim() ? text.split(/[,;]/).map((part) => part.trim()) : [];
+  const parts = text.trim() ? withPoints(text, true).split(",").map((part) => part.trim()) : [];
   const last = parseQuantity(parts[parts.length - 1] ?? "")?.unit ?? "";
   const usual = last || (units[0]?.name ?? "");
   const levels = parts.map((part) => {

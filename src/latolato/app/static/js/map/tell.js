@@ -2,7 +2,7 @@
 
 import { el } from "../shared/dom.js";
 import { spanText } from "../shared/left.js";
-import { plainSymbol, short, shownUnit } from "../shared/units.js";
+import { localShort, plainSymbol, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
 
@@ -22,7 +22,7 @@ const GAP = "\u00a0";
 export function withUnit(about, value) {
   const unit = shownUnit(about.units[0]?.name ?? "");
   const gap = unit && !unit.startsWith("°") ? GAP : "";
-  return `${short(value / sizeOf(about), 4)}${gap}${unit}`;
+  return `${localShort(value / sizeOf(about), 4)}${gap}${unit}`;
 }
 
 /**
@@ -108,6 +108,6 @@ function pointsText(grid, { points, seconds, rate }, all) {
   const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
   if (!points) return t("mapKnown", { points: all });
-  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: short(seconds, 2),
+  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
     rate: Math.round(rate) });
 }

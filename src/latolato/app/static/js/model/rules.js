@@ -102,9 +102,7 @@ export function general(value, digits = 6) {
 export function checkedNumber({ unit, limits, whole }, parameter, value) {
   const kind = unit === "1" ? "a number" : `a number in ${unit}`;
   if (whole) return checkedWhole(limits, parameter, value);
-  if (typeof value !== "number") throw new InputError(`must be ${kind}`, { parameter, value });
-  if (!Number.isFinite(value))
-    throw new InputError("must be finite", { parameter, value, wayOut: `give ${kind}` });
+  if (typeof value !== "number" || !Number.isFinite(value)) throw new InputError(`must be ${kind}`, { parameter, value });
   return within(limits, parameter, value);
 }
 

@@ -1,7 +1,7 @@
 /** Errors in the words of the pages. */
 
 import { short, shownUnit } from "../shared/units.js";
-import { tr } from "../strings.js";
+import { local, tr } from "../strings.js";
 import { InputError } from "./rules.js";
 
 /**
@@ -12,25 +12,40 @@ export function inLanguage(error) {
   return error instanceof InputError ? error.worded(String(error.parameter), tr) : tr(error.message);
 }
 
+// A range as Python writes it, and the plain words for each kind of end.
+const RANGE = /^must lie in ([[(])(.+), (.+)([\])])(?: \S+)?$/;
+const ENDS = { "[": "at least", "(": "above", "]": "at most", ")": "below" };
+
 /**
- * Return an error with its numbers in the unit in which people read the option that it is about.
+ * Return an error in plain words, with its numbers in the unit in which the page shows its option.
  * @param {import("./registry.js").Option} option
  * @param {InputError} error
  */
-function inShownUnit({ unit, units = [] }, error) {
-  const [shown] = units;
-  const { rule, about } = error;
-  if (!shown || shown.size === 1 || !unit) return error;
-  const number = (/** @type {string | number} */ value) => short(Number(value) / shown.size);
-  const range = new RegExp(`([[(])([-\\d.e+]+|-inf), ([-\\d.e+]+|inf)([\\])]) ${unit}$`);
-  if (rule.startsWith(`must be given in ${unit} `))
-    return new InputError(rule.replace(`in ${unit} `, `in ${shownUnit(shown.name)} `), about);
-  if (!range.test(rule) || typeof about.value !== "number") return error;
-  const end = (/** @type {string} */ text) => (text.endsWith("inf") ? text : number(text));
-  return new InputError(rule.replace(range, (_, open, low, high, close) =>
-    `${open}${end(low)}, ${end(high)}${close} ${shownUnit(shown.name)}`), { ...about,
-    value: Number(number(about.value)),
-    wayOut: about.wayOut?.replace(/(?<=(than|least|most) )[-\d.e+]+$/, number) });
+function inPlainWords({ unit, units = [] }, error) {
+  const { name, size } = units[0] ?? { name: unit, size: 1 };
+  const { rule, about: { wayOut, ...about } } = error;
+  const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
+  const shown = shownUnit(name);
+  const tail = shown && ` ${shown}`;
+  if (/^must be (given in|a number in|given as a plain number)/.test(rule))
+    // A phrase such as "per second" is no unit in which numbers are.
+    return new InputError(shown && !shown.includes(" ") ? `must be a number in ${shown}` : "must be a number",
+      { ...about, value });
+  const range = RANGE.exec(rule);
+  if (!range || typeof value !== "number") return error;
+  const number = (/** @type {string | number} */ each) => short(Number(each) / size);
+  // A range may end at another parameter: [0, length).
+  const end = (/** @type {string} */ text) => (/^[a-z_]+$/.test(text) ? `the ${text.replaceAll("_", " ")}`
+    : `${Number.isNaN(Number(text)) ? text : number(text)}${tail}`);
+  const [, open, low, high, close] = /** @type {any} */ (range);
+  const ends = [[low, open], [high, close]].filter(([text]) => !text.endsWith("inf"));
+  const isClosed = ends.length === 2 && open + close === "[]" && low !== high;
+  const listed = ends.map(([text, mark]) => `${/** @type {any} */ (ENDS)[mark]} ${end(text)}`).join(" and ");
+  const plain = isClosed ? `must lie between ${number(low)} and ${end(high)}` : `must be ${listed}`;
+  // A way out that only repeats an end is left out.
+  const isNews = wayOut && !ends.some(([text]) => wayOut.endsWith(` ${text}`));
+  return new InputError(plain, { ...about, value: Number(number(value)),
+    ...(isNews ? { wayOut: wayOut.replace(/(?<=(than|least|most) )[-\d.e+]+$/, number) } : {}) });
 }
 
 /**
@@ -45,5 +60,5 @@ export function inPagesWords(registry, error) {
   const [name] = error.parameter.split("[");
   const option = registry.options[name];
   if (!option) return [inLanguage(error), null];
-  return [inShownUnit(option, error).worded(`\u201c${option.label}\u201d`, tr), name];
+  return [local(inPlainWords(option, error).worded(`\u201c${option.label}\u201d`, tr)), name];
 }

@@ -1,12 +1,13 @@
 /** Play: the motion, three knobs beside it, and everything else one click away. */
 
 import { codeBlocks } from "../shared/code.js";
-import { el } from "../shared/dom.js";
+import { el, freshId } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, refusal, spansOf, tellingOptions } from "../shared/knobs.js";
+import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
+import { openLink } from "../shared/links.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
@@ -27,6 +28,9 @@ const RECORDING = "play.recording";
 // Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
 const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
+// Where the question with which the page opens is answered at length.
+const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
+const DEGREES = 180 / Math.PI;
 
 export class PlayView {
   /** @param {Page} page */
@@ -39,7 +43,7 @@ export class PlayView {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.form = new Form(form, page.registry, page.store);
     this.presets = presetField(page);
-    this.knobs = new Knobs(page.registry, (name, text, value) => this.take(name, text, value));
+    this.knobs = new Knobs(page.registry, (name, text) => this.form.give(name, text || null));
     this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
@@ -54,8 +58,18 @@ export class PlayView {
     this.player.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.presets.head.append(this.reset, this.makePin());
-    place.prepend(el("div", { class: "desk" }, this.presets.question, this.player.bench,
-      el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field), this.knobs.root,
+    const hangId = freshId();
+    this.hang = el("select", { id: hangId, on: { change: () => this.form.hangOn(this.hang.value) } },
+      ...["rod", "string"].map((each) => el("option", { value: each }, tr(each))));
+    this.hanging = el("div", { class: "field hanging" }, el("label", { for: hangId }, t("hangsOn")), this.hang);
+    this.highest = el("span", {});
+    this.answer = el("span", { hidden: true }, " ", t("toyAnswer"), ...Object.entries(STORIES).flatMap(
+      ([name, title]) => [" ", openLink(page, { view: "play", scenario: null, options: {},
+        extra: { "story.name": name } }, tr(title))]));
+    this.presets.told.append(this.highest, this.answer);
+    this.player.clock.subscribe((time) => this.tellHighest(time));
+    place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
+      el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
         el("div", { class: "drawers" }, this.more, this.downloads.root,
           drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code)))));
     this.root = el("div", { class: "view play" }, place);
@@ -87,7 +101,10 @@ export class PlayView {
       // Whoever changes a parameter wants a run of these parameters.
       if (["options", "preset"].includes(changed) && RECORDING in state.extra)
         this.page.store.drop([RECORDING]);
-      if (changed === "preset") this.player.restart();
+      if (changed === "preset") {
+        this.form.forget();
+        this.player.restart();
+      }
       void this.simulate();
     }));
     void this.simulate();
@@ -144,6 +161,7 @@ export class PlayView {
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
     this.presets.show(scenario);
+    this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
     // The form is made while the worker computes.
     const waiting = setTimeout(() => {
@@ -197,38 +215,6 @@ export class PlayView {
   }
 
   /**
-   * Take what was slid or typed into a knob, unless it is far beyond its slider.
-   * @param {string} name
-   * @param {string} text
-   * @param {number | null} value in SI units
-   */
-  take(name, text, value) {
-    const knob = this.knobs.all[name];
-    const [low, farthest] = this.reach(name);
-    const refused = value === null ? null : refusal(knob, value, [low, farthest]);
-    if (!refused) {
-      this.form.give(name, text || null);
-      return;
-    }
-    knob.error(refused.about);
-    this.note(refused.about, [{ label: t("takeNearest", { value: refused.nearest }),
-      act: () => knob.give(Number(value) < low ? low : farthest) }], true);
-  }
-
-  /**
-   * Return what a knob takes: how often it shakes has one limit in both ways to say it.
-   * @param {string} name
-   * @returns {[number, number]}
-   */
-  reach(name) {
-    const { motion } = this.player;
-    if (name === "frequency_ratio" && motion)
-      return [0, this.reach("drive_frequency")[1] / naturalFrequency(motion.about.options)];
-    const { span } = this.knobs.all[name];
-    return SLIPS.includes(name) && span ? [0, Number(short(FARTHEST * span[1], 2))] : [-Infinity, Infinity];
-  }
-
-  /**
    * Show the knobs that tell most about a run.
    * @param {Motion} motion
    * @param {string | null} scenario
@@ -241,13 +227,32 @@ export class PlayView {
     if (subject !== this.knobsFor) {
       this.knobsFor = subject;
       this.knobs.make(names);
+      this.knobs.explain(naturalFrequency(options));
       const [{ length, mass }] = balls;
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));
     }
+    this.hanging.hidden = !registry.systems[options.system].options.includes("suspension");
+    this.hang.value = options.suspension ?? "rod";
+    for (const name of SLIPS) {
+      const knob = this.knobs.all[name];
+      if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
+    }
+    const { drive_frequency: frequency, frequency_ratio: ratio } = this.knobs.all;
+    if (ratio) ratio.limits = [0, frequency.limits[1] / naturalFrequency(options)];
     for (const [name, knob] of Object.entries(this.knobs.all))
       knob.read(this.form.text(name), store.state.options[name] !== undefined);
     this.knobs.error(null);
+  }
+
+  /**
+   * Say how high the balls have been since the start.
+   * @param {number} time
+   */
+  tellHighest(time) {
+    const { motion, clock } = this.player;
+    if (motion && clock.isRead) this.highest.textContent = t("highest",
+      { angle: Math.round(motion.highest(time) * DEGREES) });
   }
 
   /**

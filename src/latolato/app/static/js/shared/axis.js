@@ -1,6 +1,6 @@
 /** Axes: limits that can be drawn, and round numbers between them. */
 
-import { short } from "./units.js";
+import { localShort } from "./units.js";
 
 /** Values that differ by less than this share of their size differ by rounding only. */
 export const ROUNDING = 1e-9;
@@ -65,5 +65,5 @@ export const UPRIGHT = {
   splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
     /** @type {number} */ high) => ticks(low, high,
     Math.max(Math.round(bbox.height / devicePixelRatio / MARK_EVERY), 2)),
-  values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => short(mark, 4)),
+  values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => localShort(mark, 4)),
 };

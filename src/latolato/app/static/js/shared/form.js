@@ -2,15 +2,18 @@
 
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
+import { readEntry } from "./entry.js";
 import { Knob, symbolOf } from "./knob.js";
 import { heldOptions, naturalFrequency, START, textOf, withLaws } from "./laws.js";
-import { short, shownUnit, toSi } from "./units.js";
+import { localShort, short, shownUnit, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./laws.js").Option} Option */
 
 // What only balls on strings have.
 const OF_STRINGS = ["string_restitution", "initial_distance"];
+// What a run can do without: taut strings begin at their length.
+const MAY_BE_EMPTY = ["initial_distance"];
 
 export class Form {
   /**
@@ -24,7 +27,8 @@ export class Form {
     this.store = store;
     /** @type {Record<string, any>} */
     this.resolved = {};
-    /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void}>} */
+    /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void,
+     *   forget?: () => void, isRefused?: () => boolean}>} */
     this.fields = new Map();
     this.shape = "";
     /** Options that have no one value here, as they vary over a map. */
@@ -58,6 +62,11 @@ export class Form {
   /** Show what the options are now. */
   read() {
     for (const [name, field] of this.fields) field.read(this.text(name));
+  }
+
+  /** Forget what was typed and refused. */
+  forget() {
+    for (const { forget } of this.fields.values()) forget?.();
   }
 
   /**
@@ -217,14 +226,16 @@ export class Form {
   /**
    * @param {string} name
    * @param {Option} option
+   * @param {boolean} [mayBeEmpty]
    */
-  numberField(name, option) {
+  numberField(name, option, mayBeEmpty = MAY_BE_EMPTY.includes(name)) {
     const knob = new Knob(name, option, { label: this.label(name, option),
-      isList: this.isList(name, option), unitChosen: () => this.read(),
+      isList: this.isList(name, option), mayBeEmpty, registry: this.registry, unitChosen: () => this.read(),
       take: (text) => this.give(name, text || null) });
     const read = (/** @type {string | null} */ text) =>
       knob.read(text, this.store.state.options[name] !== undefined);
-    this.fields.set(name, { read, error: (text) => knob.error(text) });
+    this.fields.set(name, { read, error: (text) => knob.error(text), forget: () => knob.forget(),
+      isRefused: () => knob.isRefused });
     read(this.text(name));
     return knob.root;
   }
@@ -253,21 +264,27 @@ export class Form {
   }
 
   /**
+   * Hang the balls on rods or strings. What only strings have goes with them; a preset's own value is
+   * replaced.
+   * @param {string} suspension
+   */
+  hangOn(suspension) {
+    const own = this.store.state.options.string_restitution !== undefined;
+    /** @type {Record<string, string | null>} */
+    const others = suspension === "rod" ? { initial_distance: null,
+      string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
+    this.giveAll({ ...others, suspension });
+  }
+
+  /**
    * @param {string} name
    * @param {Option} option
    * @param {string[]} choices
    */
   choiceField(name, option, choices) {
     const id = freshId();
-    const take = () => {
-      // What only strings have goes with them; a preset's own value is replaced.
-      const own = this.store.state.options.string_restitution !== undefined;
-      /** @type {Record<string, string | null>} */
-      const others = select.value === "rod" ? { initial_distance: null,
-        string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
-      this.giveAll({ ...others, [name]: select.value });
-    };
-    const select = el("select", { id, on: { change: take } },
+    const select = el("select", { id, on: { change: () =>
+      (name === "suspension" ? this.hangOn(select.value) : this.give(name, select.value)) } },
       ...choices.map((each) => el("option", { value: each }, tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });
@@ -301,14 +318,15 @@ export class Form {
         ...names.map((_name, k) => el("td", {}, el("input", {
           type: "text", inputmode: "decimal",
           "aria-label": `${options[k].description || options[k].label} ${i + 1}`,
-          value: short((columns[k][i] ?? NaN) / unit(k).size),
+          value: localShort((columns[k][i] ?? NaN) / unit(k).size),
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
-            const value = Number(input.value.trim().replace("−", "-") || NaN) * unit(k).size;
-            input.setAttribute("aria-invalid", String(!Number.isFinite(value)));
-            if (!Number.isFinite(value)) {
+            const { values: [value], problem } = readEntry(input.value,
+              { usual: unit(k), units: options[k].units, example: localShort(columns[k][i] / unit(k).size) });
+            input.setAttribute("aria-invalid", String(problem !== null));
+            if (problem !== null) {
               error.hidden = false;
-              error.textContent = t("noNumber", { text: input.value });
+              error.textContent = problem;
               return;
             }
             columns[k][i] = value;

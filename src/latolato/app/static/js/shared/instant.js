@@ -6,7 +6,7 @@
 import { el } from "./dom.js";
 import { before, range } from "./motion.js";
 import { valueAt } from "./traces.js";
-import { short } from "./units.js";
+import { localShort } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./motion.js").Pose} Pose */
@@ -73,7 +73,7 @@ export class Instant {
     curves.forEach(({ ofPose, values }, k) => {
       const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(motion.time, values, time);
       const [low, high] = range(values, first, last + 1);
-      const text = isBehind(low, high, period, lag) ? "" : short(value, 4);
+      const text = isBehind(low, high, period, lag) ? "" : localShort(value, 4);
       if (this.values[k].textContent !== text) this.values[k].textContent = text;
     });
   }

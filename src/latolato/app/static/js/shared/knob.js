@@ -1,20 +1,24 @@
 /** A number that is slid or typed: a field with its unit and, where it has a span, a slider. */
 
-import { t } from "../strings.js";
+import { localList, t } from "../strings.js";
 import { el, freshId } from "./dom.js";
+import { problemWith, readEntry } from "./entry.js";
 import { unitHabits } from "./habits.js";
-import { parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
+import { localShort, parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
 
 /** @typedef {import("./laws.js").Option} Option */
 /** @typedef {import("./units.js").Unit} Unit */
+/** @typedef {import("../model/registry.js").Registry} Registry */
 /**
  * What is heard of a change: the text with its unit, and the value in SI units, null for a text
  * that is no single quantity.
  * @typedef {(text: string, value: number | null) => void} Take
  */
 
-// A slider moves in so many steps.
-const STEPS = 400;
+// A scale that ends below so many times a power of ten has a hundredth of that for a step, else a tenth.
+const COARSE = 4;
+// Ends of sliders are round numbers up to so much of a step.
+const ROUNDING = 1e-6;
 /** A key moves a knob by this share of its slider. */
 const KEY_STEP = 0.01;
 
@@ -23,11 +27,13 @@ export class Knob {
    * @param {string} name of the option
    * @param {Option} option
    * @param {{take: Take, label?: string, unit?: Unit & {shown: string}, keys?: string[],
-   *   digits?: number, isList?: boolean, unitChosen?: () => void}} how `unit` is the only one, with
-   *   what it is called; `isList` whether several numbers may be given
+   *   digits?: number, meaning?: string, isList?: boolean, mayBeEmpty?: boolean, registry?: Registry,
+   *   unitChosen?: () => void}} how `unit` is the only one, with what it is called; `isList` whether
+   *   several numbers may be given, `mayBeEmpty` whether none need be; `meaning` is a text that
+   *   says the value in other words
    */
   constructor(name, option, { take, label = option.label, unit, keys = [], digits = 6,
-    isList = option.several, unitChosen }) {
+    isList = option.several, mayBeEmpty = false, meaning = "", registry, unitChosen }) {
     this.name = name;
     this.option = option;
     this.label = label;
@@ -35,6 +41,9 @@ export class Knob {
     this.only = unit;
     this.digits = digits;
     this.isList = isList;
+    this.mayBeEmpty = mayBeEmpty;
+    this.meaning = meaning;
+    this.registry = registry;
     /** The unit that a text came with, or that was chosen here. */
     this.chosen = "";
     /** In SI units, null for a text that is no single quantity. @type {number | null} */
@@ -42,7 +51,11 @@ export class Knob {
     /** Whether a text is typed and not yet taken, and the text that was taken as it was typed. */
     this.isDraft = false;
     this.taken = "";
-    /** What may be set by keys and slider. @type {[number, number]} */
+    /** Whether what is typed was refused, and the text that was shown before. */
+    this.isRefused = false;
+    /** @type {string | null} */
+    this.seen = null;
+    /** What is taken, from slider, keys and keyboard. @type {[number, number]} */
     this.limits = [option.low ?? -Infinity, option.high ?? Infinity];
     /** How far the slider goes, and how far it goes now, held while it moves. */
     this.span = option.suggested;
@@ -62,18 +75,19 @@ export class Knob {
         unitChosen?.();
       } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
       : null;
-    this.slider = this.span && el("input", { type: "range", min: "0", max: String(STEPS), step: "1",
+    this.slider = this.span && el("input", { type: "range", min: "0", max: "1", step: "1",
       "aria-label": t("sliderOf", { name: label }), on: {
         input: () => this.slide(),
         change: () => { this.ends = this.reach(); },
       } });
-    this.note = el("p", { class: "error", id: errorId, hidden: true });
+    this.note = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
+    this.hint = meaning ? el("p", { class: "hint" }) : null;
     this.entry = el("span", { class: "entry" }, this.input, this.units
       ?? el("span", { class: "unit" }, unit?.shown ?? shownUnit(option.units[0]?.name ?? "")));
     this.root = el("div", { class: "field knob" },
       el("label", { for: id, title: option.description }, `${label} `, symbolOf(option),
         ...keys.map((key) => el("kbd", { "aria-hidden": "true" }, key))),
-      this.entry, this.slider, this.note);
+      this.entry, this.slider, this.hint, this.note);
   }
 
   /** The unit on show. @returns {Unit} */
@@ -108,14 +122,27 @@ export class Knob {
     return toSi(text, [...this.option.units, { name: this.option.unit, size: 1 }]);
   }
 
+  /** The unit on show, by the name that people read. @returns {Unit} */
+  get shownAs() {
+    const { name, size } = this.unit;
+    return { name: this.only?.shown ?? name, size };
+  }
+
+  /** Return a value with its unit, as people read it. */
+  wordsOf(/** @type {number} */ value) {
+    const { name, size } = this.shownAs;
+    return `${localShort(value / size, 4)} ${shownUnit(name)}`.trim();
+  }
+
   /**
    * Show a value in SI units.
    * @param {number} value
    */
   show(value) {
+    this.forget();
     this.value = value;
     if (this.units) this.units.value = this.unit.name;
-    this.input.value = short(value / this.unit.size, this.digits);
+    this.input.value = localShort(value / this.unit.size, this.digits);
     this.place();
   }
 
@@ -126,6 +153,10 @@ export class Knob {
    */
   read(text, isOwn = false) {
     const isTyping = isFocused(this.input);
+    // What was refused stays with its error, whatever else changes, until there is another value.
+    if (this.isRefused && text === this.seen) return;
+    this.seen = text;
+    this.forget();
     if (text === null) {
       if (!isTyping) this.input.value = "";
       return;
@@ -140,26 +171,40 @@ export class Knob {
     this.place();
     if (isTyping && (this.isDraft || text === this.taken)) return;
     if (this.value !== null) this.show(this.value);
-    else this.input.value = !text.includes(",") ? text : text.split(",").map((part) => {
+    else this.input.value = !text.includes(",") ? text : localList(text.split(",").map((part) => {
       const each = this.valueOf(part);
       return each === null ? "?" : short(each / this.unit.size);
-    }).join(", ");
+    }));
   }
 
   /** Put the slider where the value is. */
   place() {
+    if (this.hint) this.hint.textContent = this.value === null ? ""
+      : t(this.meaning, { way: this.wordsOf(this.value) });
     if (!this.slider || this.value === null) return;
     if (!isFocused(this.slider)) this.ends = this.reach();
+    const { step, first, count } = this.grid;
+    this.slider.max = String(count);
+    this.slider.value = String(Math.round(this.value / step) - first);
+    this.slider.setAttribute("aria-valuetext", this.wordsOf(this.value));
+  }
+
+  /**
+   * The positions of the slider: both ends, and between them the round numbers of the unit on show, so
+   * that an arrow key goes from one to the next. `first` and `step` are those of the round numbers.
+   */
+  get grid() {
     const [low, high] = this.ends;
-    this.slider.value = String(Math.round((STEPS * (this.value - low)) / (high - low || 1)));
-    this.slider.setAttribute("aria-valuetext",
-      `${short(this.value / this.unit.size, 4)} ${this.only?.shown ?? shownUnit(this.unit.name)}`.trim());
+    const { size } = this.unit;
+    const step = size * roundStep(Math.max(-low, high) / size || 1);
+    const first = Math.floor(low / step + ROUNDING);
+    return { low, high, step, first, count: Math.max(1, Math.ceil(high / step - ROUNDING) - first) };
   }
 
   slide() {
-    const [low, high] = this.ends;
-    const share = Number(/** @type {HTMLInputElement} */ (this.slider).value) / STEPS;
-    this.give(low + share * (high - low));
+    const { low, high, step, first, count } = this.grid;
+    const i = Number(/** @type {HTMLInputElement} */ (this.slider).value);
+    this.give(i <= 0 ? low : i >= count ? high : (first + i) * step);
   }
 
   /**
@@ -170,25 +215,61 @@ export class Knob {
     const [low, high] = this.limits;
     const within = (/** @type {number} */ number) => Math.min(Math.max(number, low), high);
     const text = this.textOf(within(value));
-    this.error(null);
     this.show(within(this.valueOf(text) ?? value));
     this.take(text, this.value);
   }
 
-  /** Take what was typed, in the unit on show where it names none. */
+  /** Take what was typed, in the unit on show where it names none, or say what is wrong with it. */
   type() {
-    const parts = this.input.value.trim().replaceAll("−", "-").split(",").map((part) => part.trim());
-    const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
-    const unit = isPlain && this.unit.name !== "1" ? ` ${this.unit.name}` : "";
-    const text = parts.map((part) => `${part}${unit}`).join(", ");
     this.isDraft = false;
-    if (parts.length > 1 && !this.isList) {
-      this.error(t("oneNumber", { text: this.input.value.replace(",", ".").trim() }));
-      return;
-    }
-    this.taken = text;
+    const { option, isList, mayBeEmpty, registry, unit } = this;
+    const { values, text, problem } = readEntry(this.input.value, { usual: unit, shown: this.only?.shown, isList, mayBeEmpty,
+      units: [...option.units, { name: option.unit, size: 1 }], unit: option.unit, registry,
+      example: this.value === null ? "" : this.wordsOf(this.value) });
+    const wrong = problem ?? values.map((each) => this.problemWith(each)).find((each) => each) ?? null;
+    const value = values.length === 1 ? values[0] : null;
+    if (wrong === null && (value === null || this.reaches(value))) {
+      this.taken = text;
+      this.forget();
+      // A comma has become a point, or what this language writes.
+      if (value !== null && this.input.value.includes(",")) this.show(value);
+      this.take(this.taken, value);
+    } else this.refuse(wrong, value);
+  }
+
+  /** Return why the option cannot have a value, null if it can. */
+  problemWith(/** @type {number} */ value) {
+    return problemWith(this.name, this.option, { label: this.label, unit: this.shownAs }, value);
+  }
+
+  /** Return whether a value lies in the limits. */
+  reaches(/** @type {number} */ value) {
+    const [low, high] = this.limits;
+    return value >= low && value <= high;
+  }
+
+  /**
+   * Say why what was typed is not taken, and offer the nearest value that is.
+   * @param {string | null} problem null where it is beyond the limits
+   * @param {number | null} value in SI units
+   */
+  refuse(problem, value) {
+    this.isRefused = true;
+    const [low, high] = this.limits;
+    const nearest = value === null || this.reaches(value) ? null : value < low ? low : high;
+    const [least, most] = this.limits.map((end) => localShort(end / this.unit.size, 4));
+    this.error(problem ?? t("outOfRange", { name: this.label, low: least,
+      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() }));
+    if (nearest !== null && this.problemWith(nearest) === null)
+      this.note.append(" ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
+        t("takeNearest", { value: this.wordsOf(nearest) })));
+  }
+
+  /** Forget what was refused. */
+  forget() {
+    if (!this.isRefused) return;
+    this.isRefused = false;
     this.error(null);
-    this.take(text, parts.length > 1 ? null : this.valueOf(text));
   }
 
   /**
@@ -200,8 +281,12 @@ export class Knob {
     this.give((this.value ?? low) + direction * KEY_STEP * (high - low));
   }
 
-  /** @param {string | null} text */
+  /**
+   * Show why the run of this value was refused; what is typed here and was refused says so already.
+   * @param {string | null} text
+   */
   error(text) {
+    if (text === null && this.isRefused) return;
     this.note.hidden = text === null;
     this.note.textContent = text ?? "";
     this.input.setAttribute("aria-invalid", String(text !== null));
@@ -216,6 +301,15 @@ export function symbolOf({ symbol }) {
   const parts = symbolParts(symbol);
   return parts.length ? el("i", {}, ...parts.map(({ text, place }) =>
     (place === "line" ? text : el(place, {}, text)))) : "";
+}
+
+/**
+ * Return the distance of the round numbers on a slider: forty to four hundred go to its farther end.
+ * @param {number} farthest end, in the unit on show
+ */
+export function roundStep(farthest) {
+  const power = Math.floor(Math.log10(farthest));
+  return 10 ** (farthest < COARSE * 10 ** power ? power - 2 : power - 1);
 }
 
 /** Return whether an element has the focus, also inside of a root of its own. */

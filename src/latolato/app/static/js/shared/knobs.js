@@ -3,7 +3,7 @@
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Knob } from "./knob.js";
-import { short, shownUnit } from "./units.js";
+import { short } from "./units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /**
@@ -22,6 +22,8 @@ const NAMES = /** @type {Record<string, string>} */ ({
 });
 const AMPLITUDES = ["drive_amplitude", "vertical_amplitude", "horizontal_amplitude"];
 const COUNT = 3;
+/** What an amplitude means: half of the way from end to end. @type {Record<string, string>} */
+const MEANINGS = { drive_amplitude: "upAndDown", vertical_amplitude: "upAndDown", horizontal_amplitude: "toEachSide" };
 const DIGITS = 4;
 
 /**
@@ -71,6 +73,8 @@ export class Knobs {
     /** @type {Record<string, Knob>} */
     this.all = {};
     this.root = el("div", { class: "knobs" });
+    /** What the natural frequency is. */
+    this.natural = el("p", { class: "hint" });
   }
 
   /**
@@ -85,7 +89,7 @@ export class Knobs {
     const { entry, note } = this.all.drive_frequency;
     // Both ways in one knob: two fields and one slider.
     entry.append(ratio.entry);
-    note.after(ratio.note);
+    note.after(ratio.note, this.natural);
     ratio.input.setAttribute("aria-label", ratio.option.label);
     this.all.frequency_ratio = ratio;
   }
@@ -100,14 +104,22 @@ export class Knobs {
       : name === "drive_frequency" ? { name: "Hz", size: 2 * Math.PI, shown: t("perSecond") } : undefined;
     return new Knob(name, isRatio ? { ...option, suggested: null } : option, {
       label: name in NAMES ? t(NAMES[name]) : option.label, unit, keys: this.keys[name],
-      digits: DIGITS, take: (text, value) => this.take(name, text, value) });
+      digits: DIGITS, meaning: MEANINGS[name], registry: this.registry, take: (text, value) => this.take(name, text, value) });
   }
 
-  /** The registry, in which options are called as their knobs on show are. */
+  /**
+   * Say what the natural frequency is, below the knob that counts in it.
+   * @param {number} frequency [rad/s]
+   */
+  explain(frequency) {
+    this.natural.textContent = t("naturalIs", { rate: short(frequency / (2 * Math.PI), 3) });
+  }
+
+  /** The registry, in which options have the names and units of their knobs on show. */
   get registryInWords() {
     const options = { ...this.registry.options };
-    for (const [name, { label }] of Object.entries(this.all))
-      if (name in options) options[name] = { ...options[name], label };
+    for (const [name, { label, shownAs }] of Object.entries(this.all))
+      if (name in options) options[name] = { ...options[name], label, units: [shownAs] };
     return { ...this.registry, options };
   }
 
@@ -128,22 +140,4 @@ export class Knobs {
     for (const [name, knob] of Object.entries(this.all)) knob.error(name === field ? text : null);
     return field !== null && field in this.all;
   }
-}
-
-/**
- * Return why a value is refused and the nearest one that is taken, both in words; null for a value
- * that lies in its range.
- * @param {Knob} knob
- * @param {number} value in SI units
- * @param {number[]} range
- */
-export function refusal(knob, value, [low, high]) {
-  if (value >= low && value <= high) return null;
-  const { only, unit, label } = knob;
-  const shown = only?.shown ?? shownUnit(unit.name);
-  const [least, most] = [low, high].map((end) => short(end / unit.size, 4));
-  return {
-    about: t("outOfRange", { name: label, low: least, high: `${most} ${shown}`.trim() }),
-    nearest: `${value < low ? least : most} ${shown}`.trim(),
-  };
 }

@@ -1,6 +1,6 @@
 /** What is shown of a run when somebody asks: energies and powers, portrait, section, ledger, contacts. */
 
-import { t } from "../strings.js";
+import { local, t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "./dom.js";
 import { Later } from "./later.js";
@@ -8,7 +8,7 @@ import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
 import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
-import { short } from "./units.js";
+import { localShort } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
@@ -141,14 +141,14 @@ export class MoreCurves {
     }
     const two = motion.block.shapes.angular_velocity_before[0];
     const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
-      Array.from({ length: two }, (_, k) => short(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
+      Array.from({ length: two }, (_, k) => localShort(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
     const columns = Object.keys(CONTACT_COLUMNS).filter((name) => name in motion.block.arrays);
     const rows = [];
     for (let i = 0; i < Math.min(count, MOST_ROWS); i += 1) {
       const at = motion.contacts[i];
       rows.push(el("tr", {},
         el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
-          short(at, 6))),
+          localShort(at, 6))),
         el("td", {}, kindOf(motion, i)),
         ...columns.map((name) => el("td", {}, cells(name, i)))));
     }
@@ -167,8 +167,8 @@ export class MoreCurves {
       ...rows.filter(is).map(({ name, share, energy, paint }) => el("div", { class: "ledger-row" },
         el("span", {}, t(name)),
         el("span", { class: "bar" }, bar(share, paint)),
-        el("output", {}, `${(100 * share).toFixed(1)} %`),
-        el("output", { class: "soft" }, `${short(Math.abs(energy), 4)} J`)))];
+        el("output", {}, `${local((100 * share).toFixed(1))} %`),
+        el("output", { class: "soft" }, `${localShort(Math.abs(energy), 4)} J`)))];
     this.ledger.replaceChildren(
       ...side("cameIn", (row) => row.energy > 0), ...side("wentOut", (row) => row.energy <= 0));
   }

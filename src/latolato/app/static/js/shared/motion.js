@@ -72,6 +72,12 @@ export function wrap(angle) {
 }
 
 /**
+ * Return how far an angle is from the bottom, either way and without whole turns [rad].
+ * @param {number} angle [rad]
+ */
+export const fromBottom = (angle) => Math.abs(angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI)));
+
+/**
  * Return pivot and balls where the balls have these angles: positions in m, x to the right and y up.
  * @param {number} height of the pivot [m]
  * @param {Ball[]} balls
@@ -112,6 +118,8 @@ export class Motion {
     this.isString = "distance" in block.arrays;
     /** @type {Record<string, [number, number]>} */
     this.ranges = {};
+    /** The largest angle up to each sample [rad], once it was asked for. @type {Float32Array | null} */
+    this.peaks = null;
   }
 
   /** The least and the largest height of the pivot [m]. */
@@ -132,6 +140,20 @@ export class Motion {
   values(name, ball = 0) {
     if (!(name in this.block.arrays)) return null;
     return row(this.block, name, Math.min(ball, this.block.shapes[name][0] - 1));
+  }
+
+  /**
+   * Return the largest angle from the bottom of any ball up to an instant [rad].
+   * @param {number} time
+   */
+  highest(time) {
+    if (!this.peaks) {
+      const angles = this.balls.map((ball) => /** @type {Float32Array} */ (this.values("angle", ball.row)));
+      let most = 0;
+      this.peaks = Float32Array.from(this.time, (_, i) =>
+        (most = Math.max(most, ...angles.map((each) => fromBottom(each[i])))));
+    }
+    return this.peaks[before(this.time, time)];
   }
 
   /**

@@ -1,6 +1,6 @@
 /** The stage as a picture to share: as it is drawn, with a caption below it. */
 
-import { t } from "../strings.js";
+import { localList, t } from "../strings.js";
 import { colour } from "./dom.js";
 import { short } from "./units.js";
 
@@ -22,7 +22,7 @@ const FONT = 'system-ui, "Segoe UI", Roboto, "Noto Sans", "DejaVu Sans", sans-se
  */
 export function captionOf(options) {
   const listed = (/** @type {number | number[]} */ values, /** @type {number} */ size) =>
-    [values].flat().map((value) => short(value / size, 3)).join(", ");
+    localList([values].flat().map((value) => short(value / size, 3)));
   const frequency = options.drive_frequency ?? options.drive_frequencies;
   return [
     options.drive_amplitude && t("captionAmplitude", { value: listed(options.drive_amplitude, 1e-3) }),

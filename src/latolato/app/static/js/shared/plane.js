@@ -3,7 +3,7 @@
 import { axisLimits, SINGLE, ticks } from "./axis.js";
 import { colour, fitCanvas } from "./dom.js";
 import { range } from "./motion.js";
-import { short } from "./units.js";
+import { localShort } from "./units.js";
 
 const LEFT = 52;
 const BELOW = 34;
@@ -141,14 +141,14 @@ export class Plane {
     for (const x of ticks(...pair(this.limits.x), Math.max(2, width / (70 * ratio)))) {
       const [px] = this.place(x, 0);
       segment(context, px, top, px, top + height);
-      context.fillText(short(x, 4), px, top + height + 4 * ratio);
+      context.fillText(localShort(x, 4), px, top + height + 4 * ratio);
     }
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const y of ticks(...pair(this.limits.y), Math.max(2, height / (45 * ratio)))) {
       const [, py] = this.place(0, y);
       segment(context, left, py, left + width, py);
-      context.fillText(short(y, 4), left - 5 * ratio, py);
+      context.fillText(localShort(y, 4), left - 5 * ratio, py);
     }
     context.textAlign = "center";
     context.textBaseline = "bottom";

@@ -5,7 +5,7 @@ import { checkedNumber, InputError } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
 import { t } from "../strings.js";
 import { withLaws } from "./laws.js";
-import { FIRST, FIRST_OF_LIVE } from "./state.js";
+import { FIRST, OPTIONS_OF_LIVE } from "./state.js";
 import { short, shownUnit } from "./units.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -103,7 +103,7 @@ function readableOptions(registry, { view, scenario, options: all }, left) {
   const given = registry.scenarios[scenario ?? FIRST].given;
   const system = options.system ?? given.system;
   const isLive = view === "live" && !scenario && !options.drive && !options.system;
-  const drive = isLive ? registry.scenarios[FIRST_OF_LIVE].given.drive
+  const drive = isLive ? OPTIONS_OF_LIVE.drive
     : options.drive ?? driveOf(registry, scenario || !options.system ? given : {}, options);
   for (const [name, text] of Object.entries(options)) {
     const { label, for_each_ball: isForEach } = registry.options[name];

@@ -17,8 +17,12 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
-/** And the one that Live begins with. */
+/**
+ * And what Live begins with: the toy of Fig. 12 at rest, shaken as in its slow second stage, too gently
+ * to lift the balls off. One push, at any instant, makes them swing to 47 degrees for good.
+ */
 export const FIRST_OF_LIVE = "fig12";
+export const OPTIONS_OF_LIVE = { drive: "harmonic", drive_amplitude: "34 mm", frequency_ratio: "2.389" };
 const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
 /**

@@ -1,5 +1,7 @@
 /** Numbers and units as people write them. */
 
+import { local } from "../strings.js";
+
 /** @typedef {{name: string, size: number}} Unit */
 
 const SHOWN = { us: "µs", deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
@@ -33,13 +35,22 @@ export function short(value, digits = 6) {
 }
 
 /**
+ * Return a number with so many digits, as the language of the page writes it.
+ * @param {number} value
+ * @param {number} [digits]
+ */
+export function localShort(value, digits) {
+  return local(short(value, digits));
+}
+
+/**
  * Return a number to the place of the second digit of its standard deviation, with that.
  * @param {number} value
  * @param {number} sigma
  * @returns {string}
  */
 export function withSigma(value, sigma) {
-  const minus = (/** @type {string} */ text) => text.replace("-", "−");
+  const minus = (/** @type {string} */ text) => local(text.replace("-", "−"));
   if (!Number.isFinite(value)) return "–";
   if (!(sigma > 0) || !Number.isFinite(sigma)) return minus(short(value));
   const largest = Math.floor(Math.log10(Math.max(Math.abs(value), sigma)));
@@ -47,7 +58,7 @@ export function withSigma(value, sigma) {
   const power = largest < -3 || largest > 5 ? largest : 0;
   const [a, b] = [value / 10 ** power, sigma / 10 ** power];
   const digits = Math.min(Math.max(1 - Math.floor(Math.log10(b)), 0), 12);
-  const both = `${minus(a.toFixed(digits))} ± ${b.toFixed(digits)}`;
+  const both = `${minus(a.toFixed(digits))} ± ${local(b.toFixed(digits))}`;
   return power ? `(${both}) × 10${superscript(power)}` : both;
 }
 
@@ -59,8 +70,8 @@ export function withSigma(value, sigma) {
  */
 export function toPlace(value, sigma) {
   const digits = 1 - Math.floor(Math.log10(sigma));
-  if (!(digits >= 0 && digits <= 6)) return short(value, 5).replace("-", "−");
-  return value.toFixed(digits).replace("-", "−");
+  if (!(digits >= 0 && digits <= 6)) return localShort(value, 5).replace("-", "−");
+  return local(value.toFixed(digits).replace("-", "−"));
 }
 
 /** @param {number} power */

@@ -1,6 +1,6 @@
 /** Numbers of stories as readers see them. */
 
-import { short } from "../shared/units.js";
+import { localShort } from "../shared/units.js";
 import { t } from "../strings.js";
 
 const DEGREES = 180 / Math.PI;
@@ -29,5 +29,5 @@ export function shownNumber(name, value, unit) {
  */
 export function withUnit(value, unit, digits = DIGITS) {
   const [words, size] = unit === "1/s" ? [` ${t("perSecond")}`, 1] : SHOWN[unit] ?? [` ${unit}`, 1];
-  return `${short(value / size, digits)}${words}`.replace("-", "−");
+  return `${localShort(value / size, digits)}${words}`.replace("-", "−");
 }

@@ -1,0 +1,99 @@
+/** What people type into fields: one number, or several, each with a unit or without. */
+
+import { toSi as inSi } from "../model/options.js";
+import { checkedNumber, InputError } from "../model/rules.js";
+import { inPagesWords } from "../model/words.js";
+import { local, t } from "../strings.js";
+import { parseQuantity, shownUnit, toSi } from "./units.js";
+
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("./laws.js").Option} Option */
+/** @typedef {import("./units.js").Unit} Unit */
+/**
+ * What a field takes: numbers in `usual` where they name no unit, or in one of `units`; `shown` is a
+ * phrase for the usual one, such as "per second", `unit` the SI unit. `isList` says whether several numbers may be given, `mayBeEmpty` whether
+ * none need be; `example` is the text of a number that would do.
+ * @typedef {{usual: Unit, units: Unit[], shown?: string, unit?: string, registry?: Registry,
+ *   isList?: boolean, mayBeEmpty?: boolean, example?: string}} Takes
+ *
+ * What was read: values in SI units and their text, with units and decimal points, or what is wrong.
+ * @typedef {{values: number[], text: string, problem: null}
+ *   | {values: number[], text: string, problem: string}} Entry
+ */
+
+/**
+ * Return a typed text with decimal points. Where one number belongs, a comma between digits is a
+ * decimal comma. In a list commas separate, as they do in addresses, files and Python; semicolons
+ * separate too, and then commas are decimal ones.
+ * @param {string} text
+ * @param {boolean} [isList]
+ * @returns {string}
+ */
+export function withPoints(text, isList = false) {
+  const plain = text.trim().replaceAll("−", "-");
+  if (!isList) return plain.replace(/^([-+]?\d*),(?=\d)/, "$1.");
+  return plain.includes(";") ? plain.split(";").map((part) => withPoints(part)).join(", ") : plain;
+}
+
+/**
+ * Read what was typed: the rule of all fields for numbers.
+ * @param {string} typed
+ * @param {Takes} takes
+ * @returns {Entry}
+ */
+export function readEntry(typed, takes) {
+  const { usual, isList = false, mayBeEmpty = false, example = "" } = takes;
+  const wrong = (/** @type {string} */ problem) => ({ values: [], text: "", problem });
+  if (!typed.trim()) {
+    if (mayBeEmpty) return { values: [], text: "", problem: null };
+    return wrong(example ? t("numberNeeded", { example }) : t("numberNeededHere"));
+  }
+  const pointed = withPoints(typed, isList);
+  const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim());
+  const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
+  const values = parts.map((part) => (isPlain ? Number(part) * usual.size : quantityOf(part, takes)));
+  const k = values.findIndex((value) => value === null || !Number.isFinite(value));
+  const unit = usual.name === "1" ? "" : usual.name;
+  if (k >= 0) {
+    const [text, shown] = [local(parts[k]), shownUnit(unit)];
+    return wrong(takes.shown ? t("noNumberOf", { text, unit: takes.shown })
+      : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown }));
+  }
+  return { values: /** @type {number[]} */ (values), problem: null,
+    text: parts.map((part) => (isPlain ? `${part} ${unit}`.trim() : part)).join(", ") };
+}
+
+/**
+ * Return a quantity in SI units, null for a text that is none.
+ * @param {string} text
+ * @param {Takes} takes
+ */
+function quantityOf(text, { units, unit, registry }) {
+  const known = toSi(text, units);
+  if (known !== null || !registry?.units || !unit) return known;
+  try {
+    return Number(inSi(registry, "", text, unit));
+  } catch (error) {
+    if (error instanceof InputError) return null;
+    throw error;
+  }
+}
+
+/**
+ * Return why an option cannot have a value, in the words and the unit of its field; null if it can.
+ * @param {string} name
+ * @param {Option} option
+ * @param {{label: string, unit: Unit}} field
+ * @param {number} value in SI units
+ * @returns {string | null}
+ */
+export function problemWith(name, option, { label, unit }, value) {
+  const registry = /** @type {any} */ ({ options: { [name]: { ...option, label, units: [unit] } } });
+  try {
+    checkedNumber(/** @type {any} */ (option), name, value);
+    return null;
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    return inPagesWords(registry, error)[0];
+  }
+}
