@@ -73,3 +73,15 @@ def test_a_number_out_of_range_is_refused_with_a_way_out(name, value, allowed, u
 def test_a_pure_number_has_no_unit_in_messages():
     with pytest.raises(InputError, match="restitution must be a number, got 'x'"):
         checked_number("restitution", "x", UNIT_INTERVAL, "1")
+
+
+def test_a_notebook_shows_systems_and_drives_as_tables_of_their_parameters():
+    drive = drives["frequency_schedule"](
+        drive_amplitude=0.02, times=[0.0, 1.0], drive_frequencies=[10.0, 12.0], drive_phase=0.5
+    )
+    table = drive._repr_html_()
+    assert "<caption>FrequencySchedule</caption>" in table
+    assert "<td>$A_0$</td><td><code>drive_amplitude</code></td><td>0.02 m</td>" in table
+    assert "<code>times</code></td><td>2 values in s</td>" in table
+    toy = systems["latolato"](length=0.2, mass=0.1, radius=0.02, suspension="string")
+    assert "<code>suspension</code></td><td>string</td>" in toy._repr_html_()
