@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from latolato.figures.plot import plot
     from latolato.io.files import load, save
     from latolato.scenario.scenario import Scenario, load_scenario, scenarios
+    from latolato.simulation.summary import summarise
 
 # Names that are imported on first use, with the module they live in.
 _LATE: dict[str, str] = {
@@ -96,6 +97,7 @@ _LATE: dict[str, str] = {
     "plot": "latolato.figures.plot",
     "save": "latolato.io.files",
     "scenarios": "latolato.scenario.scenario",
+    "summarise": "latolato.simulation.summary",
     "track": "latolato.experiment.track",
 }
 
@@ -156,6 +158,7 @@ __all__ = [
     "save",
     "scenarios",
     "simulate",
+    "summarise",
     "sweep",
     "track",
 ]

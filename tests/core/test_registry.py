@@ -133,3 +133,15 @@ def test_quantities_of_another_kind_are_refused(quantity, unit, text):
 )
 def test_rows_of_numbers_are_taken_in_many_forms(values):
     assert list(checked_array("x", values, unit="m")) == [0.1, 0.2]
+
+
+def test_a_notebook_shows_systems_and_drives_as_tables_of_their_parameters():
+    drive = drives["frequency_schedule"](
+        drive_amplitude=0.02, times=[0.0, 1.0], drive_frequencies=[10.0, 12.0], drive_phase=0.5
+    )
+    table = drive._repr_html_()
+    assert "<caption>FrequencySchedule</caption>" in table
+    assert "<td>$A_0$</td><td><code>drive_amplitude</code></td><td>0.02 m</td>" in table
+    assert "<code>times</code></td><td>2 values in s</td>" in table
+    toy = systems["latolato"](length=0.2, mass=0.1, radius=0.02, suspension="string")
+    assert "<code>suspension</code></td><td>string</td>" in toy._repr_html_()

@@ -702,3 +702,16 @@ def test_a_run_of_endless_steps_is_refused(drive, speed, contact):
             toy, drive, initial_angle=0.5, initial_angular_velocity=speed, times=[1.0],
             contact=contact,
         )  # fmt: skip
+
+
+@pytest.mark.parametrize("duration", [0.1, 10.0])  # without contacts, and with some
+def test_a_run_comes_back_from_zarr_and_netcdf_without_a_warning(tmp_path, duration):
+    made = ll.simulate(pair(), DRIVE, initial_angle=(0.7, -0.6), duration=duration)
+    made.to_zarr(tmp_path / "run.zarr", consolidated=False)
+    made.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    with (
+        xr.open_zarr(tmp_path / "run.zarr", consolidated=False) as one,
+        xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as other,
+    ):
+        xr.testing.assert_equal(one.load(), made)
+        xr.testing.assert_equal(other.load(), made)

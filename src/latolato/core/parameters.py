@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from html import escape
 from types import SimpleNamespace, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -163,6 +164,39 @@ def law_parameters(law: Any, owner: str) -> Iterator[Parameter]:
             suggested=about.get("suggested"),
             is_later=bool(about.get("is_later")),
         )
+
+
+def parameter_table(law: Any) -> str:
+    """Return a law's parameters as a table in HTML: meaning, symbol, name, value and unit.
+
+    Examples
+    --------
+    >>> from latolato.physics.pendulum import Pendulum
+    >>> table = parameter_table(Pendulum(length=0.363, mass=0.108))
+    >>> "<td>$l$</td><td><code>length</code></td><td>0.363 m</td>" in table
+    True
+    """
+    rows = []
+    for parameter in law_parameters(law, ""):
+        value = law
+        for name in parameter.path:
+            value = getattr(value, name)
+        symbol = f"${parameter.quantity.symbol}$" if parameter.quantity.symbol else ""
+        cells = (symbol, f"<code>{parameter.name}</code>", escape(_shown(parameter, value)))
+        rows.append(
+            f"<tr><th>{escape(parameter.description)}</th><td>{'</td><td>'.join(cells)}</td></tr>"
+        )
+    return f"<table><caption>{type(law).__name__}</caption>{''.join(rows)}</table>"
+
+
+def _shown(parameter: Parameter, value: Any) -> str:
+    """Return a value with its unit, of several how many there are."""
+    if value is None:
+        return "none"
+    unit = "" if parameter.unit in ("", "1") else f" {parameter.unit}"
+    if parameter.several:
+        return f"{len(value)} values{unit and ' in'}{unit}"
+    return f"{value:.9g}{unit}" if isinstance(value, float) else f"{value}{unit}"
 
 
 @dataclass(frozen=True)

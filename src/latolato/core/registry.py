@@ -402,7 +402,10 @@ def flattened(described: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def named(law: Law) -> Law:
-    """Make a dataclass refuse unknown and missing parameters by name; return it."""
+    """Make a dataclass refuse unknown and missing parameters by name; return it.
+
+    A notebook shows it as a table of its parameters.
+    """
     kind: Any = law
     plain = kind.__init__
 
@@ -415,7 +418,15 @@ def named(law: Law) -> Law:
         plain(self, **parameters)
 
     kind.__init__ = checked
+    kind._repr_html_ = _shown_in_notebooks
     return law
+
+
+def _shown_in_notebooks(law: Any) -> str:
+    """Return the parameters of a law as HTML."""
+    from latolato.core.parameters import parameter_table  # made from this module
+
+    return parameter_table(law)
 
 
 def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:

@@ -102,10 +102,17 @@ class Record:
         import xarray as xr
 
         result = {
-            each.name: (each.dimensions, each.values, each.attrs) for each in self.described()
+            each.name: (each.dimensions, _with_any_length(each.values), each.attrs)
+            for each in self.described()
         }
         coordinates = {name: result.pop(name) for name in ("time", "ball") if name in result}
         return xr.Dataset(result, coords=coordinates, attrs=self.attrs)
+
+
+def _with_any_length(values: Any) -> Any:
+    """Return words as text of any length, which Zarr specifies, unlike NumPy's of fixed width."""
+    is_text = values.dtype.kind == "U"
+    return values.astype(np.dtype("O", metadata={"element_type": str})) if is_text else values
 
 
 def record_of(
