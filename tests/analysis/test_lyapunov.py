@@ -51,6 +51,25 @@ def test_a_toy_that_rests_forgets_its_past():
     found = lyapunov_spectrum(toy, SHAKE, initial_offset=0.3, duration=60.0, transient=30.0)
     assert found.status.item() == "rest"
     assert np.all(found.lyapunov_exponents == -math.inf)
+    assert found.rests.item() >= 1
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_an_instant_of_rest_leaves_the_exponent_between_rests(tolerance):
+    # Starts within a micrometre: some rest for an instant before the end, the others do not.
+    toy = ll.LatoLato(length=0.2, mass=0.05, radius=0.018, restitution=0.5, damping=0.001)
+    drive = ll.Harmonic(drive_amplitude=0.094, drive_frequency=6.0 * math.pi)
+    starts = math.radians(20.0) + 1e-6 * np.arange(16)
+    found = ll.sweep(
+        toy, drive, axes={"initial_angle": starts}, duration=300.0, transient=100.0,
+        observables=["lyapunov_exponent"], tolerance=tolerance,
+    )  # fmt: skip
+    rests = found.rests > 0
+    assert 0 < rests.sum() < 16
+    assert np.all(np.isneginf(found.lyapunov_exponent) == rests)
+    assert np.all(np.abs(found.exponent_between_rests - 2.0) < 0.8)
+    same = found.where(~rests, drop=True)
+    assert np.array_equal(same.exponent_between_rests, same.lyapunov_exponent)
 
 
 def test_a_short_run_has_a_shorter_transient():

@@ -272,6 +272,23 @@ def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
     assert verdict.startswith(words)
 
 
+@pytest.mark.parametrize(
+    "rests, words", [(3, "Between such rests neighbouring starts drift apart e-fold every 2 s"),
+                     (100, "No: the balls come to rest on each other")],
+)  # fmt: skip
+def test_a_verdict_tells_chaos_with_rare_rests_from_lasting_rest(rests, words):
+    found = xr.Dataset(
+        {
+            "status": "rest",
+            "lyapunov_exponents": ("exponent", [-np.inf, -np.inf]),
+            "exponent_between_rests": 0.5,
+            "rests": rests,
+        },
+        attrs={"duration": 300.0, "transient": 100.0},
+    )
+    assert words in question_of("lyapunov_spectrum").verdict(found)
+
+
 @pytest.mark.parametrize("name", analyses)
 def test_what_forms_begin_with_is_a_question_that_can_be_asked(name):
     about = about_request(RunRequest("fig04a_push", {}))

@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.core.quantities import NON_NEGATIVE, Quantity
-from latolato.observables.deviations import LyapunovSpectrum, SumRuleResidual
+from latolato.observables.deviations import LyapunovExponent, LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_system
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 QUANTITIES = {
+    **LyapunovExponent.variables,
     **LyapunovSpectrum.variables,
     **SumRuleResidual.variables,
     "divergence": Quantity("1/s", r"\langle\nabla f\rangle", "mean divergence of flow and impacts"),
@@ -61,10 +62,12 @@ def lyapunov_spectrum(
     xarray.Dataset
         ``lyapunov_exponents`` over ``exponent``, largest first, 2 or 4; ``sum_rule_residual``,
         their sum minus ``divergence``, the mean divergence of the flow (-gamma for linear drag)
-        plus ``2 f ln e`` at f impacts per second; ``status``: ``regular`` (the largest is below
-        zero), ``chaotic`` (above zero by more than (5 + ln(w0 t))/t), ``marginal``, ``rest``
-        (exponents of minus infinity: the motion rests, or meets a wall without rebound, and
-        forgets its past) or why there is no answer.
+        plus ``2 f ln e`` at f impacts per second; ``rests``, how often the motion forgets its past
+        because it rests or meets a wall without rebound, and ``exponent_between_rests``, the
+        growth in the time between them, without rests the largest exponent; ``status``: ``regular``
+        (the largest is below zero), ``chaotic`` (above zero by more than (5 + ln(w0 t))/t),
+        ``marginal``, ``rest`` (exponents of minus infinity, even after a single rest) or why there
+        is no answer.
 
     Raises
     ------
@@ -75,8 +78,9 @@ def lyapunov_spectrum(
     -----
     The vectors are stretched by the exact derivative of the integrator's steps and made
     orthonormal after each. Convergence is as 1/time for regular and 1/sqrt(time) for chaotic
-    motion: compare two durations. The same numbers as a map: ``latolato.sweep(...,
-    observables=["lyapunov_exponent"])``.
+    motion: compare two durations. The exponent between rests begins again with one deviation after
+    each rest; where rests are not rare, it depends on which one. The same numbers as a
+    map: ``latolato.sweep(..., observables=["lyapunov_exponent"])``.
 
     Examples
     --------
@@ -103,7 +107,7 @@ def lyapunov_spectrum(
         contact=contact,
         tolerance=tolerance,
         rest_speed=rest_speed,
-        observables=["lyapunov_spectrum", "sum_rule_residual"],
+        observables=["lyapunov_exponent", "lyapunov_spectrum", "sum_rule_residual"],
     ).isel(case=0)
     exponents = grid.lyapunov_exponents.values
     residual = float(grid.sum_rule_residual)
@@ -124,6 +128,8 @@ def lyapunov_spectrum(
             "lyapunov_exponents": ("exponent", exponents),
             "divergence": total - residual if math.isfinite(total) else total,
             "sum_rule_residual": residual,
+            "exponent_between_rests": float(grid.exponent_between_rests),
+            "rests": int(grid.rests) if math.isfinite(grid.rests) else math.nan,
             "status": status,
         },
         locals(),

@@ -215,10 +215,11 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         computed with, or if it has a unit that does not convert.
     """
     kind = "a number" if unit == "1" else f"a number in {unit}"
-    value = in_unit(name, value, unit)
-    is_odd = getattr(getattr(value, "dtype", None), "kind", "f") not in _REAL
-    if is_odd or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
-        raise InputError(f"must be {kind}", parameter=name, value=value)
+    if type(value) is not float:  # as most are
+        value = in_unit(name, value, unit)
+        is_odd = getattr(getattr(value, "dtype", None), "kind", "f") not in _REAL
+        if is_odd or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
+            raise InputError(f"must be {kind}", parameter=name, value=value)
     try:
         number = float(value)
     except (TypeError, ValueError):

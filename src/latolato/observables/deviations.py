@@ -56,19 +56,27 @@ class Deviations(Observable):
         return STATE_SIZE * STATE_SIZE + 1
 
 
-# Slots of `LyapunovExponents` behind the vectors.
+# Slots of exponents behind the vectors: the growth of each, the time and the divergence; the growth
+# of the first vector and the time of steps that lose no direction, how often directions were lost,
+# and whether the last step lost one.
 _SUMS = STATE_SIZE * STATE_SIZE
 _TIME, _SPREAD = _SUMS + STATE_SIZE, _SUMS + STATE_SIZE + 1
+_GROWTH, _MOVING, _RESTS, _LOSES = range(_SPREAD + 1, _SPREAD + 5)
 
 
 @formula
 def _stretch(
     acc: Any, i: int, n: int, size: int, time: float, spread: float, jacobian: Any
 ) -> None:
-    """Stretch the vectors, make them orthonormal again, and add up how much they grew."""
+    """Stretch the vectors, make them orthonormal again, and add up how much they grew.
+
+    A vector that a rest took away leaves the largest exponent at minus infinity for good. Another
+    takes its place, so that growth can be counted again once the motion goes on.
+    """
     _multiply(acc, i, n, size, jacobian)
     acc[i + _TIME * n] += time
     acc[i + _SPREAD * n] += spread
+    first, lost = 0.0, 0.0
     for column in range(size):
         before = 0.0
         for row in range(size):
@@ -89,20 +97,24 @@ def _stretch(
         scale = 0.0 if is_lost else 1.0 / length
         for row in range(size):
             acc[i + (STATE_SIZE * row + column) * n] *= scale
-        acc[i + (_SUMS + column) * n] += -math.inf if is_lost else math.log(length)
+        growth = -math.inf if is_lost else math.log(length)
+        acc[i + (_SUMS + column) * n] += growth
+        jacobian[column, STATE_SIZE + 1] = 1.0 if is_lost else 0.0
+        first = growth if column == 0 else first
+        lost = 1.0 if is_lost else lost
+    for column in range(size):
+        # In place of a lost vector, the axis of its number: the next call makes it orthogonal.
+        acc[i + (STATE_SIZE + 1) * column * n] += jacobian[column, STATE_SIZE + 1]
+    acc[i + _GROWTH * n] += 0.0 if lost > 0.0 else first
+    acc[i + _MOVING * n] += 0.0 if lost > 0.0 else time
+    acc[i + _RESTS * n] += lost if acc[i + _LOSES * n] == 0.0 else 0.0
+    acc[i + _LOSES * n] = lost
 
 
 @formula
 def _start_again(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
-    """Forget the growth; a direction that the transient lost is given back."""
-    lost = 0.0
-    for k in range(STATE_SIZE):
-        lost += acc[i + (_SUMS + k) * n]
-    for row in range(STATE_SIZE):
-        for column in range(STATE_SIZE):
-            if not lost > -math.inf:
-                acc[i + (STATE_SIZE * row + column) * n] = 1.0 if row == column else 0.0
-    for k in range(_SUMS, _SPREAD + 1):
+    """Forget the growth, and that the motion rests."""
+    for k in range(_SUMS, _LOSES + 1):
         acc[i + k * n] = 0.0
 
 
@@ -121,6 +133,16 @@ def _finish_exponents(acc: Any, i: int, n: int, end: Outcome) -> None:
             first, second = acc[i + k * n], acc[i + (k + 1) * n]
             acc[i + k * n] = second if first < second else first
             acc[i + (k + 1) * n] = first if first < second else second
+
+
+@formula
+def _finish_largest(acc: Any, i: int, n: int, end: Outcome) -> None:
+    """Write the largest exponent, that between rests, and the number of these."""
+    rests, moving = acc[i + _RESTS * n], acc[i + _MOVING * n]
+    between = acc[i + _GROWTH * n] / moving if moving > 0.0 else math.nan
+    _finish_exponents(acc, i, n, end)
+    acc[i + n] = between if rests > 0.0 else acc[i]
+    acc[i + 2 * n] = rests
 
 
 @formula
@@ -147,25 +169,32 @@ class _Exponents(Observable):
 
     @property
     def memory(self) -> int:
-        """The vectors, their growth, the time and the divergence."""
-        return _SPREAD + 1
+        """The vectors, their growth and times, and the rests."""
+        return _LOSES + 1
 
 
 @observables.register("lyapunov_exponent")
 @dataclass(frozen=True, kw_only=True)
 class LyapunovExponent(_Exponents):
-    """Largest Lyapunov exponent after the transient.
+    """Largest Lyapunov exponent after the transient, and between the rests in this time.
 
     Benettin et al., Meccanica 15 (1980) 9, with the saltation matrices of impacts. Minus infinity
-    if the motion forgets its past: it rests, or meets a wall without rebound. Slack strings
-    count from taut to taut; NaN if none tightens, or if balls meet at the very instant at which a
-    string tightens.
+    if the motion forgets its past even once: it rests, or meets a wall without rebound. Slack
+    strings count from taut to taut; NaN if none tightens, or if balls meet at the very instant at
+    which a string tightens.
+
+    `exponent_between_rests` is the growth of one deviation over the time in which the motion keeps
+    its past; after each of the `rests` it begins again. It converges only if rests are rare: if
+    the time between them is long against its inverse. Without rests it is the largest exponent;
+    NaN if the motion never leaves its rest.
     """
 
     variables: ClassVar[Any] = {
-        "lyapunov_exponent": Quantity("1/s", r"\lambda_1", "largest Lyapunov exponent")
+        "lyapunov_exponent": Quantity("1/s", r"\lambda_1", "largest Lyapunov exponent"),
+        "exponent_between_rests": Quantity("1/s", r"\lambda_r", "exponent between rests"),
+        "rests": Quantity("1", "N_r", "rests, after which the motion has forgotten its past"),
     }
-    finish: ClassVar[Any] = staticmethod(_finish_exponents)
+    finish: ClassVar[Any] = staticmethod(_finish_largest)
 
 
 @observables.register("lyapunov_spectrum")

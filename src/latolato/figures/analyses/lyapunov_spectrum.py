@@ -23,6 +23,9 @@ _MEANING = {
     "rest": "the motion forgets its past",
 }
 
+# Between rests a deviation must grow or shrink by so many e-folds to forget how it began.
+_RARE = 10.0
+
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
@@ -69,6 +72,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+def _between_rare_rests(dataset: xr.Dataset) -> float | None:
+    """Return the exponent between rests, None if they are too frequent for it to mean anything."""
+    between = float(dataset.get("exponent_between_rests", math.nan))
+    if not math.isfinite(between):
+        return None
+    observed = dataset.attrs["duration"] - dataset.attrs["transient"]
+    return between if abs(between) * observed > _RARE * float(dataset["rests"]) else None
+
+
 def _rows(dataset: xr.Dataset, values: np.ndarray) -> list[tuple[str, str]]:
     """Return names and values of the sum rule and of the time."""
     total = float(np.sum(values))
@@ -78,8 +90,12 @@ def _rows(dataset: xr.Dataset, values: np.ndarray) -> list[tuple[str, str]]:
         ("difference", float(dataset["sum_rule_residual"]) if math.isfinite(total) else math.nan),
     ]
     observed = dataset.attrs["duration"] - dataset.attrs["transient"]
+    rests = float(dataset.get("rests", 0.0))
+    if rests > 0.0:
+        rows.append(("between rests", float(dataset["exponent_between_rests"])))
     return [
         *((name, f"{tex_number(value)} 1/s") for name, value in rows if not math.isnan(value)),
+        *([("rests", f"{rests:g}")] if rests > 0.0 else []),
         ("observed", f"{observed:g} s"),
     ]
 
@@ -88,7 +104,14 @@ def verdict(dataset: xr.Dataset) -> str:
     """Tell whether neighbours part and how fast."""
     status, largest = str(dataset["status"].item()), float(dataset["lyapunov_exponents"].max())
     if status == "rest":
-        return "No: the balls come to rest on each other, and the past is forgotten."
+        between = _between_rare_rests(dataset)
+        if between is None:
+            return "No: the balls come to rest on each other, and the past is forgotten."
+        way = "drift apart" if between > 0.0 else "come together"
+        return (
+            "No, strictly: now and then the balls rest on each other, and the past is forgotten. "
+            f"Between such rests neighbouring starts {way} {e_folding(between)}."
+        )
     if status not in ("chaotic", "regular", "marginal"):
         return no_answer(status)
     span = dataset.attrs.get("duration")
