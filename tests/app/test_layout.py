@@ -466,6 +466,30 @@ def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size)
         assert page.locator(".timeline").bounding_box() == curve
 
 
+@pytest.mark.parametrize("view", ["play", "live"])
+def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
+    open_view(page, "", view, motion="no-preference")
+    page.emulate_media(color_scheme="dark", media="print")
+    paint = "() => getComputedStyle(document.documentElement).getPropertyValue('--ink').trim()"
+    on_screen = page.evaluate(paint)
+    page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
+    assert page.evaluate(paint) != on_screen == "#e8eaef"
+    curve = {"play": ".chart canvas", "live": ".strip"}[view]
+    for seen in ("canvas.scene", curve, ".headline", ".legend output", ".knobs input[type=text]"):
+        assert page.locator(seen).first.is_visible()
+    # Pictures keep their shape.
+    for each in ("canvas.scene", curve):
+        box = page.locator(each).first.bounding_box()
+        width, height = page.locator(each).first.evaluate("(c) => [c.width, c.height]")
+        assert box["width"] / box["height"] == pytest.approx(width / height, rel=0.02)
+    assert page.locator(".address").inner_text() == page.url
+    assert page.locator(".legend output").first.inner_text()  # all is at rest
+    for left_out in (".top", ".transport button", ".stage-tools", ".knobs input[type=range]"):
+        assert page.locator(left_out).first.is_hidden()
+    page.evaluate("() => dispatchEvent(new Event('afterprint'))")
+    assert page.evaluate(paint) == on_screen
+
+
 def test_a_slip_of_the_keyboard_is_refused_with_a_way_on(page):
     open_view(page, "", "play")
     field = page.get_by_role("textbox", name="How far the hand moves")

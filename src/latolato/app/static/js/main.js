@@ -1,7 +1,7 @@
 /** The page: its views, its colours and what they share. */
 
 import { loadRegistry } from "./model/registry.js";
-import { el, tell } from "./shared/dom.js";
+import { beforePrint, el, tell } from "./shared/dom.js";
 import { keep, recall } from "./shared/habits.js";
 import { AddressStore, followUndoKeys, undoButtons } from "./shared/history.js";
 import { speakInPage } from "./shared/language.js";
@@ -53,6 +53,12 @@ function startTheme() {
     applyTheme(theme);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => applyTheme(theme));
+  // Paper is light, and says where it comes from.
+  beforePrint(() => {
+    applyTheme("light");
+    for (const line of document.querySelectorAll(".address")) line.textContent = location.href;
+  });
+  window.addEventListener("afterprint", () => applyTheme(theme));
 }
 
 /** @param {Page} page */

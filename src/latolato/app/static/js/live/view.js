@@ -4,6 +4,7 @@ import { followDrag } from "../shared/drag.js";
 import { slackText } from "../shared/hang.js";
 import { startKernels } from "../kernels/load.js";
 import { READ_EVERY } from "../shared/clock.js";
+import { beforePrint } from "../shared/dom.js";
 import { followKeys } from "../shared/keys.js";
 import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
@@ -110,7 +111,7 @@ export class LiveView {
     this.shown = true;
     // Elsewhere on the page arrows scroll.
     const anywhere = Object.entries(this.actions()).filter(([key]) => !key.startsWith("Arrow"));
-    this.releases.push(followKeys(document, Object.fromEntries(anywhere)),
+    this.releases.push(followKeys(document, Object.fromEntries(anywhere)), beforePrint(() => this.paused || this.pause()),
       this.page.store.subscribe((_, changed) => {
         if (changed !== "extra" && changed !== "view" && this.wish() !== this.signature)
           void this.begin(changed === "address" ? this.toy : null);
@@ -364,6 +365,7 @@ export class LiveView {
 
   pause() {
     this.paused = !this.paused;
+    if (this.paused && this.motion) this.watch.read(this.motion, 0);
     this.dirty = true;
     this.pace.rest();
     this.showPause();

@@ -1,7 +1,7 @@
 /** Play: the motion, three knobs beside it, and everything else one click away. */
 
 import { codeBlocks } from "../shared/code.js";
-import { el, freshId } from "../shared/dom.js";
+import { beforePrint, el, freshId } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
@@ -95,7 +95,8 @@ export class PlayView {
   }
 
   show() {
-    this.releases.push(followKeys(document, this.player.actions));
+    this.releases.push(followKeys(document, this.player.actions),
+      beforePrint(() => this.player.clock.pause()));
     this.releases.push(this.page.store.subscribe((state, changed) => {
       if (changed === "extra") return;
       // Whoever changes a parameter wants a run of these parameters.

@@ -33,6 +33,15 @@ export function colour(name, element = document.documentElement) {
   return getComputedStyle(element).getPropertyValue(`--${name}`).trim();
 }
 
+/**
+ * Call a function before the page is printed; returns what ends that.
+ * @param {() => void} act
+ */
+export function beforePrint(act) {
+  window.addEventListener("beforeprint", act);
+  return () => window.removeEventListener("beforeprint", act);
+}
+
 let count = 0;
 
 /** Return an id that no other element has. */

@@ -153,9 +153,9 @@ export class MoreCurves {
         ...columns.map((name) => el("td", {}, cells(name, i)))));
     }
     this.contacts.replaceChildren(
-      count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "",
       el("table", {}, el("thead", {}, el("tr", {}, ...["time", "kind", ...columns.map((name) => CONTACT_COLUMNS[name])]
-        .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)));
+        .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)),
+      count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "");
   }
 
   /** @param {Motion} motion */

@@ -31,7 +31,18 @@ export class Plane {
     this.still = document.createElement("canvas");
     /** @type {Map<string, string>} colours of the style sheet, read once for each theme */
     this.colours = new Map();
-    this.release = fitCanvas(canvas, () => this.redraw());
+    // Marks that move are drawn where somebody sees them.
+    this.isSeen = true;
+    const observer = new IntersectionObserver((entries) => {
+      this.isSeen = entries[entries.length - 1].isIntersecting;
+      if (this.isSeen) this.draw();
+    });
+    observer.observe(canvas);
+    const release = fitCanvas(canvas, () => this.redraw());
+    this.release = () => {
+      observer.disconnect();
+      release();
+    };
   }
 
   /**
@@ -55,7 +66,7 @@ export class Plane {
    */
   mark(marks) {
     this.marks = marks;
-    this.draw();
+    if (this.isSeen) this.draw();
   }
 
   /** Return the part of the canvas that the axes enclose, in its own pixels. */

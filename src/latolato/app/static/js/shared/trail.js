@@ -8,14 +8,16 @@ import { place } from "./scale.js";
 // How far back it goes, in natural periods, and in how many steps.
 const SPAN = 1 / 3;
 const STEPS = 48;
-// Lines on top of each other, each of the newer part and broader, make it fade and taper.
-const LINES = 6;
-const OPACITY = 0.1; // of one line
-// Of the broadest line, in diameters of the ball.
+// Bands on top of each other, each of a newer part, make it fade.
+const BANDS = 6;
+const OPACITY = 0.1; // of one band
+// Of a band where the ball is, in diameters of the ball; it begins with nothing.
 const WIDTH = 0.6;
+// Where the cosine of a turn is less, as at a clack, the corner of a band is round.
+const SHARP = 0.9;
 
 /**
- * Draw the trails of all balls, fading towards the past.
+ * Draw the trails of all balls, fading and tapering towards the past.
  * @param {CanvasRenderingContext2D} context
  * @param {Scale} scale
  * @param {Motion} motion
@@ -27,15 +29,48 @@ export function drawTrails(context, scale, motion, time, colours) {
   context.globalAlpha = OPACITY;
   motion.balls.forEach((ball, i) => {
     const points = poses.map(({ balls }) => place(scale, balls[i].x, balls[i].y));
-    const width = WIDTH * 2 * motion.radius(ball) * scale.size;
-    context.strokeStyle = ball.name === "left" ? colours.left : colours.right;
-    for (let k = 1; k <= LINES; k += 1) {
-      const first = Math.floor(((k - 1) / LINES) * (points.length - 1));
-      context.lineWidth = Math.max((k / LINES) * width, 1.5 * scale.ratio);
-      context.beginPath();
-      for (const point of points.slice(first)) context.lineTo(...point);
-      context.stroke();
+    context.fillStyle = ball.name === "left" ? colours.left : colours.right;
+    for (let k = 0; k < BANDS; k += 1) {
+      const part = points.slice(Math.floor((k / BANDS) * (points.length - 1)));
+      fillBand(context, part, WIDTH * motion.radius(ball) * scale.size);
     }
   });
   context.globalAlpha = 1;
+}
+
+/**
+ * Fill a band along points that grows from nothing.
+ * @param {CanvasRenderingContext2D} context
+ * @param {[number, number][]} points
+ * @param {number} half of its width at the end [pixels]
+ */
+function fillBand(context, points, half) {
+  const along = points.filter(([x, y], i) => !i || x !== points[i - 1][0] || y !== points[i - 1][1]);
+  const ways = along.slice(1).map(([x, y], i) => {
+    const [u, v] = [x - along[i][0], y - along[i][1]];
+    const length = Math.hypot(u, v);
+    return [u / length, v / length];
+  });
+  const isSharp = (/** @type {number} */ i) => i > 0 && i < ways.length
+    && ways[i - 1][0] * ways[i][0] + ways[i - 1][1] * ways[i][1] < SHARP;
+  // Across the band at the end of a piece: pieces share their corners where the turn is slight.
+  const across = (/** @type {number} */ i, /** @type {number} */ piece) => {
+    const [one, other] = isSharp(i) ? [piece, piece] : [Math.max(i - 1, 0), Math.min(i, ways.length - 1)];
+    const share = (0.5 * half * i) / ways.length;
+    return [-share * (ways[one][1] + ways[other][1]), share * (ways[one][0] + ways[other][0])];
+  };
+  context.beginPath();
+  for (let i = 0; i < ways.length; i += 1) {
+    const [[x0, y0], [x1, y1]] = [along[i], along[i + 1]];
+    const [[a0, b0], [a1, b1]] = [across(i, i), across(i + 1, i)];
+    context.moveTo(x0 + a0, y0 + b0);
+    context.lineTo(x0 - a0, y0 - b0);
+    context.lineTo(x1 - a1, y1 - b1);
+    context.lineTo(x1 + a1, y1 + b1);
+    if (!isSharp(i)) continue;
+    const radius = Math.hypot(a0, b0);
+    context.moveTo(x0 + radius, y0);
+    context.arc(x0, y0, radius, 0, 2 * Math.PI);
+  }
+  context.fill();
 }
