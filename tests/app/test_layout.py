@@ -233,7 +233,7 @@ def test_a_reset_goes_back_to_the_preset(page):
     slider = page.get_by_role("slider", name="Bounciness, slider")
     slider.focus()
     slider.press("ArrowLeft")
-    wait_for_options(page, "options.restitution === 0.8975")
+    wait_for_options(page, "options.restitution === 0.89")
     reset.click()
     wait_for_options(page, "options.restitution === 0.9")
     page.wait_for_function("() => !location.search.includes('restitution')")
@@ -360,7 +360,7 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     messages = page.locator(".stage-messages")
     option = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
     page.evaluate(option, ["radius", "9 m"])
-    messages.get_by_text("“radius of one ball” must lie").wait_for()
+    messages.get_by_text("“radius of one ball” must be at least 0 mm").wait_for()
     page.evaluate(option, ["restitution", "2"])
     page.evaluate(option, ["radius", None])
     page.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()

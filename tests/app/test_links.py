@@ -69,9 +69,9 @@ def test_a_link_to_a_preset_that_is_gone_leads_to_the_first_one(page):
 
 
 def test_live_leaves_out_what_its_own_preset_has_not(page):
-    page.goto("/?view=live&drive_frequency=18&restitution=0.8")
+    page.goto("/?view=live&ramp=1 s&restitution=0.8")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
-    text = "“angular driving frequency” does not belong to “FrequencySchedule”."
+    text = "“time in which the frequency moves to a new stage” does not belong to “Harmonic”."
     page.locator(".message").get_by_text(text).wait_for()
     assert page.locator(".live").get_by_label("Bounciness e").input_value() == "0.8"
 

@@ -55,7 +55,7 @@ def test_a_reload_keeps_what_was_set(page):
     page.keyboard.press("ArrowUp")
     page.keyboard.press("2")
     page.keyboard.press("e")
-    page.wait_for_function("() => location.search.includes('restitution')")
+    page.wait_for_function("() => location.search.includes('restitution=0.91')")
     before = of_toy(page, "controls")
     page.reload()
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
@@ -279,6 +279,7 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
 
 def test_the_legends_say_what_the_toy_does(page):
     open_live(page)
+    page.get_by_role("button", name="Push").click()
     wait_for_toy(page, "toy.time > 1")
     page.get_by_role("button", name="Pause").click()
     page.get_by_text("Energies", exact=True).click()

@@ -63,7 +63,7 @@ export class PlayView {
       ...["rod", "string"].map((each) => el("option", { value: each }, tr(each))));
     this.hanging = el("div", { class: "field hanging" }, el("label", { for: hangId }, t("hangsOn")), this.hang);
     this.highest = el("span", {});
-    this.answer = el("span", { hidden: true }, " ", t("toyAnswer"), ...Object.entries(STORIES).flatMap(
+    this.answer = el("span", { hidden: true }, ...Object.entries(STORIES).flatMap(
       ([name, title]) => [" ", openLink(page, { view: "play", scenario: null, options: {},
         extra: { "story.name": name } }, tr(title))]));
     this.presets.told.append(this.highest, this.answer);
@@ -228,7 +228,7 @@ export class PlayView {
     if (subject !== this.knobsFor) {
       this.knobsFor = subject;
       this.knobs.make(names);
-      this.knobs.explain(naturalFrequency(options));
+      this.knobs.explain(naturalFrequency(options), scenario === FIRST ? t("toyAnswer") : "");
       const [{ length, mass }] = balls;
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));

@@ -110,9 +110,10 @@ export class Knobs {
   /**
    * Say what the natural frequency is, below the knob that counts in it.
    * @param {number} frequency [rad/s]
+   * @param {string} [more] what is special there
    */
-  explain(frequency) {
-    this.natural.textContent = t("naturalIs", { rate: short(frequency / (2 * Math.PI), 3) });
+  explain(frequency, more = "") {
+    this.natural.textContent = `${t("naturalIs", { rate: short(frequency / (2 * Math.PI), 3) })} ${more}`;
   }
 
   /** The registry, in which options have the names and units of their knobs on show. */
