@@ -468,8 +468,9 @@ def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size)
 
 @pytest.mark.parametrize("view", ["play", "live"])
 def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
+    page.emulate_media(color_scheme="dark")
     open_view(page, "", view, motion="no-preference")
-    page.emulate_media(color_scheme="dark", media="print")
+    page.emulate_media(media="print")
     paint = "() => getComputedStyle(document.documentElement).getPropertyValue('--ink').trim()"
     on_screen = page.evaluate(paint)
     page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
