@@ -64,9 +64,7 @@ SHORT = ("pendulum-harmonic", "latolato-friction", "latolato-strings", "ballpair
 
 
 @pytest.fixture(
-    params=[
-        pytest.param(name, marks=[] if name in SHORT else [pytest.mark.slow]) for name in CASES
-    ]
+    params=[pytest.param(name, marks=[] if name in SHORT else [pytest.mark.slow]) for name in CASES]
 )
 def plan(request):
     """A plan of 2 x 2 points for 1 s."""
