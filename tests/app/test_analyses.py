@@ -662,4 +662,4 @@ def test_numbers_of_an_answer_are_told_without_names_of_variables():
         coords={"initial_angle": [0.5]},
         attrs={"analysis": "none", "system": "pendulum"},
     )
-    assert ("Angle", "57.3 to 57.3 ° (12 values)") in numbers_of(found)
+    assert ("Angle", "57.2958 to 57.2958 ° (12 values)") in numbers_of(found)

@@ -469,7 +469,7 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
     "the full report of “latolato reproduce”. Every verdict follows from the numbers and limits " +
     "below it.",
   paperList: "Figures",
-  paperAll: "Judge everything now (about half a minute)",
+  paperAll: "Judge everything now (about a minute)",
   paperOpen: "{count} of {total} not judged yet",
   paperUnjudged: "Not judged yet.",
   paperFilm: "Make this figure",
