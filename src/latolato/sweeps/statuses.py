@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -66,11 +67,14 @@ def with_words(dataset: xr.Dataset, *, on_use: bool = False) -> xr.Dataset:
     variable = dataset.variables.get(STATUS)
     if variable is None or "flag_meanings" not in variable.attrs:
         return dataset
-    # The last one is that of -1.
-    words = np.array([*variable.attrs["flag_meanings"].split(), MISSING], dtype=object)
+    # One object for each word, whatever the file. The last one is that of -1.
+    meanings = map(sys.intern, variable.attrs["flag_meanings"].split())
+    words = np.array([*meanings, MISSING], dtype=object)
     attrs = {name: value for name, value in variable.attrs.items() if name not in FLAGS}
     data = LazilyIndexedArray(_words_on_use(variable, words)) if on_use else words[variable.values]
-    return dataset.assign({STATUS: xr.Variable(variable.dims, data, attrs)})
+    # Else xarray looks through all words for dates, and makes each an object of its own.
+    status = xr.Variable(variable.dims, data, attrs, fastpath=True)
+    return dataset.assign({STATUS: status})
 
 
 def with_codes(dataset: xr.Dataset) -> xr.Dataset:
