@@ -2,8 +2,6 @@
 
 import json
 
-import numpy as np
-
 import latolato as ll
 from latolato.simulation.summary import summarise, summarise_sweep
 from latolato.sweeps import run_plan
@@ -48,5 +46,5 @@ def test_a_sweep_counts_what_tangled():
         observables=["slack_fraction"],
     )
     grid = run_plan(plan)
-    grid.status[...] = np.array([[0, 6], [6, 0]])
+    grid.status[...] = [["converged", "tangled"], ["tangled", "converged"]]
     assert summarise_sweep(grid, plan)["status"] == {"converged": 2, "tangled": 2}

@@ -341,6 +341,7 @@ def _checked_times(
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
     parameter = RUN_PARAMETERS["times"]
+    times = [times] if isinstance(times, (int, float)) else times
     numbers = checked_array("times", times, parameter.allowed, unit=parameter.unit)
     instants = np.array(numbers)
     if np.any(np.diff(instants) <= 0.0):
