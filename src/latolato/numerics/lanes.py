@@ -28,6 +28,7 @@ from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
 from latolato.numerics.entry import make_caller
 from latolato.numerics.hooks import make_calling_watch
+from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task, make_steering
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
@@ -85,7 +86,7 @@ def make_lanes(
     @part
     def count_all(w: Any) -> None:
         """Count the steps that were taken."""
-        for j in range(r.LANES):
+        for j in range(width_of(w)):
             w[r.N * r.LANES + j] += w[r.TAKEN * r.LANES + j]
 
     @inline
@@ -176,10 +177,18 @@ def make_lanes(
     def make_idle(j: int, w: Any) -> None:
         """Let a ball hang still in lane j, far from walls and halts."""
         L = r.LANES
-        for row in range(r.ROWS):
+        for row in range(r.BLOCKS):
             w[row * L + j] = 0.0
         w[r.LOW * L + j], w[r.HIGH * L + j], w[r.HALT * L + j] = -math.inf, math.inf, math.inf
         w[r.PER_H * L + j] = 1.0
+
+    @part
+    def leave_out(w: Any, point: Any) -> None:
+        """Use the blocks up to the last lane that has a point."""
+        used = 0
+        for j in range(r.LANES):
+            used = j // r.BLOCK + 1 if point[j] >= 0 else used
+        w[r.BLOCKS * r.LANES] = float(max(used, 1))
 
     @part
     def lay_down(j: int, k: int, space: LaneSpace, progress: Progress) -> None:
@@ -283,6 +292,7 @@ def make_lanes(
             make_idle(j, w)
             taken = refill(j, taken, order, task)
             busy += 1 if point[j] >= 0 else 0
+        leave_out(w, point)
         while busy > 0:
             turns += 1
             if turns % 1024 == 0 and cancel[0] != 0:
@@ -293,7 +303,7 @@ def make_lanes(
             count_all(w)
             if not some:
                 continue
-            for j in range(L):
+            for j in range(width_of(w)):
                 if w[r.TAKEN * L + j] > 0.0 or w[r.HALT * L + j] == r.WAITS:
                     continue
                 k = point[j]
@@ -317,10 +327,13 @@ def make_lanes(
             if noted > 0 and noted >= busy - _FEW:
                 settle_impacts(noted, task)
                 noted = 0
-            for j in range(L):
+            flying = busy
+            for j in range(width_of(w)):
                 if point[j] >= 0 and index[j] == stops:
                     lay_down(j, point[j], space, progress)
                     taken = refill(j, taken, order, task)
                     busy -= 1 if point[j] < 0 else 0
+            if busy < flying:
+                leave_out(w, point)
 
     return lanes
