@@ -205,8 +205,8 @@ def lanes(name: str, monkeypatch: pytest.MonkeyPatch) -> bytes:
             "drive_amplitude": np.linspace(0.02, 0.4, 8),
             "frequency_ratio": np.linspace(0.3, 5.0, 20),
         },
-        duration=20.0,
-        observables=["mean_energy", "crossings", "final_angle", "lyapunov_exponent"],
+        duration=10.0,
+        observables=["mean_energy", "crossings", "final_angle"],
         initial_offset=0.2,
         tolerance=1e-6,
     )
@@ -218,10 +218,10 @@ def test_tuning_changes_no_bit(forgotten, monkeypatch):
     if not llvm.get_process_triple().startswith("x86_64"):
         pytest.skip("lanes are tuned on x86_64 only")
     as_it_is = lanes(own, monkeypatch)
-    assert lanes("znver4", monkeypatch) == as_it_is
-    assert lanes("sandybridge", monkeypatch) == as_it_is
-    made = {file.name.split("-")[0] for file in forgotten.rglob("*.o")}
-    assert len(list(forgotten.rglob("*.o"))) >= len(made) + 4  # a few pieces were made again
+    before = len(list(forgotten.rglob("*.o")))
+    other = "znver4" if own != "znver4" else "cascadelake"
+    assert lanes(other, monkeypatch) == as_it_is
+    assert len(list(forgotten.rglob("*.o"))) > before  # some were made again
 
 
 def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):
