@@ -159,8 +159,7 @@ def make_survey(
 ) -> Callable[..., None]:
     """Return what finds for all observables what they share of the step of every lane.
 
-    Few lanes turn round in a step. The potential at its start is known from the end of the last
-    one, but in the few lanes that have been loaded since. These are listed and seen to one by one.
+    Few lanes turn round in a step. These are listed and seen to one by one.
     """
     potential = restoring_laws(restoring, potential_of, part).potential
     numbers_at = array_at()
@@ -181,17 +180,11 @@ def make_survey(
 
     @part
     def find_potentials(w: Any, is_linear: int) -> None:
-        """Write the potentials at both ends of each step."""
-        L, width = r.LANES, width_of(w)
-        for j in range(width):
-            w[r.CHOSEN * L + j] = 1.0 if w[r.PX * L + j] != w[r.X0 * L + j] else 0.0
-        for i in range(list_chosen(w)):
-            j = int(w[r.LIST * L + i])
-            w[r.P1 * L + j] = potential(w[r.X0 * L + j], is_linear)
-        for j in range(width):
+        """Write the potentials at both ends of each step; the first is the end of the last one."""
+        L = r.LANES
+        for j in range(width_of(w)):
             w[r.P0 * L + j] = w[r.P1 * L + j]
             w[r.P1 * L + j] = potential(w[r.X * L + j], is_linear)
-            w[r.PX * L + j] = w[r.X * L + j]
 
     @part
     def find_turns(w: Any) -> None:

@@ -70,7 +70,7 @@ def make_lanes(
     steering = make_steering(make_caller(part), watch, part)
     start, carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part=part)
-    restoring = laws.restoring
+    restoring, potential = laws.restoring, laws.potential
     call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
 
     @part
@@ -119,6 +119,7 @@ def make_lanes(
         w[r.X * L + j] = state.angle[0]
         w[r.V * L + j] = state.velocity[0] * h
         w[r.S * L + j] = restoring(state.angle[0], points.settings[k].is_linear)
+        w[r.P1 * L + j] = potential(state.angle[0], points.settings[k].is_linear)
         w[r.T * L + j] = state.t_base
         w[r.N * L + j] = float(state.steps)
         w[r.WORK * L + j] = 0.0
