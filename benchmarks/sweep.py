@@ -39,6 +39,7 @@ from scipy.integrate import solve_ivp
 import latolato as ll
 import latolato.numerics.compiled  # makes formulas known to numba
 from latolato.core.scalar import sine
+from latolato.numerics import pieces, shipped
 from latolato.sweeps.batches import run_fastest, run_scalar
 from latolato.sweeps.chunk import run_chunk
 from latolato.sweeps.plan import Plan, make_plan
@@ -274,6 +275,52 @@ def sizes() -> dict[str, float]:
     return found
 
 
+def few() -> dict[str, float]:
+    """Return CPU time [ms] of sweeps of few points, every so many of a grid, at tolerance 1e-6."""
+    found = {}
+    for case in ("free", "walls"):
+        plan = plan_of(case, 32, 1e-6)
+        for count in (1, 8, 32, 128, plan.size):
+
+            def run_some(plan: Plan, batch: Any, *rest: Any, count: int = count) -> None:
+                stepper, order, progress = rest
+                some = np.ascontiguousarray(order[:: plan.size // count])
+                run_fastest(plan, batch, stepper, some, progress)
+
+            found[f"{case}, {count} points"] = 1e3 * plan.size * own(plan, run_some)[0]
+    return found
+
+
+def own_tuning(points: int) -> dict[str, float]:
+    """Return how much faster lanes are than without their tuning, at equal bits.
+
+    They are compiled as for the processor itself and as `shipped.tuned_for_lanes` has it, in turns.
+    """
+    tuned, times = shipped.tuned_for_lanes, {}
+    cases = [(case, tolerance) for case in ("free", "walls") for tolerance in (1e-6, 1e-9)]
+    try:
+        for repeat in range(3):
+            for words, chosen in (("own", lambda processor: processor), ("tuned", tuned)):
+                shipped.tuned_for_lanes = chosen
+                shipped._this_machine.cache_clear()
+                pieces._made.cache_clear()
+                for case, tolerance in cases:
+                    plan = plan_of(case, points, tolerance, observables=OBSERVED)
+                    seconds, values, _ = own(plan, repeats=1)
+                    key = case, tolerance, words
+                    times[key] = min(times.get(key, math.inf), seconds)
+                    if repeat == 0:
+                        times[key, "bits"] = b"".join(values[name].tobytes() for name in values)
+    finally:
+        shipped.tuned_for_lanes = tuned
+    for key in cases:
+        assert times[(*key, "own"), "bits"] == times[(*key, "tuned"), "bits"]
+    return {
+        f"{case}, {tolerance:g}": times[case, tolerance, "own"] / times[case, tolerance, "tuned"]
+        for case, tolerance in cases
+    }
+
+
 def threads(points: int) -> dict[str, float]:
     """Return wall time of a sweep with one and with two threads, and their ratio."""
     found = {}
@@ -455,6 +502,14 @@ def main() -> None:
     print("\nlanes beside single trajectories, tolerance 1e-6 [ms]:", results["one by one"])
     results["by hand"] = against_hand(options.points)
     print("composed beside written by hand, free:", results["by hand"])
+    results["few"] = few()
+    print("sweeps of few points [ms]:", results["few"])
+    results["tuning"] = {
+        "processor": shipped.this_processor().name,
+        "lanes": shipped.tuned_for_lanes(shipped.this_processor()).name,
+        "gain": own_tuning(options.points),
+    }
+    print("lanes tuned beside not tuned:", results["tuning"])
     results["threads"] = threads(max(options.points, 80))
     print("two threads:", results["threads"])
     if options.sizes:

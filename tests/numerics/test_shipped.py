@@ -83,7 +83,7 @@ def forgotten(monkeypatch, tmp_path):
     folder = tmp_path / "cache"
     folder.mkdir(mode=0o700)
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
-    known = pieces._made, shipped._archive, cache.warn
+    known = pieces._made, shipped._archive, shipped._this_machine, cache.warn
     for function in known:
         function.cache_clear()
     yield folder
@@ -169,6 +169,56 @@ def test_machine_code_is_kept_and_checked(forgotten):
     file.write_bytes(file.read_bytes()[:-1] + b"?")
     assert shipped.load(*engine()).address != 0
     assert cache.read(file) == content
+
+
+INTEL = "-sse4a,+avx512f,+avx512vl"
+
+
+@pytest.mark.parametrize(
+    "name, features, tuned",
+    [
+        ("cascadelake", INTEL, "znver4"),
+        ("rocketlake", INTEL, "znver4"),
+        ("haswell", "+avx2,-avx512f,-avx512vl", "haswell"),
+        ("knl", "+avx512f,-avx512vl", "knl"),
+        ("znver5", INTEL, "znver5"),
+        ("apple-m1", "+neon", "apple-m1"),
+        ("generic", "", "generic"),
+    ],
+)
+def test_lanes_are_tuned_where_vectors_of_512_bits_are_avoided(name, features, tuned):
+    processor = shipped.Processor(name, features)
+    assert shipped.tuned_for_lanes(processor) == (tuned, features)
+
+
+def lanes(name: str, monkeypatch: pytest.MonkeyPatch) -> bytes:
+    """Return a map, computed in lanes that are scheduled for a processor of that name."""
+    monkeypatch.setattr(shipped, "tuned_for_lanes", lambda processor: processor._replace(name=name))
+    shipped._this_machine.cache_clear()
+    pieces._made.cache_clear()
+    result = ll.sweep(
+        ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9),
+        axes={
+            "drive_amplitude": np.linspace(0.02, 0.4, 8),
+            "frequency_ratio": np.linspace(0.3, 5.0, 20),
+        },
+        duration=10.0,
+        observables=["mean_energy", "crossings", "final_angle"],
+        initial_offset=0.2,
+        tolerance=1e-6,
+    )
+    return b"".join(values.values.tobytes() for values in result.data_vars.values())
+
+
+def test_tuning_changes_no_bit(forgotten, monkeypatch):
+    own = shipped.this_processor().name
+    if not llvm.get_process_triple().startswith("x86_64"):
+        pytest.skip("lanes are tuned on x86_64 only")
+    as_it_is = lanes(own, monkeypatch)
+    before = len(list(forgotten.rglob("*.o")))
+    other = "znver4" if own != "znver4" else "cascadelake"
+    assert lanes(other, monkeypatch) == as_it_is
+    assert len(list(forgotten.rglob("*.o"))) > before  # some were made again
 
 
 def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):

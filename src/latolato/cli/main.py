@@ -75,12 +75,18 @@ app.add_typer(fit_app, name="fit", rich_help_panel=_MEASURE)
 @app.callback(invoke_without_command=True)
 def _root(
     context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and the processor.")
+    ] = False,
 ) -> None:
     if version:
         from latolato import __version__
+        from latolato.numerics.shipped import this_processor, tuned_for_lanes
 
+        processor = this_processor()
+        lanes = tuned_for_lanes(processor)
         print(f"latolato {__version__}")
+        print(f"compiles for {processor.name}, lanes as for {lanes.name}")
     elif context.invoked_subcommand is None:
         print(context.get_help())
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from latolato.core.scalar import formula
 from latolato.numerics import lane_rows as r
 from latolato.numerics.addresses import ANY_SIZE, array_at
 from latolato.numerics.engine.compiling import Part
@@ -24,6 +25,12 @@ from latolato.physics.pendulum import SLOPES
 _GROUP = 8
 
 
+@formula
+def width_of(w: Any) -> int:
+    """Return how many lanes are in use; the compiler sees that they are whole blocks."""
+    return r.BLOCK * int(w[r.BLOCKS * r.LANES])
+
+
 def make_fly(
     restoring: Formula, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
 ) -> Callable[..., float]:
@@ -35,17 +42,17 @@ def make_fly(
     @part
     def advance(w: Any, table: Any, kicks: Any, stages: int) -> None:
         """Take a full step in every lane, keeping what was before."""
-        L = r.LANES
+        L, width = r.LANES, width_of(w)
         for row in range(copied):
-            for j in range(L):
+            for j in range(width):
                 w[(row + r.COPY) * L + j] = w[row * L + j]
         if tangents:
-            for j in range(L):
+            for j in range(width):
                 w[first * L + j] = w[(second + 1) * L + j] = 1.0
                 w[(first + 1) * L + j] = w[second * L + j] = 0.0
         for i in range(stages):
             b, at = kicks[i], i * r.TABLE_ROWS * L
-            for j in range(L):
+            for j in range(width):
                 cos, sin = table[at + r.COS * L + j], table[at + r.SIN * L + j]
                 reach, left = table[at + r.REACH * L + j], table[at + r.LEFT * L + j]
                 driven = w[r.C * L + j] * cos - w[r.D * L + j] * sin
@@ -73,7 +80,7 @@ def make_fly(
                     v = slowed
                 w[r.V * L + j] = v
         b, at = kicks[stages], stages * r.TABLE_ROWS * L
-        for j in range(L):
+        for j in range(width):
             cos, sin = table[at + r.COS * L + j], table[at + r.SIN * L + j]
             driven = w[r.C * L + j] * cos - w[r.D * L + j] * sin
             w[r.D * L + j] = w[r.D * L + j] * cos + w[r.C * L + j] * sin
@@ -95,8 +102,8 @@ def make_fly(
         That is at a halt, where the end lies beyond a wall, and beside a wall where the force
         changes sign or where the ball turns round and may have been beyond in between.
         """
-        L = r.LANES
-        for j in range(L):
+        L, width = r.LANES, width_of(w)
+        for j in range(width):
             stays = 1.0 if w[r.N * L + j] >= w[r.HALT * L + j] else 0.0
             if walled:
                 x, x0 = w[r.X * L + j], w[r.X0 * L + j]
@@ -117,21 +124,21 @@ def make_fly(
             w[r.TAKEN * L + j] = 1.0 - stays
         # A sum in the loop above would keep it from becoming vector instructions.
         count = 0.0
-        for j in range(L):
+        for j in range(width):
             count += 1.0 - w[r.TAKEN * L + j]
         return count
 
     @part
     def put_back(w: Any) -> None:
         """Note the ends of steps that are not taken, and put these lanes back to their start."""
-        L = r.LANES
-        for j in range(L):
+        L, width = r.LANES, width_of(w)
+        for j in range(width):
             per_h = w[r.PER_H * L + j]
             w[r.X1 * L + j], w[r.V1 * L + j] = w[r.X * L + j], w[r.V * L + j] * per_h
             a = (w[r.G * L + j] + w[r.C * L + j]) * w[r.S * L + j]
             w[r.A1 * L + j] = a * per_h * per_h
         for row in range(copied):
-            for j in range(L):
+            for j in range(width):
                 now, before = w[row * L + j], w[(row + r.COPY) * L + j]
                 w[row * L + j] = now if w[r.TAKEN * L + j] > 0.0 else before
 
@@ -152,8 +159,7 @@ def make_survey(
 ) -> Callable[..., None]:
     """Return what finds for all observables what they share of the step of every lane.
 
-    Few lanes turn round in a step. The potential at its start is known from the end of the last
-    one, but in the few lanes that have been loaded since. These are listed and seen to one by one.
+    Few lanes turn round in a step. These are listed and seen to one by one.
     """
     potential = restoring_laws(restoring, potential_of, part).potential
     numbers_at = array_at()
@@ -162,7 +168,7 @@ def make_survey(
     def list_chosen(w: Any) -> int:
         """List the lanes that are chosen, and return how many they are."""
         L, count = r.LANES, 0
-        for first in range(0, L, _GROUP):
+        for first in range(0, width_of(w), _GROUP):
             some = 0
             for j in range(first, first + _GROUP):
                 some += 1 if w[r.CHOSEN * L + j] > 0.0 else 0
@@ -174,23 +180,17 @@ def make_survey(
 
     @part
     def find_potentials(w: Any, is_linear: int) -> None:
-        """Write the potentials at both ends of each step."""
+        """Write the potentials at both ends of each step; the first is the end of the last one."""
         L = r.LANES
-        for j in range(L):
-            w[r.CHOSEN * L + j] = 1.0 if w[r.PX * L + j] != w[r.X0 * L + j] else 0.0
-        for i in range(list_chosen(w)):
-            j = int(w[r.LIST * L + i])
-            w[r.P1 * L + j] = potential(w[r.X0 * L + j], is_linear)
-        for j in range(L):
+        for j in range(width_of(w)):
             w[r.P0 * L + j] = w[r.P1 * L + j]
             w[r.P1 * L + j] = potential(w[r.X * L + j], is_linear)
-            w[r.PX * L + j] = w[r.X * L + j]
 
     @part
     def find_turns(w: Any) -> None:
         """Write the angle at which each lane turns round."""
-        L = r.LANES
-        for j in range(L):
+        L, width = r.LANES, width_of(w)
+        for j in range(width):
             w[r.TURN * L + j] = w[r.X * L + j]
             w[r.CHOSEN * L + j] = 1.0 if w[r.V0 * L + j] * w[r.V * L + j] < 0.0 else 0.0
         for i in range(list_chosen(w)):
@@ -226,7 +226,7 @@ def make_show(
     def show(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
         acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         L = r.LANES
-        for j in range(L):
+        for j in range(width_of(w)):
             h = w[r.H * L + j]
             per_h, rate = w[r.PER_H * L + j], w[r.RATE * L + j]
             t0 = w[r.T * L + j] + w[r.N * L + j] * h
@@ -261,7 +261,7 @@ def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]
         acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         jacobian = matrix_at(matrix, rows)
         L = r.LANES
-        for j in range(L):
+        for j in range(width_of(w)):
             if w[r.TAKEN * L + j] == 0.0:
                 continue
             h = w[r.H * L + j]

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 # Lanes that step together: several vectors in flight hide the latency of the sine's polynomial.
 LANES = 128
+# Lanes are used in blocks of so many: with few points, the blocks behind them are left out.
+BLOCK = 32
 
 # Rows of the workspace, each LANES wide. First the motion: angle, velocity, restoring, the drive's
 # pull and its quadrature, work, loss. Then its copy at the start of the step.
@@ -21,9 +23,11 @@ TAKEN = 23  # 1 where the full step is taken, 0 where the lane is put back
 X1, V1, A1 = 24, 25, 26  # end of a step that is not taken, in radians and seconds
 # The matrix of a step, in radians and steps: what starts as a unit of angle, and of velocity.
 ANGLE_OF_ANGLE, VELOCITY_OF_ANGLE, ANGLE_OF_VELOCITY, VELOCITY_OF_VELOCITY = 27, 28, 29, 30
-# What observables share: the angle at a turn, potentials at both ends and the angle of the second,
-# which lanes are chosen and their list; see `lane_flight.make_survey`.
-TURN, P0, P1, PX, CHOSEN, LIST = 31, 32, 33, 34, 35, 36
+# What observables share: the angle at a turn, potentials at both ends, which lanes are chosen and
+# their list; see `lane_flight.make_survey`.
+TURN, P0, P1, CHOSEN, LIST = 31, 32, 33, 34, 35
+# How many blocks are in use, in the first number of its row.
+BLOCKS = 36
 ROWS = 37
 
 # Rows of the step's table: for each kick cosine and sine of the drive's turn since the start of the

@@ -28,6 +28,7 @@ from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.swing import make_swing
 from latolato.numerics.entry import make_caller
 from latolato.numerics.hooks import make_calling_watch
+from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task, make_steering
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
@@ -69,7 +70,7 @@ def make_lanes(
     steering = make_steering(make_caller(part), watch, part)
     start, carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part=part)
-    restoring = laws.restoring
+    restoring, potential = laws.restoring, laws.potential
     call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
 
     @part
@@ -85,7 +86,7 @@ def make_lanes(
     @part
     def count_all(w: Any) -> None:
         """Count the steps that were taken."""
-        for j in range(r.LANES):
+        for j in range(width_of(w)):
             w[r.N * r.LANES + j] += w[r.TAKEN * r.LANES + j]
 
     @inline
@@ -118,6 +119,7 @@ def make_lanes(
         w[r.X * L + j] = state.angle[0]
         w[r.V * L + j] = state.velocity[0] * h
         w[r.S * L + j] = restoring(state.angle[0], points.settings[k].is_linear)
+        w[r.P1 * L + j] = potential(state.angle[0], points.settings[k].is_linear)
         w[r.T * L + j] = state.t_base
         w[r.N * L + j] = float(state.steps)
         w[r.WORK * L + j] = 0.0
@@ -176,10 +178,18 @@ def make_lanes(
     def make_idle(j: int, w: Any) -> None:
         """Let a ball hang still in lane j, far from walls and halts."""
         L = r.LANES
-        for row in range(r.ROWS):
+        for row in range(r.BLOCKS):
             w[row * L + j] = 0.0
         w[r.LOW * L + j], w[r.HIGH * L + j], w[r.HALT * L + j] = -math.inf, math.inf, math.inf
         w[r.PER_H * L + j] = 1.0
+
+    @part
+    def leave_out(w: Any, point: Any) -> None:
+        """Use the blocks up to the last lane that has a point."""
+        used = 0
+        for j in range(r.LANES):
+            used = j // r.BLOCK + 1 if point[j] >= 0 else used
+        w[r.BLOCKS * r.LANES] = float(max(used, 1))
 
     @part
     def lay_down(j: int, k: int, space: LaneSpace, progress: Progress) -> None:
@@ -283,6 +293,7 @@ def make_lanes(
             make_idle(j, w)
             taken = refill(j, taken, order, task)
             busy += 1 if point[j] >= 0 else 0
+        leave_out(w, point)
         while busy > 0:
             turns += 1
             if turns % 1024 == 0 and cancel[0] != 0:
@@ -293,7 +304,7 @@ def make_lanes(
             count_all(w)
             if not some:
                 continue
-            for j in range(L):
+            for j in range(width_of(w)):
                 if w[r.TAKEN * L + j] > 0.0 or w[r.HALT * L + j] == r.WAITS:
                     continue
                 k = point[j]
@@ -317,10 +328,13 @@ def make_lanes(
             if noted > 0 and noted >= busy - _FEW:
                 settle_impacts(noted, task)
                 noted = 0
-            for j in range(L):
+            flying = busy
+            for j in range(width_of(w)):
                 if point[j] >= 0 and index[j] == stops:
                     lay_down(j, point[j], space, progress)
                     taken = refill(j, taken, order, task)
                     busy -= 1 if point[j] < 0 else 0
+            if busy < flying:
+                leave_out(w, point)
 
     return lanes

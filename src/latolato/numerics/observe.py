@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -77,6 +78,7 @@ class Observation(NamedTuple):
     out: Any
 
 
+@functools.cache
 def empty_observation(stretch: np.dtype[Any]) -> Observation:
     """Return an observation of nothing."""
     floats, table = np.zeros(0), np.zeros((1, 0))

@@ -6,6 +6,7 @@ come as records of `records.CASE`.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -81,6 +82,7 @@ class Cases(NamedTuple):
     problems: Any
 
 
+@functools.cache
 def empty_cases() -> Cases:
     """Return no cases, in arrays of the kinds that cases have."""
     numbers = np.zeros(0, dtype=np.int64)

@@ -7,6 +7,9 @@ from typing import Any, NamedTuple
 
 Formula = Callable[..., Any]
 
+# How the keys of recipes begin whose pieces loop over lanes.
+LANE_PIECES = ("lane_flight:", "lane_locate:")
+
 
 class Piece(NamedTuple):
     """A piece: its address for other pieces, and what calls it from Python.

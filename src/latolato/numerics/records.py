@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import fields
 from typing import Any
 
@@ -82,7 +83,12 @@ def stretch_records(drive: Drive, duration: float) -> NDArray[Any]:
 
 def stretch_dtype(kind: type[Any] = Stretch) -> np.dtype[Any]:
     """Return the layout of records of a kind of stretch, with a `jump` if that has none."""
-    names = kind._fields if "jump" in kind._fields else (*kind._fields, "jump")
+    return _layout(kind._fields if "jump" in kind._fields else (*kind._fields, "jump"))
+
+
+@functools.cache
+def _layout(names: tuple[str, ...]) -> np.dtype[Any]:
+    """Return the layout of records of floats."""
     return np.dtype([(name, "f8") for name in names], align=True)
 
 

@@ -20,10 +20,12 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from latolato.core import cache
-from latolato.numerics.recipes import Piece
+from latolato.numerics.recipes import LANE_PIECES, Piece
 from latolato.numerics.sources import digest_of_sources, sources_hash
 
 ARCHIVE = Path(__file__).with_name("kernels.zip")
+# LLVM's model of a processor that takes 512 bits at once.
+_WIDE = "znver4"
 _TYPES = {"void": None, "int64": ctypes.c_int64, "float64": ctypes.c_double}
 
 
@@ -33,6 +35,13 @@ class Machine(NamedTuple):
     target: Any
     engine: Any
     name: str
+
+
+class Processor(NamedTuple):
+    """A processor as LLVM knows it: the name that it schedules for, and what it can do."""
+
+    name: str
+    features: str
 
 
 class Archive(NamedTuple):
@@ -63,7 +72,8 @@ def load(key: str, kind: str) -> Piece | None:
         if archive is None or key not in archive.names:
             return None
         name = archive.names[key]
-        address = _address(name, archive.content.read(name))
+        machine = _this_machine(for_lanes=key.startswith(LANE_PIECES))
+        address = _address(name, archive.content.read(name), machine)
     except Exception as error:  # zlib, zipfile and LLVM have many, and numba needs none of them
         _cannot_be_used(cache.reason_of(error))
         return None
@@ -106,23 +116,44 @@ def target_for(triple: str, name: str = "", features: str = "") -> Any:
 
 
 @functools.cache
-def _this_machine() -> Machine:
-    """Return what makes and holds code for this processor."""
+def this_processor() -> Processor:
+    """Return the processor of this machine."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     try:
         features = llvm.get_host_cpu_features().flatten()
     except RuntimeError:  # LLVM does not know this processor's
         features = ""
-    name, triple = llvm.get_host_cpu_name(), llvm.get_process_triple()
-    target, of_engine = (target_for(triple, name, features) for _ in range(2))
+    return Processor(llvm.get_host_cpu_name(), features)
+
+
+def tuned_for_lanes(processor: Processor) -> Processor:
+    """Return the processor that code for lanes is scheduled for; see docs/numerics.md.
+
+    For Intel's processors with vectors of 512 bits LLVM prefers 256, which lanes do not: they are
+    nothing but long loops. The features remain, so the instructions are those of this processor.
+    """
+    known = processor.features.split(",")
+    is_wide = "+avx512f" in known and "+avx512vl" in known
+    if not is_wide or processor.name.startswith("znver"):
+        return processor
+    return processor._replace(name=_WIDE)
+
+
+@functools.cache
+def _this_machine(*, for_lanes: bool = False) -> Machine:
+    """Return what makes and holds code for this processor."""
+    processor, triple = this_processor(), llvm.get_process_triple()
+    if for_lanes:
+        processor = tuned_for_lanes(processor)
+    target, of_engine = (target_for(triple, *processor) for _ in range(2))
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), of_engine)
-    return Machine(target, engine, f"{llvmlite.__version__} {target.triple} {name} {features}")
+    words = llvmlite.__version__, target.triple, *processor
+    return Machine(target, engine, " ".join(words))
 
 
-def _address(name: str, bitcode: bytes) -> int:
+def _address(name: str, bitcode: bytes, machine: Machine) -> int:
     """Return the address of a piece, whose code is put into memory."""
-    machine = _this_machine()
     digest = hashlib.sha256(machine.name.encode() + bitcode).hexdigest()[:32]
     path = Path(sources_hash(), f"{name}-{digest}.o")
     code = _kept(path)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
@@ -169,7 +169,7 @@ class System:
                 way_out="give quadratic_damping=0 for 'lab'",
             )
 
-    @property
+    @cached_property
     def balls(self) -> tuple[Ball, ...]:
         """The balls whose angles are the state, right ball first."""
         shared = {f.name: getattr(self, f.name) for f in fields(Ball) if hasattr(self, f.name)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -60,6 +61,7 @@ class Arguments(NamedTuple):
     eyes: Eyes
 
 
+@functools.cache
 def empty_arguments(stretch: np.dtype[Any]) -> Arguments:
     """Return arrays of the kinds that an engine is given, without content."""
     floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)

@@ -5,6 +5,7 @@ Compiled code sees NumPy records, plain Python objects with the same attributes:
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
@@ -106,6 +107,7 @@ _SHOWN = 14
 _WORDS = 48
 
 
+@functools.cache
 def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
     """Return the layout of `run`; `stretch` is that of the drive's stretches."""
     return np.dtype(

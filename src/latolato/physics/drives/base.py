@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
@@ -97,7 +98,7 @@ class Drive:
         """Whether the pivot moves sideways too, which breaks the mirror symmetry of two balls."""
         return False
 
-    @property
+    @cached_property
     def fastest_frequency(self) -> float:
         """Largest angular frequency in the motion [rad/s]; sets the step.
 
@@ -105,7 +106,7 @@ class Drive:
         """
         return fastest_frequency(*self.course())
 
-    @property
+    @cached_property
     def largest_acceleration(self) -> float:
         """Bound of the pivot's acceleration [m/s^2], a vector's length; sets the step."""
         return largest_acceleration(*self.course())
