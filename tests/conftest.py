@@ -29,6 +29,9 @@ from latolato.core.cache import cache_directory
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import Ball, systems
 
+# For type checkers only, which `make lint` runs on it.
+collect_ignore = ["typed_use.py"]
+
 # Subprocesses share the compiled kernels whatever their HOME is.
 os.environ.setdefault("LATOLATO_CACHE_DIR", str(cache_directory()))
 

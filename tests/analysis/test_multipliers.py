@@ -145,7 +145,7 @@ def test_what_is_not_there_is_said_and_not_made_up():
         ({"system": TOY}, "initial_angle is needed"),
         ({"system": TOY, "initial_angle": 0.0}, "overlap"),
         ({"system": TOY, "initial_offset": 0.1, "contact": "clamp"}, "exact or none"),
-        ({"initial_angle": math.nan}, "finite"),
+        ({"initial_angle": math.nan}, "must be a number in rad, got nan"),
     ],
 )  # fmt: skip
 def test_bad_input_is_refused_with_a_way_out(changes, message):

@@ -113,7 +113,7 @@ def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
     [
         (TOY, None, {}, "no drive has no stages"),
         (TOY, DRIVE, {"dwell_time": [2.0, 1.0]}, "dwell_time must increase strictly"),
-        (TOY, DRIVE, {"push": [0.0]}, "push must lie in"),
+        (TOY, DRIVE, {"push": [0.0]}, r"push\[0\] must lie in"),
         (TOY, DRIVE, {"required_share": 1.5}, r"required_share must lie in \(0, 1\]"),
         (TOY, DRIVE, {"phases": 0}, "phases must lie in"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "must have motion that settles"),

@@ -158,7 +158,7 @@ class TestPairs:
                   sweep_time=3.0), {}, "single period, got 'chirp'"),
         (DRIVE, {"periods": 8}, r"periods must lie in \[16"),
         (DRIVE, {"trajectories": 5}, "5 trajectories without noise are all the same"),
-        (DRIVE, {"frequency_ratio": [0.0]}, "frequency_ratio must lie in"),
+        (DRIVE, {"frequency_ratio": [0.0]}, r"frequency_ratio\[0\] must lie in"),
         (DRIVE, {"frequency_ratio": []}, "frequency_ratio must hold at least 1 values"),
         (DRIVE, {"noise_strength": -1.0}, "noise_strength must lie in"),
     ],
