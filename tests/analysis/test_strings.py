@@ -1,6 +1,7 @@
 """Analyses of strings, of air at rest in the room, and of a pivot that moves sideways."""
 
 import math
+from dataclasses import replace
 from inspect import signature
 
 import numpy as np
@@ -153,7 +154,7 @@ def test_a_string_does_not_hold_a_ball_upright():
 
 @pytest.mark.parametrize("system", [ll.LatoLato(**TOY), ll.BallPair(right=BALL, left=BALL)])
 def test_strings_start_by_themselves_where_rods_do(system):
-    string = type(system)(**vars(system) | {"suspension": "string"})
+    string = replace(system, suspension="string")
     result = ll.analysis.self_start(string, 3.0, check=True)
     assert result.drive_acceleration_ratio.item() == pytest.approx(1.0, rel=1e-15)
     # Beyond the onset by 1e-9 the string is slack for 1e-4 s and the gap is 1e-14 of a metre.

@@ -117,7 +117,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
     fill(page, "radius of one ball", "20")
     fill(page, "mass of one ball", "-1")
-    page.get_by_text("“mass of one ball” must be positive").wait_for()
+    page.get_by_text("“mass of one ball” must be above 0 g").wait_for()
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
     fill(page, "mass of one ball", "108.04")
     page.get_by_role("button", name="Track", exact=True).click()

@@ -121,7 +121,7 @@ BAD_INPUT = [
     (but(TOY, "--initial-angle", "nan"), "initial_angle must be a number in rad, got nan"),
     (but(TOY, "--times", "0,1,1"), "times must increase strictly, got 1 after 1 at position 2"),
     (but(TOY, "--times", "0,2,1"), "times must increase strictly, got 1 after 2 at position 2"),
-    (but(TOY, "--times", "0 s, nan s"), "times[1] must be finite, got nan"),
+    (but(TOY, "--times", "0 s, nan s"), "times[1] must be a number in s, got nan"),
     (but(TOY, "--length", "24.5 kg"), "length must be given in m (or a unit that converts to it)"),
     (but(TOY, "--drive-amplitude", "1 Hz"), "drive_amplitude must be given in m"),
     (but(TOY, "--drive-amplitude", "1 cm"), "Harmonic needs 'drive_frequency' [rad/s]"),

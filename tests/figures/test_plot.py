@@ -1,5 +1,7 @@
 """The picture of a run shows its angles, contacts, energies and pivot, labelled from metadata."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
@@ -193,8 +195,7 @@ def test_marks_of_strings_have_the_colour_of_neither_ball(hung):
 
 
 def test_strings_that_stay_taut_are_drawn_as_rods_are():
-    taut = ll.simulate(ll.LatoLato(**vars(TOY) | {"suspension": "string"}), initial_angle=1.0,
-                       duration=7.0)  # fmt: skip
+    taut = ll.simulate(replace(TOY, suspension="string"), initial_angle=1.0, duration=7.0)
     strings, rods = ll.plot(taut), ll.plot(toy())
     assert len(strings.axes) == len(rods.axes) == 4
     for one, other in zip(strings.axes, rods.axes, strict=True):

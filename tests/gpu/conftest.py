@@ -59,8 +59,8 @@ CASES = {
 }  # fmt: skip
 
 
-# Between them, every kind of kernel; `make test-all` compiles the others as well.
-SHORT = ("pendulum-harmonic", "latolato-friction", "latolato-strings", "ballpair-kicks")
+# All observables, and both engines; `make test-all` compiles the others as well.
+SHORT = ("pendulum-harmonic", "ballpair-strings")
 
 
 @pytest.fixture(

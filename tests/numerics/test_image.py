@@ -195,7 +195,7 @@ def test_the_past_is_lost_at_rest_and_unknown_where_string_and_ball_meet_at_once
 
 def test_dry_friction_on_strings_is_refused():
     rough = replace(STRING, coulomb_damping=0.1)
-    words = "coulomb_damping must be 0 for lyapunov_exponents on strings"
+    words = "coulomb_damping must be 0 for lyapunov_exponent on strings"
     with pytest.raises(InputError, match=words):
         lyapunov_spectrum(rough, SHAKEN, initial_angle=0.3, duration=20.0)
     with pytest.raises(InputError, match="coulomb_damping must be 0 for orbits on strings"):

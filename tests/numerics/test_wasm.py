@@ -193,8 +193,10 @@ REGULAR, CLOSE = 1e-11, 1e-12
 # rest. The times of bounces add up, of two balls to 1e-9 s and rad/s here, of a ball on a string to
 # 1.3e-8 m/s.
 CASCADE = 2e-8
-# Observables of regular motions agree to this share of their size; the time at rest sets it.
+# Observables of regular motions agree to this share of their size; the time at rest sets it. An
+# exponent between rests is divided by what remains of a few seconds.
 OBSERVED = 1e-10
+BETWEEN_RESTS = 1e-9
 
 
 def shifted(system):
@@ -251,7 +253,7 @@ def test_modules_are_of_these_sources_and_small():
         sizes = {name: (MODULES / f"{name}{variant}.wasm").stat().st_size for name in modules}
         in_plane = sizes.pop("plane_one") + sizes.pop("plane_two")
         assert sum(sizes.values()) <= 335_000
-        assert in_plane <= 273_000
+        assert in_plane <= 274_000
 
 
 def test_angles_of_regular_motions_agree(twins):
@@ -446,7 +448,8 @@ def test_maps_agree_from_their_parameters_on(name):
     sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
-        assert size[regular].max() <= OBSERVED, variable
+        limit = BETWEEN_RESTS if variable == "exponent_between_rests" else OBSERVED
+        assert size[regular].max() <= limit, variable
 
 
 def test_noise_has_the_random_numbers_of_numpy():
@@ -532,4 +535,5 @@ def test_points_of_a_map_agree(name, in_lanes):
     sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
-        assert size[regular].max() <= OBSERVED, variable
+        limit = BETWEEN_RESTS if variable == "exponent_between_rests" else OBSERVED
+        assert size[regular].max() <= limit, variable

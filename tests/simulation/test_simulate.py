@@ -420,7 +420,7 @@ class TestBadInput:
             ),
             ({"times": [0.5, 0.4]}, "increase strictly, got 0.4 after 0.5 at pos"),
             ({"times": [0.5, 0.5]}, "increase strictly, got 0.5 after 0.5"),
-            ({"times": [0.5, math.nan]}, r"times\[1\] must be finite, got nan"),
+            ({"times": [0.5, math.nan]}, r"times\[1\] must be a number in s, got nan"),
             ({"times": [-0.5, 0.5]}, r"times\[0\] must lie in \[0, .* got -0.5"),
             ({"times": [0.5, 2.5]}, r"times must lie in \[0, .* got 2.5"),
             ({"times": [[0.1, 0.2]]}, r"times\[0\] must be a number"),

@@ -138,7 +138,7 @@ class TestSweep:
     "axes, changed, message",
     [
         ({"noise_stream": [0, 0.5]}, {}, "noise_stream must be a whole number, got 0.5"),
-        ({"noise_seed": [-1]}, {}, "noise_seed must lie in [0, 2^53), got -1"),
+        ({"noise_seed": [-1]}, {}, "noise_seed[0] must lie in [0, 2^53), got -1"),
         ({"noise_stream": [1]}, {"noise": None}, "axis noise_stream needs noise: give Velocity"),
         (
             {"gravity": [9.8, 9.9]},

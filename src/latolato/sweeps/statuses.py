@@ -62,7 +62,7 @@ def with_words(dataset: xr.Dataset, *, on_use: bool = False) -> xr.Dataset:
         Whether the numbers are read from a file only where they are used.
     """
     import xarray as xr
-    from xarray.core.indexing import LazilyIndexedArray
+    from xarray.core.indexing import CopyOnWriteArray, LazilyIndexedArray
 
     variable = dataset.variables.get(STATUS)
     if variable is None or "flag_meanings" not in variable.attrs:
@@ -71,7 +71,10 @@ def with_words(dataset: xr.Dataset, *, on_use: bool = False) -> xr.Dataset:
     meanings = map(sys.intern, variable.attrs["flag_meanings"].split())
     words = np.array([*meanings, MISSING], dtype=object)
     attrs = {name: value for name, value in variable.attrs.items() if name not in FLAGS}
-    data = LazilyIndexedArray(_words_on_use(variable, words)) if on_use else words[variable.values]
+    if on_use:
+        data = CopyOnWriteArray(LazilyIndexedArray(_words_on_use(variable, words)))
+    else:
+        data = words[variable.values]
     # Else xarray looks through all words for dates, and makes each an object of its own.
     status = xr.Variable(variable.dims, data, attrs, fastpath=True)
     return dataset.assign({STATUS: status})
