@@ -71,8 +71,11 @@ def with_words(dataset: xr.Dataset, *, on_use: bool = False) -> xr.Dataset:
     meanings = map(sys.intern, variable.attrs["flag_meanings"].split())
     words = np.array([*meanings, MISSING], dtype=object)
     attrs = {name: value for name, value in variable.attrs.items() if name not in FLAGS}
+    data: Any
     if on_use:
-        data = CopyOnWriteArray(LazilyIndexedArray(_words_on_use(variable, words)))
+        # xarray's types do not know that its own lazy arrays may be wrapped like this.
+        lazy: Any = LazilyIndexedArray(_words_on_use(variable, words))
+        data = CopyOnWriteArray(lazy)
     else:
         data = words[variable.values]
     # Else xarray looks through all words for dates, and makes each an object of its own.
