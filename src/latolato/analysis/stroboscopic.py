@@ -33,7 +33,7 @@ Floats = NDArray[np.float64]
 # Variables of `motion_of` that latolato.core.quantities does not know.
 QUANTITIES_HERE: dict[str, Quantity] = {
     **ResponseSamples.variables,
-    "rotation_number": Quantity("1", r"\rho", "full turns, swings or clacks per shake"),
+    "rotation_number": Quantity("1", r"\rho", "full turns, swings or impacts per drive period"),
 }
 # Of a normal distribution, within which 95 % lie.
 _Z95 = 1.959963984540054
