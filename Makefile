@@ -80,7 +80,7 @@ doctest: $(STAMPS)/test kernels ## run the examples in docstrings only
 	$(BIN)/python -m pytest --doctest-modules src $(PYTEST_ARGS)
 
 .PHONY: coverage
-coverage: $(STAMPS)/test kernels ## run the tests and report the lines not reached
+coverage: $(STAMPS)/test-all $(STAMPS)/chromium $(STAMPS)/firefox-esr kernels ## run the tests and report the lines not reached
 	$(BIN)/python -m pytest -n $(JOBS) --doctest-modules --cov --cov-report=term tests src $(PYTEST_ARGS)
 
 .PHONY: lint

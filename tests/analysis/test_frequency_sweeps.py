@@ -88,7 +88,7 @@ def test_a_point_without_an_answer_leaves_the_loop_unknown():
         (TOY, DRIVE, {"frequency_ratio": [2.0, 1.0]}, "frequency_ratio must increase strictly"),
         (TOY, DRIVE, {"duration": 0.0}, r"duration must lie in \(0, inf\)"),
         (TOY, DRIVE, {"least_jump": 0.0}, r"least_jump must lie in \(0, inf\)"),
-        (TOY, DRIVE, {"drive_amplitude": []}, "drive_amplitude must hold at least 1 values"),
+        (TOY, DRIVE, {"drive_amplitude": []}, "drive_amplitude must hold at least 1 value"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "must have motion that settles"),
     ],
 )

@@ -41,7 +41,7 @@ def test_one_stage_is_a_steady_drive():
         ({"dwells": [0.0]}, r"dwells\[0\] must lie in \(0, inf\) s"),
         ({"drive_frequencies": [20.0, -1.0]}, r"drive_frequencies\[1\] must lie in"),
         ({"ramp": -1.0}, r"ramp must lie in \[0, inf\) s"),
-        ({"drive_frequencies": [], "dwells": []}, "hold at least 1 values, got 0"),
+        ({"drive_frequencies": [], "dwells": []}, "hold at least 1 value, got 0"),
     ],
 )
 def test_bad_stages_are_refused(changed, message):

@@ -159,7 +159,7 @@ class TestPairs:
         (DRIVE, {"periods": 8}, r"periods must lie in \[16"),
         (DRIVE, {"trajectories": 5}, "5 trajectories without noise are all the same"),
         (DRIVE, {"frequency_ratio": [0.0]}, r"frequency_ratio\[0\] must lie in"),
-        (DRIVE, {"frequency_ratio": []}, "frequency_ratio must hold at least 1 values"),
+        (DRIVE, {"frequency_ratio": []}, "frequency_ratio must hold at least 1 value"),
         (DRIVE, {"noise_strength": -1.0}, "noise_strength must lie in"),
     ],
 )  # fmt: skip

@@ -281,7 +281,7 @@ def test_a_file_of_an_unfinished_map_says_so(tmp_path):
     assert about["missing"] == 3
     (tmp_path / "again.nc").write_bytes(content)
     told = ll.load(tmp_path / "again.nc").attrs["unfinished"]
-    assert told == "3 of 12 points are not computed: status is missing there"
+    assert told == "3 of 12 points are not computed: status is 'missing' there"
     _, svg = made(request | {"kind": "svg"}, tmp_path / "work", known)
     assert b"not computed yet (3)" in svg
     with pytest.raises(InputError, match="3 points are not computed yet"):

@@ -342,7 +342,7 @@ class TestStages:
         assert a == pytest.approx(-0.03 * 144.0 * math.cos(phase), abs=1e-12)
 
     def test_a_stage_without_a_frequency_is_refused(self):
-        with pytest.raises(ValueError, match="drive_frequencies must hold at least 1 values"):
+        with pytest.raises(ValueError, match="drive_frequencies must hold at least 1 value"):
             ll.StagedHarmonic(
                 times=[0.0], drive_amplitudes=[0.1], drive_frequencies=[], ramps=[1.0]
             )

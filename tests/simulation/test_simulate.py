@@ -310,7 +310,7 @@ class TestBadInput:
                 "must begin with 0, the start of the first stage, got 1",
             ),
             (ll.FrequencySchedule, {"times": [0.0, 1.0]}, "of one length, got 2 and 3"),
-            (ll.FrequencySchedule, {"times": []}, "at least 1 values, got 0"),
+            (ll.FrequencySchedule, {"times": []}, "at least 1 value, got 0"),
             (ll.FrequencySchedule, {"times": [0.0, math.nan, 3.0]}, r"times\[1\] must be a number"),
             (ll.FrequencySchedule, {"drive_frequencies": [1.0, -1.0, 2.0]}, "must lie"),
             (ll.FrequencySchedule, {"ramp": 1.5}, "ramp must not exceed the shortest stage 1"),
@@ -413,7 +413,7 @@ class TestBadInput:
             ({"duration": "60 s"}, "duration must be a number in s"),
             ({"duration": None}, "duration is needed"),
             ({"duration": 1e9}, "default samples exceed the limit"),
-            ({"times": []}, "times must hold at least 1 values, got 0"),
+            ({"times": []}, "times must hold at least 1 value, got 0"),
             (
                 {"times": [0.0], "duration": None},
                 "times must reach beyond 0 s, .* got 0 as the last",

@@ -185,8 +185,8 @@ MISTAKES = {
     ),
     "no axes": ({"axes": {}}, "axes must name at least one parameter"),
     "axes as a list": ({"axes": ["drive_amplitude"]}, "axes must map names of parameters"),
-    "empty axis": ({"axes": {"mass": []}}, "mass must hold at least 1 values"),
-    "empty array": ({"axes": {"mass": np.array([])}}, "mass must hold at least 1 values"),
+    "empty axis": ({"axes": {"mass": []}}, "mass must hold at least 1 value"),
+    "empty array": ({"axes": {"mass": np.array([])}}, "mass must hold at least 1 value"),
     "empty zip": ({"axes": {"case": {}}}, "axis case must name at least one parameter"),
     "repeated value": ({"axes": {"mass": [1.0, 2.0, 1.0]}}, "got 1 twice"),
     "repeated point of a zip": (

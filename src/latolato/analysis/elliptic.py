@@ -227,4 +227,6 @@ def checked_shaped(name: str, values: ArrayLike, allowed: Range, unit: str) -> A
     """Return checked numbers in the shape in which they are given."""
     given = in_unit(name, values, unit)
     given = given if hasattr(given, "dtype") else np.array(given, dtype=object)
+    if not given.shape:
+        return np.array(checked_number(name, given.item(), allowed, unit))
     return np.array(checked_array(name, given.ravel(), allowed, 0, unit=unit)).reshape(given.shape)

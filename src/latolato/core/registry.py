@@ -226,7 +226,7 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         raise InputError(f"must be {kind}", parameter=name, value=value) from None
     except OverflowError:
         raise InputError(
-            "must be finite, got an integer beyond all floats", parameter=name
+            f"must be {kind}, got an integer too large for a float", parameter=name
         ) from None
     if not math.isfinite(number):
         raise InputError(f"must be {kind}", parameter=name, value=number)
@@ -253,15 +253,16 @@ def checked_array(
     """
     values = in_unit(name, values, unit)
     shape, dtype = getattr(values, "shape", None), getattr(values, "dtype", None)
+    kinds = "numbers" if unit == "1" else f"numbers in {unit}"
     no_row = isinstance(values, (str, bytes, bytearray, Mapping, Set)) or shape == ()
     if no_row or not hasattr(values, "__iter__"):
-        raise InputError(f"must be a sequence of numbers in {unit}", parameter=name, value=values)
+        raise InputError(f"must be a sequence of {kinds}", parameter=name, value=values)
     if shape is not None and len(shape) != 1:
         raise InputError(f"must be one-dimensional, got shape {tuple(shape)}", parameter=name)
     kind = getattr(dtype, "kind", "O")
     if kind not in _REAL:
         raise InputError(
-            f"must be a sequence of numbers in {unit}, got values of type {dtype}",
+            f"must be a sequence of {kinds}, got values of type {dtype}",
             parameter=name,
             way_out="divide them by np.timedelta64(1, 's')" if (kind, unit) == ("m", "s") else None,
         )
@@ -270,7 +271,8 @@ def checked_array(
     numbers = list(values)
     if len(numbers) < at_least:
         raise InputError(
-            f"must hold at least {at_least} values, got {len(numbers)}", parameter=name
+            f"must hold at least {at_least} value{'s' * (at_least > 1)}, got {len(numbers)}",
+            parameter=name,
         )
     if set(map(type, numbers)) == {float} and all(map(math.isfinite, numbers)):
         ends = min(numbers), max(numbers)

@@ -89,7 +89,7 @@ def animate(
 
 def check_target(path: str | Path, speed: float, fps: float) -> None:
     """Raise unless `animate` can do this: a known suffix, its extra, a folder, numbers in range."""
-    checked_number("speed", speed, SPEEDS, "times reality")
+    checked_number("speed", speed, SPEEDS, "1")
     checked_number("fps", fps, FRAME_RATES, "frames per second")
     if check_suffix(path, SUFFIXES, "the name of an animation") == ".mp4":
         _av()

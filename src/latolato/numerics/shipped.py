@@ -92,7 +92,7 @@ def _archive() -> Archive | None:
     about = json.loads(content.read("about.json"))
     if about["sources"] != digest_of_sources():  # they were edited
         return None
-    _this_machine()  # from then on LLVM knows the functions of this process
+    _this_machine(for_lanes=False)  # from then on LLVM knows the functions of this process
     missing = [name for name in about["calls"] if not llvm.address_of_symbol(name)]
     if missing:
         raise LookupError(f"this process has no {', '.join(missing)}")
@@ -141,7 +141,7 @@ def tuned_for_lanes(processor: Processor) -> Processor:
 
 
 @functools.cache
-def _this_machine(*, for_lanes: bool = False) -> Machine:
+def _this_machine(*, for_lanes: bool) -> Machine:
     """Return what makes and holds code for this processor."""
     processor, triple = this_processor(), llvm.get_process_triple()
     if for_lanes:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import check_increasing, checked_array
+from latolato.core.registry import check_increasing, checked_array, in_unit
 from latolato.numerics import records
 from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
@@ -341,7 +341,9 @@ def _checked_times(
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
     parameter = RUN_PARAMETERS["times"]
-    times = [times] if isinstance(times, (int, float)) else times
+    times = in_unit("times", times, parameter.unit)
+    is_one = isinstance(times, (int, float)) or getattr(times, "shape", None) == ()
+    times = [times] if is_one else times
     numbers = checked_array("times", times, parameter.allowed, unit=parameter.unit)
     instants = np.array(numbers)
     if np.any(np.diff(instants) <= 0.0):

@@ -132,14 +132,14 @@ def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> 
     unit = QUANTITIES[name].unit
     value = in_unit(name, value, unit)
     if count == 1:
-        if np.ndim(value) > 0:
+        if isinstance(value, (list, tuple)) or np.ndim(value) > 0:
             raise InputError(
                 f"must be one number in {unit} for one angle", parameter=name, value=value
             )
         return (checked_number(name, value, allowed, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
-    if isinstance(value, str) or np.ndim(value) != 1 or len(value) != 2:
+    if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
         raise InputError(
             "of a BallPair must be two numbers (right, left)", parameter=name, value=value
         )
@@ -265,7 +265,7 @@ def checked_start(
         (value,) = checked_numbers("initial_angle", angle, 1)
         what, gap = "{parameter}", value
     else:
-        if np.ndim(angle) == 0:  # not even 0: the balls would overlap
+        if not hasattr(angle, "__len__"):  # not even 0: the balls would overlap
             raise InputError(
                 "of a BallPair must be two numbers (right, left)",
                 parameter="initial_angle",

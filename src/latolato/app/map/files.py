@@ -178,7 +178,7 @@ def _with_note(page_map: PageMap) -> xr.Dataset:
     if not page_map.missing:
         return page_map.grid
     total = page_map.grid["status"].size
-    text = f"{page_map.missing} of {total} points are not computed: status is missing there"
+    text = f"{page_map.missing} of {total} points are not computed: status is 'missing' there"
     return page_map.grid.assign_attrs(unfinished=text)
 
 

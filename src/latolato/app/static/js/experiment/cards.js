@@ -72,7 +72,7 @@ export function clipList(session, open) {
 export function answerNumbers(answer) {
   return el("dl", { class: "numbers" }, ...answer.map(({ name, value, sigma, units, given }) => {
     const [number, ...rest] = withSigma(value, sigma).split(/(?= ± )/);
-    const words = Object.fromEntries(Object.entries(given ?? {}).map(([key, each]) => 
+    const words = Object.fromEntries(Object.entries(given ?? {}).map(([key, each]) =>
       [key, short(each, key === "more" ? 3 : 6)]));
     return el("div", { "data-answer": name, "data-value": String(value) },
       el("dt", {}, t(`answer_${name}${words.more ? "_ball" : ""}`, words)),

@@ -196,7 +196,8 @@ export class LiveView {
     }
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
-    this.preset.show(isFirst ? null : scenario, isFirst ? t("liveFirst") : "");
+    const isAsFirst = isFirst && Object.keys(store.state.options).length === 0;
+    this.preset.show(isFirst ? null : scenario, isAsFirst ? t("liveFirst") : "");
     return { scenario, options };
   }
 

@@ -64,7 +64,7 @@ export function csvOf(question, grid) {
     text: (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]]) });
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
     rounding: "page", ...attributesOf(question),
-    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is missing there` } : {}),
+    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is 'missing' there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
   const lines = [...Object.entries(about).map(([name, value]) => `# ${withUnit(registry, name)}: ${value}`),
     ...shown.map(({ title }) => title), shown.map(({ head }) => head).join(",")];

@@ -266,9 +266,9 @@ export function checkedList(registry, name, values) {
   const option = registry.options[name];
   const parameter = name;
   if (!Array.isArray(values))
-    throw new InputError(`must be a sequence of numbers in ${option.unit}`, { parameter, value: values });
+    throw new InputError(`must be a sequence of numbers${option.unit === "1" ? "" : ` in ${option.unit}`}`, { parameter, value: values });
   if (values.length < 1)
-    throw new InputError("must hold at least 1 values, got 0", { parameter });
+    throw new InputError("must hold at least 1 value, got 0", { parameter });
   return values.map((value, i) => checkedNumber(option, `${name}[${i}]`, value));
 }
 

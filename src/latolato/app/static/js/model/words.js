@@ -26,7 +26,7 @@ function inPlainWords({ unit, units = [] }, error) {
   const { rule, about: { wayOut, ...about } } = error;
   const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
   const shown = shownUnit(name);
-  const tail = shown && ` ${shown}`;
+  const tail = shown && (shown.startsWith("°") ? shown : ` ${shown}`);
   if (/^must be (given in|a number in|given as a plain number)/.test(rule))
     // A phrase such as "per second" is no unit in which numbers are.
     return new InputError(shown && !shown.includes(" ") ? `must be a number in ${shown}` : "must be a number",

@@ -55,7 +55,7 @@ export function readEntry(typed, takes) {
   const k = values.findIndex((value) => value === null || !Number.isFinite(value));
   const unit = usual.name === "1" ? "" : usual.name;
   if (k >= 0) {
-    const [text, shown] = [local(parts[k]), shownUnit(unit)];
+    const [text, shown] = [isList ? local(parts[k]) : typed.trim(), shownUnit(unit)];
     return wrong(takes.shown ? t("noNumberOf", { text, unit: takes.shown })
       : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown }));
   }

@@ -159,7 +159,7 @@ function faultOf(registry, name, text) {
     if (choices.length && !choices.includes(value))
       throw new InputError(`must be one of ${choices.join(", ")}`, { parameter: name, value });
     if (option.several && !value.length)
-      throw new InputError(`must be a sequence of numbers in ${option.unit}`, { parameter: name, value: text });
+      throw new InputError(`must be a sequence of numbers${option.unit === "1" ? "" : ` in ${option.unit}`}`, { parameter: name, value: text });
     if (option.unit || option.whole) for (const each of [value].flat()) checkedNumber(option, name, each);
     return null;
   } catch (error) {
