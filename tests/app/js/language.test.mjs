@@ -23,7 +23,7 @@ test("a refusal has the unit and the label of the screen", () => {
   const beyond = new InputError("must lie in [0, 1.570796327] rad", { parameter: "angle", value: 2,
     wayOut: "give at most 1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
-    ["“Where it starts” must lie between 0 and 90 °, got 114.592", "angle"]);
+    ["“Where it starts” must lie between 0 and 90°, got 114.592", "angle"]);
   const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
 });

@@ -1,7 +1,7 @@
 /** Systems, drives and contact laws from their parameters, checked as Python checks them. */
 
 import { begin, shake } from "../kernels/begin.js";
-import { checkedChoice, checkedNumber, general, InputError } from "./rules.js";
+import { checkedChoice, checkedNumber, general, InputError, noList } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -266,7 +266,7 @@ export function checkedList(registry, name, values) {
   const option = registry.options[name];
   const parameter = name;
   if (!Array.isArray(values))
-    throw new InputError(`must be a sequence of numbers${option.unit === "1" ? "" : ` in ${option.unit}`}`, { parameter, value: values });
+    throw noList(option.unit, { parameter, value: values });
   if (values.length < 1)
     throw new InputError("must hold at least 1 value, got 0", { parameter });
   return values.map((value, i) => checkedNumber(option, `${name}[${i}]`, value));

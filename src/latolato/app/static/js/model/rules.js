@@ -197,3 +197,13 @@ function likenessOf(name, other) {
   }
   return 1 - row[other.length] / longer;
 }
+
+/**
+ * Return why a value is no list of numbers.
+ * @param {string | null} unit
+ * @param {{parameter: string, value: any}} about
+ */
+export function noList(unit, about) {
+  return unit === "1" ? new InputError("must be a sequence of numbers", about)
+    : new InputError(`must be a sequence of numbers in ${unit}`, about);
+}

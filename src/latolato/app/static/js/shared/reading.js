@@ -1,7 +1,7 @@
 /** Which parts of a link can be read: the others are left out, and named on the stage. */
 
 import { valueOf } from "../model/options.js";
-import { checkedNumber, InputError } from "../model/rules.js";
+import { checkedNumber, InputError, noList } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
 import { t } from "../strings.js";
 import { withLaws } from "./laws.js";
@@ -159,7 +159,7 @@ function faultOf(registry, name, text) {
     if (choices.length && !choices.includes(value))
       throw new InputError(`must be one of ${choices.join(", ")}`, { parameter: name, value });
     if (option.several && !value.length)
-      throw new InputError(`must be a sequence of numbers${option.unit === "1" ? "" : ` in ${option.unit}`}`, { parameter: name, value: text });
+      throw noList(option.unit, { parameter: name, value: text });
     if (option.unit || option.whole) for (const each of [value].flat()) checkedNumber(option, name, each);
     return null;
   } catch (error) {
