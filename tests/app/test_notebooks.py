@@ -213,6 +213,7 @@ def test_fields_of_an_exported_page_need_no_kernel(browser, run, tmp_path, tool)
         check_fields(page)
 
 
+@pytest.mark.slow
 def test_an_export_without_widgets_shows_the_picture(run):
     import nbconvert
     import nbformat
