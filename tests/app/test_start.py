@@ -38,7 +38,11 @@ PLACE = """(() => {
 
 
 def lead(page, ball, degrees):
-    """Press on a ball and lead it through angles; the pointer stays down."""
+    """Press on a ball and lead it through angles; the pointer stays down.
+
+    The ball stands still, so that it is still where it was when the pointer gets there.
+    """
+    of_player(page, "clock.pause()")
     box = page.locator("canvas.scene").bounding_box()
     for k, angle in enumerate([None, *degrees, degrees[-1]]):
         # The picture makes room as a ball rises: the pointer goes to where the place is now.
