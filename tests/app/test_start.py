@@ -269,6 +269,7 @@ def test_a_finger_drags_a_ball_and_scrolls_the_page_elsewhere(page):
         session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
         page.wait_for_timeout(100)
 
+    of_player(page, "clock.pause()")
     box = page.locator("canvas.scene").bounding_box()
     x, y = of_player(page, PLACE, [0, None])
     before = page.evaluate("scrollY")
