@@ -185,7 +185,7 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
         except (ArithmeticError, AttributeError, TypeError, ValueError):
             pass
         raise InputError(
-            f"must be given {_in(unit)}",
+            unit_rule(unit),
             parameter=name,
             value=value,
             way_out="give it in rad/s or Hz" if unit == "rad/s" else None,
@@ -200,9 +200,10 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
     return value.to_numpy() if hasattr(value, "to_numpy") else value
 
 
-def _in(unit: str) -> str:
-    """Return how a quantity must be given."""
-    return "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
+def unit_rule(unit: str) -> str:
+    """Return the rule that refuses a quantity whose unit does not convert."""
+    how = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
+    return f"must be given {how}"
 
 
 def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.core.registry import suggest, unit_rule
 from latolato.io.shown_units import name_and_unit
 
 _PI = "3.1415926535897932384626433833"
@@ -154,10 +154,9 @@ def to_si(name: str, value: Any, unit: str) -> Any:
 
 def _refusal(name: str, value: str, written: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity, with another unit that is meant."""
-    rule = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
     meant = _in_other_letters(written, unit) if written and unit != "1" else None
     way_out = None if meant is None else f"did you mean '{meant}'?"
-    return InputError(f"must be given {rule}", parameter=name, value=value, way_out=way_out)
+    return InputError(unit_rule(unit), parameter=name, value=value, way_out=way_out)
 
 
 def _in_other_letters(written: str, unit: str) -> str | None:
