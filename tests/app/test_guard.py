@@ -2,7 +2,7 @@
 
 import re
 
-import httpx
+import httpx2
 import pytest
 from starlette.responses import PlainTextResponse
 from starlette.testclient import TestClient
@@ -191,8 +191,8 @@ def test_printed_links_work_for_this_machine_and_for_others():
         assert second.startswith("Others reach it at http://")
         for link in (server.address, second.split(" at ")[1].strip()):
             assert "0.0.0.0" not in link
-            assert httpx.get(link).status_code == 200
-        assert httpx.get(server.address.partition("?")[0]).status_code == 403
+            assert httpx2.get(link).status_code == 200
+        assert httpx2.get(server.address.partition("?")[0]).status_code == 403
     finally:
         stop_server(server)
 
