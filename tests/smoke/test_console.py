@@ -26,6 +26,8 @@ def short(words):
     """Return a command; the report is made once, quickly, in place of all its longer forms."""
     if words[1] == "reproduce":
         return [*words[:2], "--quick", "--output", "report"]
+    if words[1] == "site":  # else it makes the same report again
+        return [*words, "--report", "report"]
     return words
 
 
@@ -59,7 +61,7 @@ def named(words):
     flags = dict(itertools.pairwise(words))
     read = {flags[flag] for flag in READ_TOO if flag in flags}
     written = {flags[flag] for flag in WRITTEN if flag in flags}
-    if words[1] == "app":  # it opens what others write
+    if words[1] in ("app", "site"):  # they read what others write
         written = set()
     return [name for name in MAKERS if name in kept and (name not in written or name in read)]
 
