@@ -6,6 +6,7 @@ copy of the sources, where tests run as plain Python (`plain_python.py`).
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import re
@@ -121,7 +122,12 @@ def main() -> int:
         for group in SETTINGS["groups"]:
             begin = time.perf_counter()
             run_tests(group, folder)  # notes the tests that are quick enough
-            print(f"{group['name']}: quick tests noted in {time.perf_counter() - begin:.0f} s")
+            if failed := run_tests(group, folder):
+                # Every mutant would seem killed.
+                print(f"{group['name']}: the tests fail without a mutant: {failed}")
+                return 1
+            count = len(json.loads((folder / f"{group['name']}.json").read_text()))
+            print(f"{group['name']}: {count} quick tests, {time.perf_counter() - begin:.0f} s")
             mutants = draw_mutants(group, random.Random(seed))
             fates.update(try_mutant(mutant, group, folder) for mutant in mutants)
     shutil.rmtree(cache_directory() / "mutants", ignore_errors=True)

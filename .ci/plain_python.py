@@ -60,9 +60,9 @@ else:
     integrate.observe = _observe
     prepare_cases = prepare.prepare_cases
     prepare.prepare_cases = lambda work, **_: prepare_cases(work, compiled=False)
-    from latolato.sweeps import kernels  # imports what was just replaced
+    from latolato.sweeps import batches  # imports what was just replaced
 
-    kernels.run_fastest = lambda *args, cancel: kernels.run_reference(*args)
+    batches.run_fastest = lambda *args, cancel: batches.run_reference(*args)
 
 
 class TooLongError(BaseException):
