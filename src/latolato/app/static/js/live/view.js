@@ -27,6 +27,7 @@ import { fromBottom } from "../shared/motion.js";
 import { Senses } from "../shared/senses.js";
 import { withOptions } from "../shared/links.js";
 import { FIRST_OF_LIVE, OPTIONS_OF_LIVE } from "../shared/state.js";
+import { DEGREE } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
@@ -42,7 +43,6 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
-const DEGREES = 180 / Math.PI;
 
 /**
  * Return whether two cases differ in nothing but what the controls change.
@@ -342,7 +342,7 @@ export class LiveView {
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
-    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest * DEGREES) });
+    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest / DEGREE) });
     this.showRatio();
     this.keeper.show();
     this.shake.watch();

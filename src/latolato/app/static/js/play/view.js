@@ -16,7 +16,7 @@ import { Player } from "../shared/player.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { withStart } from "../shared/start.js";
-import { short } from "../shared/units.js";
+import { DEGREE, short } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -30,7 +30,6 @@ const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
 // Where the question with which the page opens is answered at length.
 const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
-const DEGREES = 180 / Math.PI;
 
 export class PlayView {
   /** @param {Page} page */
@@ -253,7 +252,7 @@ export class PlayView {
   tellHighest(time) {
     const { motion, clock } = this.player;
     if (motion && clock.isRead) this.highest.textContent = t("highest",
-      { angle: Math.round(motion.highest(time) * DEGREES) });
+      { angle: Math.round(motion.highest(time) / DEGREE) });
   }
 
   /**

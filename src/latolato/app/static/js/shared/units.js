@@ -4,6 +4,9 @@ import { local } from "../strings.js";
 
 /** @typedef {{name: string, size: number}} Unit */
 
+/** One degree [rad]. */
+export const DEGREE = Math.PI / 180;
+
 const SHOWN = { us: "µs", deg: "°", "1": "", "deg/s": "°/s", "m/s^2": "m/s²", "kg*m/s": "kg·m/s",
   "kg*m": "kg·m", "rad^2*s": "rad²s", "rad^2/s": "rad²/s" };
 
