@@ -675,11 +675,18 @@ def test_a_score_is_put_into_the_address_and_goes_with_its_parameters(page):
 
 def test_guesses_of_the_tongue_are_scored(page):
     page.goto("/?story.name=guess_tongue")
-    fields = page.get_by_role("spinbutton", name="shakes per swing")
+    fields = page.get_by_role("textbox", name="shakes per swing")
     fields.first.wait_for()
     for i, guess in enumerate(SOLUTIONS["guess_tongue"]["guess"].split(",")):
         fields.nth(i).fill(guess.split()[0])
-    page.get_by_role("button", name="Score my guesses").click()
+    check = page.get_by_role("button", name="Score my guesses")
+    for wrong, words in {"-5": "must be at least 0 mm", "": "A number belongs here"}.items():
+        fields.nth(1).fill(wrong)
+        check.click()
+        page.get_by_text(words).wait_for()
+    assert "story.guess" not in page.url
+    fields.nth(1).fill("5,7 cm")
+    check.click()
     page.get_by_text("You have reached the goal").wait_for()
     page.get_by_text("Theory says").wait_for()
     score = stories.score(FILES["guess_tongue"], SOLUTIONS["guess_tongue"])
