@@ -615,11 +615,11 @@ shakeNone: "No motion sensor responds here. Open this page on a phone, or drag t
   answer_small_frequency: "small swings per second",
   answer_half_life: "time to lose half of the swing",
   answer_length: "length l = gT²/4π², with g = {gravity} m/s² taken as exact",
-  answer_length_ball: "length l to the middle of the ball: gT²/4π² = {equivalent} cm, with g = {gravity} m/s² "
-    + "taken as exact, is {more} mm more for a ball of radius {radius} mm",
-  answer_gravity: "g = 4π²l/T², from the length l = {length} cm, taken as ± {sigma} mm",
-  answer_gravity_ball: "g = 4π²l/T², with l = {equivalent} cm: the length {length} cm, taken as ± {sigma} mm, "
-    + "and {more} mm for the size of the ball",
+  answer_length_ball: "length to the middle of the ball: gT²/4π² = {equivalent} cm, less {more} mm for a ball of "
+    + "radius {radius} mm, with g = {gravity} m/s² taken as exact",
+  answer_gravity: "g = 4π²l/T², from the length l = {length} cm ± {sigma} mm",
+  answer_gravity_ball: "g = 4π²l/T², with l = {equivalent} cm: the length, {length} cm ± {sigma} mm, and {more} mm more "
+    + "for the size of the ball",
   answer_drive_amplitude: "amplitude of the pivot",
   answer_drive_frequency: "frequency of the pivot",
   answer_largest_angle: "largest angle",
