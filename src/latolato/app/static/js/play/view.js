@@ -28,6 +28,8 @@ const RECORDING = "play.recording";
 // Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
 const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
+// What may change without making another toy of the first one.
+const FREE = ["drive_frequency", "frequency_ratio"];
 // Where the question with which the page opens is answered at length.
 const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
 
@@ -227,11 +229,12 @@ export class PlayView {
     if (subject !== this.knobsFor) {
       this.knobsFor = subject;
       this.knobs.make(names);
-      this.knobs.explain(naturalFrequency(options), scenario === FIRST ? t("toyAnswer") : "");
       const [{ length, mass }] = balls;
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));
     }
+    const isFirst = scenario === FIRST && Object.keys(store.state.options).every((name) => FREE.includes(name));
+    this.knobs.explain(naturalFrequency(options), isFirst ? t("toyAnswer") : "");
     this.hanging.hidden = !registry.systems[options.system].options.includes("suspension");
     this.hang.value = options.suspension ?? "rod";
     for (const name of SLIPS) {
