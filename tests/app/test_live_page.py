@@ -275,6 +275,7 @@ def test_the_headline_asks_for_a_push_until_the_balls_move(page):
     page.get_by_role("button", name="Push").click()
     headline.wait_for(state="detached")
     page.get_by_role("heading", name="What will this toy do?").wait_for()
+    page.wait_for_function("() => !/hang/.test(document.querySelector('.narration').textContent)")
 
 
 def test_who_wants_little_motion_finds_the_toy_at_rest(page):

@@ -39,7 +39,7 @@ OWN_RUN = ("duration",)
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 # An interval of SI units in a text; fields keep it by themselves.
 _INTERVAL = re.compile(r", in [([][^])]*[])]")
-_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
+_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀", "-pi to pi": "-180° to 180°"}
 
 
 @lru_cache(maxsize=1)
@@ -124,7 +124,7 @@ def label_of(name: str) -> str:
 
 
 def pretty(text: str) -> str:
-    """Return a text of a docstring with frequencies and amplitudes as a page writes them.
+    """Return a text of a docstring with frequencies, amplitudes and angles as a page writes them.
 
     Examples
     --------
