@@ -116,7 +116,7 @@ docs: $(STAMPS)/docs kernels ## build the documentation into docs/_build/html
 	@echo "documentation: docs/_build/html/index.html"
 
 .PHONY: pictures
-pictures: $(STAMPS)/test $(STAMPS)/chromium kernels ## make the README's pictures again
+pictures: $(STAMPS)/test $(STAMPS)/chromium kernels ## make the pictures of README and tutorial again
 	$(BIN)/python .ci/pictures.py
 
 .PHONY: bench

@@ -16,7 +16,7 @@ from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of, to_csv
 from latolato.app.analyse.cost import check_work, seconds_of, steps_of, timing
-from latolato.app.analyse.forms import about_request, forms, option_words
+from latolato.app.analyse.forms import about_request, forms, label_of, option_words
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
 from latolato.app.analyse.timings import keep_timing
@@ -644,18 +644,56 @@ def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
 
 def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7")
-    alert = page.get_by_role("alert").filter(has_text="“Two samples are the same within” must")
+    alert = page.get_by_role("alert").filter(
+        has_text="“Two samples are the same within” must be above 0° and at most 57.2958°"
+    )
     alert.wait_for(timeout=240_000)
     field = page.get_by_label("Two samples are the same within")
     assert field.get_attribute("aria-invalid") == "true"
     assert field.is_visible()  # though rare settings are folded
     steps = page.get_by_role("alert").filter(has_text="steps at most")
-    page.get_by_label("Shakes to leave out").fill("1e9")
+    page.get_by_label("Shakes to leave out").fill("1e7")
     page.get_by_label("Shakes to leave out").press("Enter")
     page.get_by_text("Two samples are the same within").first.wait_for()
     field.fill("")
     page.get_by_role("button", name="Compute").click()
     steps.wait_for()
+
+
+def test_fields_show_the_units_of_the_other_views(page):
+    page.goto("/?view=analyse&scenario=toy&analyse.what=first_push&analyse.sustained_angle=0.5")
+    page.get_by_text("Settings of this question").click()
+    lasting, phases = (
+        page.get_by_label(label_of(name)) for name in ("sustained_angle", "drive_phase")
+    )
+    # An address without a unit is in radians.
+    assert lasting.input_value() == "28.6479"
+    lasting.fill("400")
+    lasting.press("Enter")
+    page.get_by_text("must be above 0° and at most 180°").wait_for()
+    lasting.fill("45,5")
+    lasting.press("Enter")
+    page.wait_for_url("**analyse.sustained_angle=45.5+deg**")
+    for typed, asked, shown, read in (
+        ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 28.6479 : 3", [0.0, 0.25, 0.5]),
+        ("0, 90", "0 deg, 90 deg", "0, 90", [0.0, np.pi / 2]),
+    ):
+        phases.fill(typed)
+        phases.press("Enter")
+        page.wait_for_function(
+            "(text) => new URLSearchParams(location.search).get('analyse.drive_phase') === text",
+            arg=asked,
+        )
+        assert phases.input_value() == shown
+        settings = {"drive_phase": asked, "frequency_ratio": "2", "push": "initial_angle"}
+        given = {"analysis": "first_push", "scenario": "toy", "options": {}, "settings": settings}
+        assert AnalysisRequest.from_json(given).arguments()["drive_phase"] == pytest.approx(read)
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
+    page.get_by_text("Settings of this question").click()
+    amplitude = page.get_by_label(label_of("drive_amplitude"))
+    amplitude.fill("50")
+    amplitude.press("Enter")
+    page.wait_for_url("**analyse.drive_amplitude=50+mm**")
 
 
 def test_numbers_of_an_answer_are_told_without_names_of_variables():

@@ -112,6 +112,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert f"column {found}," in handle.get_attribute("aria-label")
 
     fill(page, "pivot to ball centre", "36.3")
+    fill(page, "uncertainty of the length", "0,5")
     fill(page, "radius of one ball", "wide")
     page.get_by_text("“wide” is not a number in mm").wait_for()
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
@@ -137,7 +138,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert float(period.get_attribute("data-value")) == pytest.approx(1.0 / swings, rel=0.005)
     assert "±" in period.inner_text()
     assert (
-        "with l = 36.3441 cm: the length 36.3 cm, taken as ± 1 mm"
+        "with l = 36.3441 cm: the length, 36.3 cm ± 0.5 mm,"
         in page.locator("[data-answer=gravity]").inner_text()
     )
     for width in (1366, 390):

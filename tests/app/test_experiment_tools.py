@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import latolato as ll
 from latolato.app.experiment.description import Description
@@ -128,3 +129,13 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
 def test_what_a_page_says_of_a_clip_is_checked(value, match):
     with pytest.raises(InputError, match=match):
         Description.from_json(value)
+
+
+@pytest.mark.parametrize(
+    "given, sigma", [({}, 2e-3), ({"length": "36 cm", "length_sigma": "0.5 mm"}, 5e-4)]
+)
+def test_a_length_is_as_uncertain_as_its_scale_unless_it_was_measured(given, sigma):
+    attributes = {"length": 0.36, "length_sigma": 2e-3}
+    table = xr.Dataset(attrs={} if given else attributes)
+    apparatus = Description.from_json(given).apparatus(table)
+    assert (apparatus.length, apparatus.length_sigma) == (0.36, sigma)

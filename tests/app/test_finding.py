@@ -121,6 +121,10 @@ def test_the_numbers_of_a_free_swing_are_period_frequency_fading_and_gravity():
     assert numbers["small_period"]["value"] == pytest.approx(math.tau / rate)
     assert numbers["gravity"]["value"] == pytest.approx(9.81)
     assert numbers["gravity"]["sigma"] == pytest.approx(math.hypot(2e-3, 1e-3 / 0.363) * 9.81)
+    measured = Apparatus(length=0.363, length_sigma=3e-3, radius=0.02)
+    gravity = answer_of(table(), cards, None, measured)[-1]
+    assert gravity["sigma"] == pytest.approx(math.hypot(2e-3, 3e-3 / 0.363) * 9.81)
+    assert gravity["given"]["sigma"] == pytest.approx(3.0)
     given = numbers["gravity"]["given"]
     assert given["length"] + 0.1 * given["more"] == pytest.approx(given["equivalent"])
     # With a pocket calculator, from the numbers that the page shows.

@@ -267,6 +267,17 @@ def test_nothing_on_the_stage_lies_over_something_else(page, width, language):
     assert within
 
 
+def test_the_headline_asks_for_a_push_until_the_balls_move(page):
+    open_live(page)
+    headline = page.get_by_role("heading", name="They hang still. Push once.")
+    wait_for_toy(page, "toy.time > 0.5")
+    assert headline.is_visible()
+    page.get_by_role("button", name="Push").click()
+    headline.wait_for(state="detached")
+    page.get_by_role("heading", name="What will this toy do?").wait_for()
+    page.wait_for_function("() => !/hang/.test(document.querySelector('.narration').textContent)")
+
+
 def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     page.emulate_media(reduced_motion="reduce")
     page.goto("/?view=live")

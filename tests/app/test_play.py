@@ -585,7 +585,10 @@ def test_each_field_says_what_is_wrong_with_it_whatever_others_hold(page):
     frequency = page.get_by_role("textbox", name="How often")
     frequency.fill("slow")
     frequency.press("Enter")
-    page.get_by_text("“slow” is not a number per second").wait_for()
+    page.get_by_text("A number “per second” belongs here; “slow” is not one.").wait_for()
+    frequency.fill("3 hz")
+    frequency.press("Enter")
+    page.get_by_text("“3 hz” is not one. Did you mean 'Hz'?").wait_for()
     frequency.fill("2,5")
     frequency.press("Enter")
     page.wait_for_function("() => location.search.includes('drive_frequency=2.5+Hz')")
@@ -596,6 +599,15 @@ def test_each_field_says_what_is_wrong_with_it_whatever_others_hold(page):
     fields[1].press("Enter")
     page.wait_for_function("() => location.search.includes('restitution=0.5')")
     assert fields[1].get_attribute("aria-invalid") == "false"
+
+
+def test_the_hint_on_frequencies_is_that_of_the_toy_on_show(page):
+    open_play(page)
+    hint = page.get_by_text("ω₀ is how often a ball swings by itself:")
+    assert "1.11 times per second. After a push, this toy flies at" in hint.inner_text()
+    page.evaluate("window.latolato.views.play.page.store.option('length', '80 cm')")
+    page.get_by_text("0.557 times per second.").wait_for()
+    assert "this toy flies" not in hint.inner_text()
 
 
 def test_a_stage_that_is_no_number_is_told(page):

@@ -6,10 +6,12 @@ import inspect
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.words import OPTION_WORDS
+from latolato.app.forms import units_of
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
 from latolato.figures.analyses.question import Cost, all_questions
@@ -35,7 +37,9 @@ _LONGEST_RUN = 3000
 OWN_RUN = ("duration",)
 # Names of parameters in a text.
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
-_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀"}
+# An interval of SI units in a text; fields keep it by themselves.
+_INTERVAL = re.compile(r", in [([][^])]*[])]")
+_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀", "-pi to pi": "-180° to 180°"}
 
 
 @lru_cache(maxsize=1)
@@ -77,16 +81,18 @@ def own_options(
 
 
 def _option(option: Parameter) -> dict[str, Any]:
-    """Return how an option of an analysis is shown."""
-    from latolato.figures.style import pretty_unit
-
+    """Return how an option of an analysis is shown, and what it may be."""
     default = "" if option.is_required or option.default is None else option.default
     if isinstance(default, (tuple, list)):
         default = ", ".join(f"{value:g}" for value in default)
+    description = _INTERVAL.sub("", option.description)
     return {
         "label": label_of(option.name),
-        "description": pretty(_NAMES.sub(lambda n: label_of(n[0]).lower(), option.description)),
-        "unit": None if option.unit_of else "" if option.unit == "1" else pretty_unit(option.unit),
+        "description": pretty(_NAMES.sub(lambda n: label_of(n[0]).lower(), description)),
+        "unit": option.unit,
+        "units": None if option.unit_of else units_of(option.quantity),
+        "limits": [asdict(limit) for limit in option.limits],
+        "whole": option.kind is int,
         "kind": option.kind.__name__,
         "several": option.several,
         "required": option.is_required,
@@ -118,7 +124,7 @@ def label_of(name: str) -> str:
 
 
 def pretty(text: str) -> str:
-    """Return a text of a docstring with frequencies and amplitudes as a page writes them.
+    """Return a text of a docstring with frequencies, amplitudes and angles as a page writes them.
 
     Examples
     --------
@@ -232,10 +238,9 @@ def _amplitudes_of(scenario: Scenario) -> tuple[float, float]:
     return _AMPLITUDES[0] * l, max(_AMPLITUDES[1] * l, _AROUND[1] * amplitude)
 
 
-def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
-    """Return the numbers that a diagram can vary: what they are, their unit, and usual limits."""
+def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
+    """Return the numbers that a diagram can vary: what they are, their units, usual limits [SI]."""
     from latolato.analysis.flow import value_of
-    from latolato.figures.style import pretty_unit
     from latolato.sweeps import axes
 
     if not scenario.drive.moves:
@@ -248,7 +253,6 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
             value = float(value_of(scenario.system, scenario.drive, name))
         except InputError:
             continue
-        unit = parameter.unit
         allowed = parameter.allowed
         ends = (min(max(share * value, allowed.low), allowed.high) for share in _AROUND)
         low, high = (f"{end:.4g}" for end in ends)
@@ -256,7 +260,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, str]]:
             low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
         result[name] = {
             "label": label_of(name),
-            "unit": "" if unit == "1" else pretty_unit(unit),
+            "units": units_of(parameter.quantity),
             "low": "0" if value == 0.0 else low,
             "high": "0.1" if value == 0.0 else high,
         }

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE
+from latolato.core.parameters import Parameter
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_count, suggest
 from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
@@ -33,6 +34,15 @@ if TYPE_CHECKING:
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
 # Sizes that a page asks for beside these.
 SIZES = ("stick_length", "patch")
+# What only pages ask for.
+LENGTH_SIGMA = Parameter(
+    name="length_sigma",
+    kind=float,
+    description="standard deviation of the length; by default 1 mm, a mark of a ruler, or that of "
+    "the scale where the length follows from it",
+    quantity=Quantity("m", "", "uncertainty of the length", first_unit="mm"),
+    allowed=POSITIVE,
+)
 # Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
@@ -71,6 +81,7 @@ class Description:
     balls: tuple[tuple[float, float], ...] = ()
     is_proposed: bool = False
     length: float | None = None
+    length_sigma: float | None = None
     radius: float | None = None
     mass: float | None = None
     damping: float | None = None
@@ -101,7 +112,7 @@ class Description:
         """
         if not isinstance(value, Mapping):
             raise InputError("the description of a video must be an object", value=value)
-        quantities = (*SHARED, *(parameter.name for parameter in CAMERA), *SIZES)
+        quantities = (*SHARED, "length_sigma", *(parameter.name for parameter in CAMERA), *SIZES)
         known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities)
         for name in value:
             if name not in known:
@@ -112,7 +123,7 @@ class Description:
         numbers: dict[str, Any] = {
             name: number(name, value.get(name)) for name in quantities if value.get(name)
         }
-        for name in ("length", "radius", "mass", "gravity", "slow_motion", *SIZES):
+        for name in ("length", "length_sigma", "radius", "mass", "gravity", "slow_motion", *SIZES):
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
@@ -127,8 +138,10 @@ class Description:
         """Return what is known about what swings; the length is the table's where none is given."""
         from latolato.experiment.fits.apparatus import Apparatus
 
-        known = {name: getattr(self, name) for name in SHARED if getattr(self, name) is not None}
-        return Apparatus(**{"length": table.attrs.get("length"), **known})
+        names = (*SHARED, "length_sigma")
+        known = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        of_table = {n: table.attrs[n] for n in ("length", "length_sigma") if n in table.attrs}
+        return Apparatus(**{**of_table, **known})
 
 
 def _pivot(value: Any) -> Pivot | None:
@@ -144,7 +157,7 @@ def number(name: str, value: Any) -> float:
     InputError
         If it is no finite number with a unit that fits.
     """
-    unit = (VIDEO_PARAMETERS.get(name) or law_options()[name]).unit
+    unit = ({**law_options(), **VIDEO_PARAMETERS, "length_sigma": LENGTH_SIGMA}[name]).unit
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise InputError("must be a text or a number", parameter=name, value=value)
     converted = to_si(name, value, unit)
@@ -159,6 +172,7 @@ def fields() -> dict[str, Any]:
     entries = {name: {**options[name], "suggested": None} for name in SHARED}
     entries |= {parameter.name: shown_option(parameter) for parameter in CAMERA}
     entries |= {name: shown_option(VIDEO_PARAMETERS[name]) for name in SIZES}
+    entries["length_sigma"] = shown_option(LENGTH_SIGMA)
     entries["row_time"]["units"] = _ROW_UNITS
     return entries
 

@@ -89,8 +89,9 @@ def answer_of(
 
     Notes
     -----
-    A length is taken to be uncertain by 1 mm, one mark of a ruler, and a radius to be exact: of the
-    equivalent length ``l + 2/5 r^2/l`` it changes the small second part only.
+    A length whose uncertainty nobody gave is taken to be uncertain by 1 mm, one mark of a ruler,
+    and a radius to be exact: of the equivalent length ``l + 2/5 r^2/l`` it changes the small second
+    part only.
     """
     drive, decay, restitution = (
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
@@ -150,9 +151,10 @@ def _of_decay(decay: Mapping[str, Any], apparatus: Apparatus) -> list[dict[str, 
     point, _ = equivalent_pendulum(apparatus.length, 1.0, radius=apparatus.radius or 0.0)
     if apparatus.radius:
         given = _of_ball(apparatus.length, point, apparatus)
-    given |= {"length": 1e2 * apparatus.length, "sigma": 1e3 * _RULER}
+    ruler = apparatus.length_sigma or _RULER
+    given |= {"length": 1e2 * apparatus.length, "sigma": 1e3 * ruler}
     gravity = point * rate**2
-    sigma = gravity * math.hypot(2.0 * error / rate, _RULER / apparatus.length)
+    sigma = gravity * math.hypot(2.0 * error / rate, ruler / apparatus.length)
     return [*numbers, _number("gravity", gravity, sigma, "m/s²", given=given)]
 
 

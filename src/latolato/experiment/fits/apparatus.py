@@ -21,6 +21,7 @@ class Apparatus:
     """What is known about the pendulum before any fit, in SI units; None means unknown."""
 
     length: float | None = None
+    length_sigma: float | None = None
     radius: float | None = None
     mass: float | None = None
     damping: float | None = None

@@ -1,15 +1,18 @@
 /** The fields of one analysis: what the server says about its options, filled to take seconds. */
 
 import { el, freshId } from "../shared/dom.js";
+import { problemWith, readEntry, withPoints } from "../shared/entry.js";
+import { short, shownUnit, toSi } from "../shared/units.js";
 import { inWords, NAMES } from "../shared/words.js";
-import { readEntry } from "../shared/entry.js";
-import { ENGLISH, t } from "../strings.js";
+import { ENGLISH, localList, t } from "../strings.js";
 
-/** @typedef {{label: string, description: string, unit: string | null, kind: string,
- *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field */
+/** @typedef {import("../shared/units.js").Unit} Unit */
+/** @typedef {{label: string, description: string, unit: string, units: Unit[] | null, kind: string,
+ *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field
+ *   numbers without a unit are in SI units; those of `low` and `high` have the units of what varies */
 /** @typedef {{title: string, first: string, unfit: Record<string, string>,
  *   options: Record<string, any>, quick: Record<string, Record<string, string>>,
- *   parameters: Record<string, {label: string, unit: string, low: string, high: string}>}} About
+ *   parameters: Record<string, {label: string, units: Unit[], low: string, high: string}>}} About
  *   what the server says about system and drive */
 
 // The option that says what a diagram varies, and the two that say between which limits.
@@ -45,11 +48,11 @@ export class AnalysisForm {
     this.inputs = {};
     /** @type {Record<string, HTMLElement>} */
     this.errors = {};
-    /** What is wrong with what was typed, and what the fields had before that, by option. */
+    /** What is wrong with what was typed, and the text that was taken last, by option. */
     this.problems = /** @type {Record<string, string>} */ ({});
     this.taken = /** @type {Record<string, string>} */ ({});
-    /** The units that the fields show, by option. */
-    this.units = /** @type {Record<string, string>} */ ({});
+    /** The units that the fields read, by option; they show the first. */
+    this.units = /** @type {Record<string, Unit[]>} */ ({});
     /** @type {Record<string, Field>} */
     this.fields = {};
     /** @type {Record<string, string>} */
@@ -105,26 +108,29 @@ export class AnalysisForm {
     const choices = name === VARIED
       ? Object.fromEntries(Object.entries(about.parameters).map(([key, one]) => [key, one.label]))
       : field.kind === "bool" ? { false: t("no"), true: t("yes") } : field.choices;
-    const unit = field.unit ?? (varied ? about.parameters[varied]?.unit ?? "" : "");
-    const placeholder = field.default || t(field.required ? "fromScenario" : "automatic");
+    const units = field.units ?? about.parameters[varied ?? ""]?.units ?? [];
+    const unit = shownUnit(units[0]?.name ?? "");
+    const placeholder = shownIn(field.default, units) || t(field.required ? "fromScenario" : "automatic");
     const input = Object.keys(choices).length
       ? el("select", { id, "aria-describedby": hintId }, ...Object.entries(choices)
         .map(([key, label]) => el("option", { value: key }, label)))
       : el("input", { id, type: "text", autocomplete: "off", spellcheck: "false", placeholder,
         "aria-describedby": `${hintId} ${errorId}` });
-    input.value = value || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
+    input.value = shownIn(value, units) || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
       : Object.keys(choices)[0] ?? "");
     // An address may name what is no choice; the server says so.
     if (value && input instanceof HTMLSelectElement && input.value !== value)
       input.prepend(el("option", { value, selected: true }, value));
     input.addEventListener("change", () => {
       if (name === VARIED) for (const limit of LIMITS) delete this.inputs[limit];
-      if (input instanceof HTMLInputElement && !this.reads(name, input)) return;
+      if (input instanceof HTMLSelectElement) this.taken[name] = input.value;
+      else if (!this.reads(name, input)) return;
       this.changed(this.changes());
     });
     this.inputs[name] = input;
-    this.taken[name] = input.value.trim();
-    this.units[name] = unit;
+    this.taken[name] = input instanceof HTMLSelectElement ? input.value : value;
+    this.units[name] = units;
+    if (input instanceof HTMLInputElement) this.read(name, input.value);
     const error = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
     this.errors[name] = error;
     const long = field.several || input instanceof HTMLSelectElement;
@@ -135,33 +141,39 @@ export class AnalysisForm {
   }
 
   /**
-   * Read what was typed; returns whether it is what belongs there.
+   * Take what was typed; returns whether it is what belongs there.
    * @param {string} name
    * @param {HTMLInputElement} input
    */
   reads(name, input) {
-    const { kind, several } = this.fields[name];
-    const usual = { name: this.units[name], size: 1 };
-    // Lists may also be ranges, as 1.4 : 3.2, which the server reads.
-    if (["float", "int"].includes(kind) && !several) {
-      const { registry } = this;
-      const { text, problem } = readEntry(input.value, { usual, units: [usual], unit: usual.name, registry,
-        mayBeEmpty: true });
-      if (problem === null) delete this.problems[name];
-      else this.problems[name] = problem;
-      this.error(null);
-      if (problem !== null) return false;
-      // A decimal comma has become a point.
-      if (input.value.includes(",")) input.value = text;
-    }
-    this.taken[name] = input.value.trim();
+    const { text, problem } = this.read(name, input.value);
+    this.error(null);
+    if (problem !== null) return false;
+    this.taken[name] = text;
+    input.value = shownIn(text, this.units[name]);
     return true;
+  }
+
+  /**
+   * Read a text in the unit of its field, and note what is wrong with it.
+   * @param {string} name
+   * @param {string} typed
+   * @returns {{text: string, problem: string | null}}
+   */
+  read(name, typed) {
+    const field = this.fields[name];
+    const isNumber = ["float", "int"].includes(field.kind);
+    const read = isNumber ? readNumbers(typed, name, field, this.units[name], this.registry)
+      : { text: typed.trim(), problem: null };
+    if (read.problem === null) delete this.problems[name];
+    else this.problems[name] = read.problem;
+    return read;
   }
 
   /** Return what was typed and taken, by option; empty fields are left out. */
   values() {
-    return Object.fromEntries(Object.entries(this.inputs).map(([name, input]) =>
-      [name, name in this.problems ? this.taken[name] : input.value.trim()]).filter(([, value]) => value !== ""));
+    return Object.fromEntries(Object.keys(this.inputs).map((name) => [name, this.taken[name]])
+      .filter(([, value]) => value !== ""));
   }
 
   /** Return what is typed and was not there at the beginning. */
@@ -188,4 +200,46 @@ export class AnalysisForm {
     }
     return field !== undefined;
   }
+}
+
+/**
+ * Read a number, a list of numbers, or a range such as 1.4 : 3.2 : 7, which ends with a count. The text
+ * names a unit where the field shows another one than that of SI.
+ * @param {string} typed
+ * @param {string} name
+ * @param {Field} field
+ * @param {Unit[]} units
+ * @param {import("../model/registry.js").Registry} registry
+ * @returns {{text: string, problem: string | null}}
+ */
+function readNumbers(typed, name, field, units, registry) {
+  const [usual = { name: "", size: 1 }] = units;
+  const parts = field.several ? typed.split(":") : [typed];
+  const isList = field.several && parts.length === 1;
+  const count = parts.splice(2);
+  const entries = parts.map((part) => readEntry(part,
+    { usual, units, unit: field.unit || usual.name, registry, isList, mayBeEmpty: true }));
+  const unfit = (/** @type {number} */ value) => field.units
+    && problemWith(name, /** @type {any} */ (field), { label: field.label, unit: usual }, value);
+  const texts = usual.size === 1 ? parts.map((part) => withPoints(part, isList)) : entries.map(({ text }) => text);
+  return { text: [...texts, ...count.map((part) => part.trim())].join(" : "),
+    problem: entries.map(({ problem }) => problem).find((problem) => problem !== null)
+      ?? entries.flatMap(({ values }) => values).map(unfit).find((problem) => problem) ?? null };
+}
+
+/**
+ * Return a text as its field shows it: numbers in the first of its units.
+ * @param {string} text
+ * @param {Unit[]} units
+ */
+function shownIn(text, units) {
+  const [{ size } = { size: 1 }] = units;
+  if (size === 1) return text;
+  const parts = text.split(":");
+  const count = parts.splice(2);
+  const shown = (/** @type {string} */ part) => {
+    const value = toSi(part, units);
+    return value === null ? part.trim() : short(value / size);
+  };
+  return [...parts.map((part) => localList(part.split(",").map(shown))), ...count.map((part) => part.trim())].join(" : ");
 }

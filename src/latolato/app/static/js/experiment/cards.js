@@ -11,6 +11,8 @@ import { clipAddress } from "./desk.js";
 const EXPORTS = { csv: "track.csv", nc: "track.nc", toml: "setup.toml", overlay: "overlay.mp4",
   report: "report.html" };
 const MADE = ["nc", "overlay", "report"];
+/** With how many digits numbers are shown from which another one follows. @type {Record<string, number>} */
+const DIGITS = { more: 3, sigma: 2 };
 /** Pictures of the guide; each has a text. */
 const GUIDE = ["hang", "place", "frame"];
 
@@ -73,7 +75,7 @@ export function answerNumbers(answer) {
   return el("dl", { class: "numbers" }, ...answer.map(({ name, value, sigma, units, given }) => {
     const [number, ...rest] = withSigma(value, sigma).split(/(?= ± )/);
     const words = Object.fromEntries(Object.entries(given ?? {}).map(([key, each]) =>
-      [key, short(each, key === "more" ? 3 : 6)]));
+      [key, short(each, DIGITS[key] ?? 6)]));
     return el("div", { "data-answer": name, "data-value": String(value) },
       el("dt", {}, t(`answer_${name}${words.more ? "_ball" : ""}`, words)),
       el("dd", {}, number, el("small", {}, ...rest, units && ` ${units}`)));

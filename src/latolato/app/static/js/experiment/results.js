@@ -1,7 +1,7 @@
 /** What fits and trials say, in cards and a table. */
 
 import { el } from "../shared/dom.js";
-import { localShort, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
+import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
 import { ENGLISH, local, t } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
@@ -10,7 +10,6 @@ import { ENGLISH, local, t } from "../strings.js";
  *   play?: Record<string, any>}} Fit */
 
 /** @typedef {import("./desk.js").FitKind} FitKind */
-const DEGREES = 180 / Math.PI;
 
 /**
  * Return the card of a fit; what is no headline is behind "more".
@@ -108,7 +107,7 @@ function percent(share) {
  */
 export function trialTable(trials, clips, open) {
   const degrees = (/** @type {number} */ v, /** @type {number} */ s) =>
-    withSigma(v * DEGREES, s * DEGREES);
+    withSigma(v / DEGREE, s / DEGREE);
   const link = (/** @type {string} */ key, /** @type {string} */ name) =>
     el("button", { type: "button", class: "link", on: { click: () => open(key) } }, name);
   const nameOf = (/** @type {any} */ row) =>

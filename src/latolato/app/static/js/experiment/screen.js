@@ -1,6 +1,7 @@
 /** The video with what was found drawn on it, frame by frame. */
 
 import { colour, el, fitCanvas, freshId } from "../shared/dom.js";
+import { DEGREE } from "../shared/units.js";
 import { t } from "../strings.js";
 import { ClipClock } from "./clock.js";
 import { SIDES } from "./track.js";
@@ -8,7 +9,6 @@ import { SIDES } from "./track.js";
 /** @typedef {import("./track.js").Track} Track */
 /** @typedef {{u: number, v: number}} Place */
 
-const DEGREES = 180 / Math.PI;
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
 const READ_EVERY = 100; // ms
 const TALLEST = 62; // vh
@@ -182,7 +182,7 @@ export class Screen {
       const sigma = track.values("angle_sigma", b)[clock.index];
       const flag = track.flag(clock.index, b);
       const value = Number.isFinite(angle)
-        ? t("angleText", { angle: sign(angle * DEGREES), sigma: (sigma * DEGREES).toFixed(2) })
+        ? t("angleText", { angle: sign(angle / DEGREE), sigma: (sigma / DEGREE).toFixed(2) })
         : "–";
       const side = track.count > 1 ? `${t(SIDES[b])} ` : "";
       return `${side}${value}${flag === "ok" ? "" : `, ${t(`flag_${flag}`)}`}`;

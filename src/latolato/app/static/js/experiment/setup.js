@@ -8,7 +8,7 @@ import { short, toSi } from "../shared/units.js";
 import { inWords, withLabels } from "../shared/words.js";
 import { t } from "../strings.js";
 
-const FIRST = ["length", "radius", "mass"];
+const FIRST = ["length", "length_sigma", "radius", "mass"];
 const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "lens_k1", "lens_k2"];
 // What a template and a stick need.
 const SIZES = ["patch", "stick_length"];

@@ -1,6 +1,7 @@
 /** A tracked video as the page knows it: angles, places in the picture and flags of every frame. */
 
 import { row } from "../shared/block.js";
+import { DEGREE } from "../shared/units.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../shared/block.js").Block} Block */
@@ -8,7 +9,6 @@ import { t } from "../strings.js";
 /** @typedef {import("../shared/curves.js").Curve} Curve */
 /** @typedef {import("../shared/shades.js").Shade} Shade */
 
-const DEGREES = 180 / Math.PI;
 const GRAVITY = 9.8; // only to tell dense curves from others
 export const SIDES = ["right", "left"];
 
@@ -140,7 +140,7 @@ export class Track {
     if (!model) return [];
     return Array.from({ length: model.about.balls }, (_, b) => ({
       label: b ? t("modelLeft") : t("model"), paint: "model", dash: [6, 4],
-      values: known(row(model, "angle", b), DEGREES) }));
+      values: known(row(model, "angle", b), 1 / DEGREE) }));
   }
 
   /**
@@ -171,7 +171,7 @@ export function panelsOf(track) {
   }
   /** @type {Panel[]} */
   const panels = [{ label: t("curveAngle"), height: 230, shades, curves: (motion) => [
-    ...of(motion).perBall((b) => known(of(motion).values("angle", b), DEGREES)),
+    ...of(motion).perBall((b) => known(of(motion).values("angle", b), 1 / DEGREE)),
     ...of(motion).modelCurves(),
   ] }];
   if (track.model) {

@@ -3,6 +3,7 @@
 import { ballsOf } from "../model/block.js";
 import { isFelt, poseOf, SHOWN_RADIUS } from "../shared/motion.js";
 import { Log } from "../shared/swings.js";
+import { DEGREE } from "../shared/units.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 /** @typedef {import("./toy.js").Toy} Toy */
@@ -16,7 +17,6 @@ const ABOVE = 0.3;
 // How much of the way the picture's upper end goes in a frame.
 const GROW = 0.25;
 const SHRINK = 0.02;
-const DEGREES = 180 / Math.PI;
 const ROOM = Math.ceil(SPAN / SPACING) + 2;
 
 /** The last seconds of some quantities, in the order of time. */
@@ -211,7 +211,7 @@ export class LiveMotion {
       rows.push(row);
     }
     const poses = rows.reverse().map(([height, ...values]) => poseOf(height, balls,
-      ({ name }) => values[name === "left" ? 1 : 0] / DEGREES, 0, ({ name }) => values[name === "left" ? 3 : 2]));
+      ({ name }) => values[name === "left" ? 1 : 0] * DEGREE, 0, ({ name }) => values[name === "left" ? 3 : 2]));
     return [...poses, this.pose()];
   }
 }

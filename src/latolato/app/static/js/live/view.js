@@ -27,6 +27,7 @@ import { fromBottom } from "../shared/motion.js";
 import { Senses } from "../shared/senses.js";
 import { withOptions } from "../shared/links.js";
 import { FIRST_OF_LIVE, OPTIONS_OF_LIVE } from "../shared/state.js";
+import { DEGREE } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../main.js").Page} Page */
@@ -42,7 +43,6 @@ const SOFTEST = 0.1;
 const LOUDEST = 3;
 // A smaller share of real time is shown.
 const SLOW = 0.95;
-const DEGREES = 180 / Math.PI;
 
 /**
  * Return whether two cases differ in nothing but what the controls change.
@@ -72,8 +72,11 @@ export class LiveView {
     this.dirty = false;
     this.readAt = 0;
     this.preset = presetField(page);
-    /** The largest angle since the start [rad]. */
+    /** The largest angle since the start, and that at the start [rad]. */
     this.highest = 0;
+    this.begun = 0;
+    /** Whether the headline says that the balls hang still. */
+    this.saysStill = false;
     this.keeper = new Keeper(page, () => this.toy);
     this.shake = new Shake(() => this.toy, () => this.showShake());
     this.knobs = makeKnobs(page.registry, (name, _, value) => this.take(name, Number(value)));
@@ -196,15 +199,15 @@ export class LiveView {
     }
     if (scenario && options.system)
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
-    const isAsFirst = isFirst && Object.keys(store.state.options).length === 0;
-    this.preset.show(isFirst ? null : scenario, isAsFirst ? t("liveFirst") : "");
+    this.saysStill = isFirst && Object.keys(store.state.options).length === 0;
+    this.preset.show(isFirst ? null : scenario, this.saysStill ? t("liveFirst") : "");
     return { scenario, options };
   }
 
   /** @param {Toy} toy */
   start(toy) {
     this.toy = toy;
-    this.highest = 0;
+    this.highest = this.begun = Math.max(...toy.angles.map(fromBottom));
     this.motion = new LiveMotion(toy, this.watch.history);
     fit(this.knobs, toy);
     this.knobs.explain(toy.system.naturalFrequency);
@@ -342,7 +345,11 @@ export class LiveView {
     this.parts.status.textContent = t(text, {
       time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
     }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("liveSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
-    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest * DEGREES) });
+    this.preset.told.textContent = t("highest", { angle: Math.round(this.highest / DEGREE) });
+    if (this.saysStill && this.highest > this.begun + DEGREE) {
+      this.saysStill = false;
+      this.preset.show(null);
+    }
     this.showRatio();
     this.keeper.show();
     this.shake.watch();

@@ -3,14 +3,13 @@
 import { curvesOf } from "../shared/describe.js";
 import { isBehind } from "../shared/instant.js";
 import { inText } from "../shared/narrator.js";
-import { localShort } from "../shared/units.js";
+import { DEGREE, localShort } from "../shared/units.js";
 import { History, SPAN } from "./motion.js";
 import { Strip } from "./strip.js";
 
 /** @typedef {import("./motion.js").LiveMotion} LiveMotion */
 /** @typedef {{canvas: HTMLCanvasElement, values: Record<string, HTMLElement>}} Place */
 
-const DEGREES = 180 / Math.PI;
 const DIGITS = 4;
 const LEFT = { name: "left", paint: "left" };
 const RIGHT = { name: "right", paint: "right" };
@@ -90,7 +89,7 @@ export class Watch {
   /** Return the largest angle of the last seconds, either way [rad]. */
   largest() {
     const [lowest, highest] = this.history.range(["left", "right"]);
-    return Math.max(-lowest, highest) / DEGREES;
+    return Math.max(-lowest, highest) * DEGREE;
   }
 
   /**
@@ -113,6 +112,6 @@ export class Watch {
 function valuesOf(motion) {
   const [first, second] = motion.balls;
   const { kinetic, potential } = motion.toy.energies;
-  return { right: motion.angle(first) * DEGREES, left: second ? motion.angle(second) * DEGREES : 0,
+  return { right: motion.angle(first) / DEGREE, left: second ? motion.angle(second) / DEGREE : 0,
     far: motion.distance(first), other: motion.distance(second ?? first), pivot: motion.toy.pivot.height, kinetic, potential, total: kinetic + potential };
 }

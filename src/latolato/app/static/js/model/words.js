@@ -30,7 +30,7 @@ function inPlainWords({ unit, units = [] }, error) {
   if (/^must be (given in|a number in|given as a plain number)/.test(rule))
     // A phrase such as "per second" is no unit in which numbers are.
     return new InputError(shown && !shown.includes(" ") ? `must be a number in ${shown}` : "must be a number",
-      { ...about, value });
+      { ...error.about, value });
   const range = RANGE.exec(rule);
   if (!range || typeof value !== "number") return error;
   const number = (/** @type {string | number} */ each) => short(Number(each) / size);

@@ -16,7 +16,7 @@ import { Player } from "../shared/player.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { withStart } from "../shared/start.js";
-import { short } from "../shared/units.js";
+import { DEGREE, short } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -28,9 +28,10 @@ const RECORDING = "play.recording";
 // Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
 const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
+// What may change without making another toy of the first one.
+const FREE = ["drive_frequency", "frequency_ratio"];
 // Where the question with which the page opens is answered at length.
 const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
-const DEGREES = 180 / Math.PI;
 
 export class PlayView {
   /** @param {Page} page */
@@ -228,11 +229,12 @@ export class PlayView {
     if (subject !== this.knobsFor) {
       this.knobsFor = subject;
       this.knobs.make(names);
-      this.knobs.explain(naturalFrequency(options), scenario === FIRST ? t("toyAnswer") : "");
       const [{ length, mass }] = balls;
       this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
         low: low ?? undefined, high: high ?? undefined, values: options }));
     }
+    const isFirst = scenario === FIRST && Object.keys(store.state.options).every((name) => FREE.includes(name));
+    this.knobs.explain(naturalFrequency(options), isFirst ? t("toyAnswer") : "");
     this.hanging.hidden = !registry.systems[options.system].options.includes("suspension");
     this.hang.value = options.suspension ?? "rod";
     for (const name of SLIPS) {
@@ -253,7 +255,7 @@ export class PlayView {
   tellHighest(time) {
     const { motion, clock } = this.player;
     if (motion && clock.isRead) this.highest.textContent = t("highest",
-      { angle: Math.round(motion.highest(time) * DEGREES) });
+      { angle: Math.round(motion.highest(time) / DEGREE) });
   }
 
   /**

@@ -3,8 +3,9 @@
 import { toSi as inSi } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
-import { local, t } from "../strings.js";
+import { local, t, tr } from "../strings.js";
 import { parseQuantity, shownUnit, toSi } from "./units.js";
+import { capitalised } from "./words.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./laws.js").Option} Option */
@@ -51,31 +52,35 @@ export function readEntry(typed, takes) {
   const pointed = withPoints(typed, isList);
   const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim());
   const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
-  const values = parts.map((part) => (isPlain ? Number(part) * usual.size : quantityOf(part, takes)));
-  const k = values.findIndex((value) => value === null || !Number.isFinite(value));
+  const read = parts.map((part) => (isPlain ? { value: Number(part) * usual.size } : quantityOf(part, takes)));
+  const values = read.map(({ value }) => value);
+  const k = values.findIndex((value) => !Number.isFinite(value));
   const unit = usual.name === "1" ? "" : usual.name;
   if (k >= 0) {
     const [text, shown] = [isList ? local(parts[k]) : typed.trim(), shownUnit(unit)];
-    return wrong(takes.shown ? t("noNumberOf", { text, unit: takes.shown })
-      : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown }));
+    const problem = takes.shown ? t("noNumberOf", { text, unit: takes.shown })
+      : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown });
+    return wrong([problem, read[k].wayOut].filter(Boolean).join(" "));
   }
-  return { values: /** @type {number[]} */ (values), problem: null,
+  return { values, problem: null,
     text: parts.map((part) => (isPlain ? `${part} ${unit}`.trim() : part)).join(", ") };
 }
 
 /**
- * Return a quantity in SI units, null for a text that is none.
+ * Return a quantity in SI units, NaN for a text that is none, then with a sentence about what may be meant.
  * @param {string} text
  * @param {Takes} takes
+ * @returns {{value: number, wayOut?: string}}
  */
 function quantityOf(text, { units, unit, registry }) {
   const known = toSi(text, units);
-  if (known !== null || !registry?.units || !unit) return known;
+  if (known !== null || !registry?.units || !unit) return { value: known ?? NaN };
   try {
-    return Number(inSi(registry, "", text, unit));
+    return { value: Number(inSi(registry, "", text, unit)) };
   } catch (error) {
-    if (error instanceof InputError) return null;
-    throw error;
+    if (!(error instanceof InputError)) throw error;
+    const { wayOut } = error.about;
+    return { value: NaN, wayOut: wayOut && capitalised(tr(wayOut)) };
   }
 }
 

@@ -322,7 +322,8 @@ export class Form {
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
             const { values: [value], problem } = readEntry(input.value,
-              { usual: unit(k), units: options[k].units, example: localShort(columns[k][i] / unit(k).size) });
+              { usual: unit(k), units: options[k].units, unit: options[k].unit, registry: this.registry,
+                example: localShort(columns[k][i] / unit(k).size) });
             input.setAttribute("aria-invalid", String(problem !== null));
             if (problem !== null) {
               error.hidden = false;

@@ -8,12 +8,11 @@ import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { Plane } from "./plane.js";
 import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
-import { localShort } from "./units.js";
+import { DEGREE, localShort } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
 
-const DEGREES = 180 / Math.PI;
 const MOST_ROWS = 200;
 /** What the table of contacts says about velocities, and its heads. @type {Record<string, string>} */
 const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_after: "after",
@@ -103,7 +102,7 @@ export class MoreCurves {
     const { drawn } = this;
     if (!drawn || !this.root.open) return;
     this.phase.mark(drawn.balls.map((ball) => ({
-      x: drawn.angle(ball, time) * DEGREES,
+      x: drawn.angle(ball, time) / DEGREE,
       y: ball.sign * drawn.at("angular_velocity", time, ball.row),
       paint: ball.name === "left" ? "left" : "right",
     })));
@@ -112,7 +111,7 @@ export class MoreCurves {
   /** @param {Motion} motion */
   showPhase(motion) {
     const shapes = motion.balls.map((ball) => ({
-      xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES),
+      xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE),
       ys: scaled(motion.values("angular_velocity", ball.row) ?? [], ball.sign),
       paint: ball.name === "left" ? "left" : "right",
     }));
@@ -123,7 +122,7 @@ export class MoreCurves {
   showSection(motion) {
     const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
     const dots = motion.balls.filter((b, i) => i === 0 || b.row > 0).map((ball) => ({
-      xs: instants.map((s) => motion.angle(ball, s) * DEGREES),
+      xs: instants.map((s) => motion.angle(ball, s) / DEGREE),
       ys: instants.map((s) => ball.sign * motion.at("angular_velocity", s, ball.row)),
       paint: ball.name === "left" ? "left" : "right",
       dots: true,

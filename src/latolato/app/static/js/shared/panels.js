@@ -3,12 +3,12 @@
 import { t } from "../strings.js";
 import { wrap } from "./motion.js";
 import { scaled } from "./traces.js";
+import { DEGREE } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./curves.js").Panel} Panel */
 /** @typedef {import("./curves.js").Curve} Curve */
 
-const DEGREES = 180 / Math.PI;
 // The pivot's height is shown as in pictures and files, in `shown_unit` of `latolato.core.quantities`.
 const HEIGHT = { unit: "mm", size: 1e-3 }; // m
 const LENGTH = { unit: "cm", size: 1e-2 }; // m
@@ -25,14 +25,14 @@ export function anglePanel({ wrapped = false, pivot = false } = {}) {
     quantity: "angle",
     curves: (motion) => [
       ...motion.balls.map((ball, k) => {
-        const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign * DEGREES);
+        const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE);
         return {
           label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
           paint: ball.name === "left" ? "left" : "right",
           values: wrapped ? values.map(wrap) : values,
           turn: wrapped ? 360 : undefined,
           ofPose: (/** @type {import("./motion.js").Pose} */ { balls }) => {
-            const angle = balls[k].angle * DEGREES;
+            const angle = balls[k].angle / DEGREE;
             return wrapped ? wrap(angle) : angle;
           },
         };

@@ -5,6 +5,7 @@ import { el } from "./dom.js";
 import { followDrag } from "./drag.js";
 import { followKeys } from "./keys.js";
 import { poseOf } from "./motion.js";
+import { DEGREE } from "./units.js";
 
 /** @typedef {import("./scene.js").Scene} Scene */
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -12,7 +13,6 @@ import { poseOf } from "./motion.js";
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./keys.js").Actions} Actions */
 
-const DEGREES = 180 / Math.PI;
 // Of the arrow keys, without and with Shift [degrees].
 const STEP = 5;
 const SMALL_STEP = 1;
@@ -43,9 +43,9 @@ export function withStart(options, resolved, degrees) {
  * @returns {[number, number]} in degrees
  */
 export function limitsOf(motion, degrees, row) {
-  const gap = (motion.about.attributes?.contact_separation ?? 0) * DEGREES;
+  const gap = (motion.about.attributes?.contact_separation ?? 0) / DEGREE;
   if (degrees.length === 1)
-    return [(motion.low ?? -Infinity) * DEGREES, (motion.high ?? Infinity) * DEGREES];
+    return [(motion.low ?? -Infinity) / DEGREE, (motion.high ?? Infinity) / DEGREE];
   const other = degrees[1 - row];
   return row === 0 ? [other + gap, other + 360 - gap] : [other - 360 + gap, other - gap];
 }
@@ -69,7 +69,7 @@ export function rounded(degrees, [low, high]) {
  * @returns {number[]} in degrees
  */
 export function anglesOf({ balls }) {
-  const degrees = balls.filter(({ ball }) => ball.sign > 0).map(({ angle }) => angle * DEGREES);
+  const degrees = balls.filter(({ ball }) => ball.sign > 0).map(({ angle }) => angle / DEGREE);
   const middle = degrees.reduce((sum, angle) => sum + angle, 0) / degrees.length;
   return degrees.map((angle) => rounded(angle - 360 * Math.round(middle / 360), [-Infinity, Infinity]));
 }
@@ -92,7 +92,7 @@ export class Start {
     this.pressed = -Infinity;
     this.said = el("p", { class: "unseen", role: "status" });
     followDrag(scene, { isOn: () => this.choose !== null, grab: () => clock.pause(),
-      lead: (ball, angle) => this.lead(ball, angle * DEGREES), drop: () => this.drop() });
+      lead: (ball, angle) => this.lead(ball, angle / DEGREE), drop: () => this.drop() });
     const step = (/** @type {number} */ k, /** @type {number} */ way) =>
       (/** @type {KeyboardEvent} */ event) => this.press(k, way, event.shiftKey);
     const [toLeft, toRight] = [step(1, -1), step(1, 1)];
@@ -184,7 +184,7 @@ export class Start {
     const chosen = rounded(angle - 360 * turns, limits);
     this.degrees = this.degrees.map((each, row) => (row === led.row ? chosen : each));
     const pose = poseOf(motion.at("pivot_height", 0), motion.balls,
-      ({ row, sign }) => (sign * this.degrees[row]) / DEGREES,
+      ({ row, sign }) => sign * this.degrees[row] * DEGREE,
       motion.at("pivot_across", 0) || 0, (ball) => motion.distance(ball, 0));
     scene.held = { ...pose, led: motion.balls.indexOf(led), text: t("degrees", { angle: chosen }) };
     clock.seek(0);

@@ -1,6 +1,7 @@
 /** What balls do, as events in time: turning points, full turns, clacks, rest and lift-off. */
 
 import { wrap } from "./motion.js";
+import { DEGREE } from "./units.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /**
@@ -11,7 +12,6 @@ import { wrap } from "./motion.js";
  *   ball: string, angle: number, speed: number}} Event
  */
 
-const DEGREES = 180 / Math.PI;
 const FULL = 2 * Math.PI;
 /** Contacts of a run, by their number. */
 export const KINDS = /** @type {const} */ (["bottom", "top", "rest", "release", "slack", "taut"]);
@@ -24,7 +24,7 @@ const MOST = 20_000;
  * @param {number} angle [rad]
  */
 export function wrapped(angle) {
-  return wrap(DEGREES * angle);
+  return wrap(angle / DEGREE);
 }
 
 /** @param {Event} event */

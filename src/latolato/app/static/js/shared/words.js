@@ -10,8 +10,12 @@ export const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
  * @returns {string}
  */
 export function inWords(text, words) {
-  const sentence = withLabels(text, words);
-  return sentence.charAt(0).toUpperCase() + sentence.slice(1);
+  return capitalised(withLabels(text, words));
+}
+
+/** @param {string} text */
+export function capitalised(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /**

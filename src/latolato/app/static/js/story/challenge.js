@@ -3,6 +3,7 @@
 import { toSi } from "../model/options.js";
 import { InputError } from "../model/rules.js";
 import { el } from "../shared/dom.js";
+import { Knob } from "../shared/knob.js";
 import { t, tr } from "../strings.js";
 import { edgesOf, requestOf, scoreOfGuess, scoreOfRun } from "./scores.js";
 import { withUnit } from "./words.js";
@@ -15,6 +16,7 @@ const DIGITS = 4;
 const ROUNDING = 1e-3;
 export const SCORE = "story.score";
 const GUESS = "story.guess";
+const MILLIMETRE = { name: "mm", size: 1e-3 };
 
 export class Challenge {
   /**
@@ -36,25 +38,31 @@ export class Challenge {
     this.claim = el("p", { class: "story-reply", role: "status" });
     this.keep = el("button", { type: "button", disabled: true, on: { click: () => this.keepScore() } }, t("storyKeep"));
     this.edges = el("p", { class: "hint" });
-    this.guesses = task.ratios?.map(() => el("input", { type: "number", min: "0", step: "any", required: true }));
+    const { drive_amplitude: option } = panel.page.registry.options;
+    const guessed = { ...option, symbol: "", suggested: null, units: [MILLIMETRE] };
+    /** @type {Knob[]} */
+    this.guesses = task.ratios?.map((/** @type {number} */ ratio, /** @type {number} */ i) =>
+      new Knob("drive_amplitude", guessed, { label: t("storyGuess", { ratio }), registry: panel.page.registry,
+        take: (_, value) => this.guesses[i].show(Number(value)) }));
     this.root = el("div", { class: "story-step" }, this.head, el("p", {}, tr(look.text)),
       el("p", {}, tr(task.text)),
       el("p", {}, t("storyGoal", { text: withUnit(this.par, this.unit) })),
-      this.isGuess && this.makeForm(task.ratios), this.result, this.edges, this.note,
+      this.isGuess && this.makeForm(), this.result, this.edges, this.note,
       !this.isGuess && this.keep, this.claim);
   }
 
-  /** @param {number[]} ratios */
-  makeForm(ratios) {
-    const rows = ratios.map((ratio, i) => el("label", { class: "story-guess" },
-      t("storyGuess", { ratio }), this.guesses[i]));
-    return el("form", { on: { submit: (/** @type {Event} */ event) => {
+  makeForm() {
+    // A refusal that went only when its field is left would move the button away from under the pointer.
+    const forget = () => this.guesses.forEach((knob) => knob.forget());
+    return el("form", { on: { input: forget, submit: (/** @type {Event} */ event) => {
       event.preventDefault();
-      const guess = this.guesses.map((/** @type {HTMLInputElement} */ input) => `${Number(input.value)} mm`);
-      const { registry } = this.panel.page;
-      this.score = scoreOfGuess(registry, this.challenge, guess.join(", "));
-      this.keepScore({ [GUESS]: guess.join(", ") });
-    } } }, ...rows, el("button", { type: "submit" }, t("storyGuessCheck")));
+      for (const knob of this.guesses) knob.type();
+      const wrong = this.guesses.find((knob) => knob.isRefused);
+      if (wrong) return wrong.input.focus();
+      const guess = this.guesses.map((knob) => knob.textOf(Number(knob.value))).join(", ");
+      this.score = scoreOfGuess(this.panel.page.registry, this.challenge, guess);
+      this.keepScore({ [GUESS]: guess });
+    } } }, ...this.guesses.map(({ root }) => root), el("button", { type: "submit" }, t("storyGuessCheck")));
   }
 
   /**
@@ -109,9 +117,7 @@ export class Challenge {
     this.edges.textContent = "";
     if (guess === undefined) return;
     this.score = scoreOfGuess(registry, this.challenge, guess);
-    guess.split(",").forEach((part, i) => {
-      this.guesses[i].value = String(Number((1e3 * toSi(registry, "guess", part.trim(), "m")).toPrecision(6)));
-    });
+    guess.split(",").forEach((part, i) => this.guesses[i].show(toSi(registry, "guess", part.trim(), "m")));
     const edges = edgesOf(registry, this.challenge);
     this.edges.textContent = t("storyEdges", { list: edges.map((edge, i) => t("storyEdge",
       { ratio: this.challenge.task.ratios[i], text: withUnit(edge, "m") })).join(", ") });

@@ -6,13 +6,14 @@ import { specify } from "../model/case.js";
 import { fieldsOf, planarOption } from "../model/laws.js";
 import { row } from "../shared/block.js";
 import { Motion, range } from "../shared/motion.js";
+import { DEGREE } from "../shared/units.js";
 
 /** @typedef {import("../shared/block.js").Block} Block */
 
 // Samples from here on show how a motion has settled.
 const LATE = 0.75;
 // Up to this angle a swing grows as the small-angle equation does [rad].
-const SMALL = (20 * Math.PI) / 180;
+const SMALL = 20 * DEGREE;
 
 /**
  * Return the largest of some numbers, -Infinity of none.

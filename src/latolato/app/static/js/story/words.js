@@ -1,14 +1,13 @@
 /** Numbers of stories as readers see them. */
 
-import { localShort } from "../shared/units.js";
+import { DEGREE, localShort } from "../shared/units.js";
 import { t } from "../strings.js";
 
-const DEGREES = 180 / Math.PI;
 const DIGITS = 3;
 // What may never happen.
 const MAY_BE_NEVER = ["time_to_angle", "top_time", "response_period"];
 /** How units are shown, and how large each is. @type {Record<string, [string, number]>} */
-const SHOWN = { rad: ["°", 1 / DEGREES], m: [" mm", 1e-3], 1: ["", 1] };
+const SHOWN = { rad: ["°", DEGREE], m: [" mm", 1e-3], 1: ["", 1] };
 
 /**
  * Return a quantity of a run in words.
