@@ -61,7 +61,7 @@ def _motion(dataset: xr.Dataset) -> Figure:
 
 
 def _source(dataset: xr.Dataset) -> str:
-    """Return what to call data that are compared: synthetic ones are never measured."""
+    """Return the word for data that are compared: synthetic ones are never called measured."""
     return "synthetic" if "chain" in dataset.attrs else "measured"
 
 

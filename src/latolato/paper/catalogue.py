@@ -50,7 +50,7 @@ def results() -> dict[str, Finding]:
 
 
 def title_of(name: str) -> str:
-    """Return what a figure is called in the report.
+    """Return the title of a figure in the report.
 
     Examples
     --------

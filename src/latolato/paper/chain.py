@@ -69,7 +69,7 @@ class Clip:
         return simulate(self.system, self.drive, **options)
 
     def stage(self) -> tuple[Scene, Camera]:
-        """Return what is seen and how it is filmed."""
+        """Return the scene and the camera."""
         from latolato.experiment.synthetic.scene import Camera, Scene
 
         width, height = self.size

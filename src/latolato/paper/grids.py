@@ -140,7 +140,7 @@ def gather(
 
 
 def label(values: xr.DataArray) -> str:
-    """Return what a map shows, in few words, with symbol and unit."""
+    """Return the label of a map: its quantity with symbol and unit."""
     return _LABELS[str(values.name).removeprefix("clamp_")]
 
 

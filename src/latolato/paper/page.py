@@ -300,7 +300,7 @@ def _figure(part: Part, folder: Path) -> str:
 
 
 def _words(words: tuple[str, str] | None) -> str:
-    """Return what a result beyond the paper says."""
+    """Return the paragraph on a result beyond the paper."""
     if words is None:
         return ""
     finding, check = words
@@ -386,7 +386,7 @@ def _row(cells: Iterable[str]) -> str:
 
 
 def _meaning(name: str) -> str:
-    """Return what a parameter is."""
+    """Return the description of a parameter."""
     return QUANTITIES[name].long_name if name in QUANTITIES else name.replace("_", " ")
 
 

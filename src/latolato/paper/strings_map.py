@@ -76,7 +76,7 @@ def _pair(dataset: xr.Dataset, start: str) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _differ(dataset: xr.Dataset, start: str) -> grids.Mask:
-    """Return where any number of the two motions differs."""
+    """Return the mask of points at which any number of the two motions differs."""
     rods, strings = _pair(dataset, start)
     different = [rods[name].values != strings[name].values for name in OBSERVABLES]
     mask: grids.Mask = np.logical_or.reduce(different)
