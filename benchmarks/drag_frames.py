@@ -21,8 +21,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from latolato.figures import catalogue
-from latolato.figures import paper_systems as paper
+from latolato.paper import catalogue
+from latolato.paper import systems as paper
 from latolato.scenario.scenario import Scenario
 
 RUNS = ("fig02", "fig03", "fig04", "fig06", "fig08", "fig12", "fig13")

@@ -29,7 +29,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 import latolato as ll
-from latolato.figures.string_toys import CORD_PAIR, CORD_TOY
+from latolato.paper.string_toys import CORD_PAIR, CORD_TOY
 
 DURATION, OFFSET = 60.0, 0.5
 OWN_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)

@@ -5,15 +5,7 @@ Quantities are in SI units and radians; angles are measured from the downward ve
 
 from __future__ import annotations
 
-import signal
-import sys
 from typing import TYPE_CHECKING, Any
-
-from latolato_command import end_at_once
-
-# Python says so while it imports the package for ``python -m latolato``.
-if sys.argv[:1] == ["-m"] and "latolato" in sys.orig_argv:
-    signal.signal(signal.SIGINT, end_at_once)
 
 from latolato.core.errors import InputError
 from latolato.observables import (

@@ -158,7 +158,7 @@ def test_an_unknown_figure_is_refused_with_one_line(cache, given):
 
 
 def test_figures_that_need_a_film_say_what_is_missing(cache, monkeypatch):
-    from latolato.figures import chain
+    from latolato.paper import chain
 
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     entry = next(e for e in paper.contents() if e["name"] == "fig07")

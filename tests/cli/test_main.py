@@ -528,8 +528,8 @@ def test_the_citation_names_software_and_paper_as_the_citation_file_does():
 
 
 def test_reproduce_hands_folder_and_quickness_on_and_prints_claims(monkeypatch):
-    from latolato import report
-    from latolato.figures.claim import Claim, Verdict
+    from latolato.paper import report
+    from latolato.paper.claim import Claim, Verdict
 
     claim = Claim(
         name="tension", where="Fig. 1", words="the string is tight", finding="it is slack for 1 s",

@@ -14,7 +14,7 @@ from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import trial_table, write_trials
-from latolato.figures.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES
+from latolato.paper.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES
 from track_tables import decay_table, motion_table
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)

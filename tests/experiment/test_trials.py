@@ -21,8 +21,8 @@ from latolato.experiment.trial_table import (
     write_trials,
 )
 from latolato.experiment.trials import collect_trials, files_of, trial_of
-from latolato.figures.grids import PENDULUM_OBSERVABLES
 from latolato.observables import MotionClass
+from latolato.paper.grids import PENDULUM_OBSERVABLES
 from track_tables import motion_table
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)

@@ -10,7 +10,7 @@ import pytest
 import latolato as ll
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
-from latolato.figures import paper_systems as paper
+from latolato.paper import systems as paper
 from latolato.scenario.scenario import Scenario, load_scenario, overridden, scenarios
 from latolato.scenario.tables import run_options
 

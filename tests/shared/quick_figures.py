@@ -5,7 +5,7 @@ import pickle
 from functools import cache
 from pathlib import Path
 
-from latolato.figures import catalogue
+from latolato.paper import catalogue
 
 EVIDENCE = catalogue.evidence()
 RESULTS = catalogue.results()

@@ -14,8 +14,8 @@ from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_table import write_trials
-from latolato.figures import catalogue
-from latolato.report import reproduce
+from latolato.paper import catalogue
+from latolato.paper.report import reproduce
 from track_tables import decay_table, motion_table
 
 BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)

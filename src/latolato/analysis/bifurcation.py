@@ -199,7 +199,7 @@ def _follow(
     start: Start,
     options: dict[str, Any],
 ) -> dict[str, NDArray[Any]]:
-    """Return what `motion_of` does, of shape (way, value, ...).
+    """Return the results of `motion_of`, of shape (way, value, ...).
 
     All ways run at once. Each value starts from the last sample of the one before, which lies a
     whole number of drive periods after its start: so all samples are at one drive phase.
@@ -246,7 +246,7 @@ def _follow(
 
 
 def _differ(kept: dict[str, NDArray[Any]], threshold: float) -> Floats:
-    """Return where the ways up and down reach different motions, NaN where that is unknown."""
+    """Return a mask of where the ways up and down reach different motions, NaN where unknown."""
     up, down = kept["status"]
     largest = kept["largest_angle_watched"]
     orders = np.nan_to_num(kept["response_period"], nan=math.inf)

@@ -26,7 +26,7 @@ NEAR, FEWEST = 0.1, 5
 
 
 def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
-    """Return where an observable of a 2-D map passes a level, and how wide both edges are.
+    """Return the lines at which an observable of a 2-D map passes a level, and their widths.
 
     Answers the paper's "the left boundary is more distinct than the right boundary" (Fig. 3cd).
 
@@ -212,7 +212,7 @@ def _main_region(x: Floats, row: Floats, level: float) -> tuple[int, int] | None
 
 
 def _crossing(x: Floats, row: Floats, inner: int, way: int, level: float) -> float:
-    """Return where the line from a point to its neighbour that way passes a level; NaN if none."""
+    """Return the crossing of a level between a point and its neighbour that way; NaN if none."""
     outer = inner + way
     if not 0 <= outer < len(row) or not math.isfinite(row[outer]):
         return math.nan

@@ -275,7 +275,7 @@ class Branch:
                 yield kind, orbit.start + gap, mirror @ matrix
 
     def _broken(self, old: Orbit, there: Orbit) -> str:
-        """Return what a motion loses where a multiplier is one and the branch goes on.
+        """Return the kind of event where a multiplier is one and the branch goes on.
 
         An image that equals the motion itself is a symmetry. It is lost if the eigenvector, along
         which the other branch leaves, changes its sign under it.
@@ -293,7 +293,7 @@ class Branch:
         return "branch_point"
 
     def _image_met(self, old: Place, new: Place, there: Place) -> str | None:
-        """Return what happens where the branch turns round into images of itself, or None.
+        """Return the event where the branch turns round into images of itself, or None.
 
         In a pitchfork the orbits behind the turning point are images of those before it; at a fold
         they are other motions.

@@ -240,7 +240,7 @@ def _stirred(swept: _Sweep, start: dict[str, Any], least: float) -> Floats:
 def _lasts(
     swept: _Sweep, differ: NDArray[np.bool_], ends: Sequence[Floats], least: float
 ) -> NDArray[np.bool_]:
-    """Return where both ways still differ when their motions have settled, shape as `differ`.
+    """Return the mask where both ways still differ once settled, shape as `differ`.
 
     Each goes on from its end at the frequency it has reached. `ends` are the angles and angular
     velocities there, of shape (amplitude, way, ratio[, ball]).

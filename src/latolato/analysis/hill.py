@@ -102,7 +102,7 @@ def find_root(function: Callable[[float], Number], left: float, right: float) ->
 
 
 def find_peak(function: Callable[[float], float], left: float, right: float) -> float:
-    """Return where a function with one hump in between is largest."""
+    """Return the place of the maximum of a function with one hump in between."""
     from scipy.optimize import minimize_scalar
 
     if not left < right:  # a tongue narrower than a rounding
@@ -114,7 +114,7 @@ def find_peak(function: Callable[[float], float], left: float, right: float) -> 
 
 
 def first_rise(excess: Callable[[float], float], left: float, right: float) -> float:
-    """Return where a function first rises above zero within an interval, NaN if it does not.
+    """Return the first point of an interval at which a function rises above zero, NaN without one.
 
     It is sampled at 33 points; a hump between samples is followed to its top.
     """

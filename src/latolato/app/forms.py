@@ -21,7 +21,7 @@ from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
-from latolato.figures.grids import SCALES
+from latolato.figures.cells import SCALES
 from latolato.figures.map import CLASSES
 from latolato.observables import observables
 from latolato.observables.angles import MotionClass

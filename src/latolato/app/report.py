@@ -30,7 +30,7 @@ from latolato.core.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.figures.claim import Claim, Evidence
+    from latolato.paper.claim import Claim, Evidence
     from latolato.scenario.scenario import Scenario
 
 _MADE_WITH = ("numpy", "scipy", "numba", "matplotlib", "xarray", "av", "opencv-python-headless")
@@ -71,7 +71,7 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
         Folder of a report that `latolato reproduce` wrote, whose figures are used where it has
         them.
     """
-    from latolato.figures import catalogue, chain
+    from latolato.paper import catalogue, chain
 
     result = []
     for name, evidence in catalogue.evidence().items():
@@ -99,7 +99,7 @@ def contents(report: Path | None = None) -> list[dict[str, Any]]:
 @lru_cache(maxsize=1)
 def _scenarios_by_figure() -> dict[str, list[str]]:
     """Return the names of shipped scenarios by the figure that they belong to."""
-    from latolato.figures import catalogue
+    from latolato.paper import catalogue
     from latolato.scenario.scenario import scenarios
 
     known = catalogue.figures()
@@ -135,7 +135,7 @@ def prepare(request: Any, report: Path | None = None) -> Job:
         If the figure goes through a video and the extra `video` is missing.
     """
     from latolato.core.registry import suggest
-    from latolato.figures import catalogue, chain
+    from latolato.paper import catalogue, chain
 
     name = request.get("figure") if isinstance(request, Mapping) else None
     if not isinstance(name, str):
@@ -160,7 +160,8 @@ def compute(
     request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
     """Draw a figure quickly and judge its claims: what the job `figure` does in its process."""
-    from latolato.figures import catalogue, style
+    from latolato.figures import style
+    from latolato.paper import catalogue
 
     name = request["figure"]
     evidence = catalogue.evidence()[name]
@@ -178,8 +179,8 @@ def stored(name: str, report: Path) -> bytes | None:
     InputError
         If the file is not of this version.
     """
-    from latolato.figures import catalogue
     from latolato.io.files import load
+    from latolato.paper import catalogue
 
     path = report / f"{name}.nc"
     if not path.is_file():
@@ -206,7 +207,7 @@ def about_figure(evidence: Evidence, dataset: xr.Dataset) -> dict[str, Any]:
 
 def claim_of(claim: Claim) -> dict[str, Any]:
     """Return a judged claim as JSON knows it; powers of ten are written as people do."""
-    from latolato.report import SHAPES
+    from latolato.paper.report import SHAPES
 
     return {
         "name": claim.name,
@@ -230,7 +231,7 @@ def pretty(text: str) -> str:
     >>> pretty("A0 is at least 1e-09 m, 2-3 times l0")
     'A₀ is at least 10⁻⁹ m, 2-3 times l0'
     """
-    from latolato.report import plain
+    from latolato.paper.report import plain
 
     text = _INDEX.sub(lambda match: match[1] + match[2].translate(_LOWERED), plain(text))
     return _MINUS.sub("\N{MINUS SIGN}", text)

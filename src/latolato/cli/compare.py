@@ -130,7 +130,7 @@ def _computed(
     *,
     of_trials: bool,
 ) -> tuple[Any, Any, dict[str, Any]]:
-    """Return what is computed, its drive (None: as measured), and how it starts."""
+    """Return the system that is computed, its drive (None: as measured), and its start."""
     has_system = scenario is not None or values.get("system") is not None
     if grid is not None:
         from latolato.io.files import load

@@ -160,13 +160,13 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
 def with_law_options(
     without: Container[str] = (), further: Iterable[Parameter] = ()
 ) -> Callable[[Command], Command]:
-    """Return what gives a command an option for each parameter of a law or a run."""
+    """Return the decorator that gives a command an option for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)
     return with_options((*further, *own))
 
 
 def with_options(options: Iterable[Parameter]) -> Callable[[Command], Command]:
-    """Return what spells out the keyword arguments of a command as options."""
+    """Return the decorator that spells out the keyword arguments of a command as options."""
 
     def spell_out(command: Command) -> Command:
         signature = inspect.signature(command, eval_str=True)

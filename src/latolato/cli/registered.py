@@ -45,7 +45,7 @@ class RegistryGroup(TyperGroup):
         return self.commands[name]
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return what is to be run, or raise InputError with the closest known name."""
+        """Return the function to run, or raise InputError with the closest known name."""
         known = self.list_commands(ctx)
         if args[0].replace("_", "-") not in known:
             raise InputError(f"unknown {self.kind} '{args[0]}': {suggest(args[0], known)}")
@@ -53,7 +53,7 @@ class RegistryGroup(TyperGroup):
 
 
 def _note(option: Parameter) -> str:
-    """Return what happens if an option is left out."""
+    """Return the description of an option's default."""
     if option.is_required:
         has_law = option.name in law_options() and not option.several
         return "; by default the scenario's" if has_law else "; needed"

@@ -13,7 +13,7 @@ from latolato.cli.output import print_summary
 from latolato.io.progress import bar
 
 if TYPE_CHECKING:
-    from latolato.report import Result
+    from latolato.paper.report import Result
 
 
 def reproduce(
@@ -25,7 +25,7 @@ def reproduce(
     as_json: JsonOption = False,
 ) -> None:
     """Reproduce the paper's figures and judge its claims in a report."""
-    from latolato import report
+    from latolato.paper import report
 
     with bar("reproducing") as progress:
         result = report.reproduce(output, quick=quick, full=full, progress=progress)
@@ -37,7 +37,7 @@ def print_result(result: Result, *, as_json: bool) -> None:
     if not as_json:
         from rich.console import Console
 
-        from latolato.report import claims_table
+        from latolato.paper.report import claims_table
 
         Console().print(claims_table(result.claims))
     left_out = {"left out": "; ".join(result.left_out)} if result.left_out else {}

@@ -26,7 +26,7 @@ def site(
     module = import_extra("latolato.app.site", "app", "the site")
     module.check_site(folder, report=report, docs=docs)
     if report is None:
-        from latolato.report import reproduce
+        from latolato.paper.report import reproduce
 
         with bar("making the report") as progress:
             report = reproduce(folder / "report", quick=True, progress=progress).index.parent

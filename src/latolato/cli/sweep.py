@@ -327,7 +327,7 @@ def print_verification(store: Path, as_json: bool) -> bool:
 
 
 def _state_lines(state: Mapping[str, Any]) -> dict[str, str]:
-    """Return what a store holds and how far its sweep is, for reading."""
+    """Return the contents of a store and the progress of its sweep, as text."""
     counts = state["status_counts"]
     writer = "a process is writing it" if state["writer_active"] else "no process is writing it"
     state_text = "complete" if state["complete"] else f"unfinished, {writer}"

@@ -20,7 +20,7 @@ class UntrustedFolderError(PermissionError):
 
 
 def reason_of(error: Exception) -> str:
-    """Return what an error says, in a few words on one line."""
+    """Return the message of an error, in a few words on one line."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.strerror}: '{error.filename}'" if error.filename else error.strerror
     return " ".join(str(error).split()) or type(error).__name__
@@ -55,7 +55,7 @@ def cache_directory() -> Path:
 
 
 def read(path: Path) -> bytes:
-    """Return what `write` stored in a file of the cache folder.
+    """Return the content that `write` stored in a file of the cache folder.
 
     Raises
     ------

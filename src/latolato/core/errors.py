@@ -131,7 +131,7 @@ def reading(path: str | Path) -> Iterator[None]:
 
 
 def extra_command(extra: str) -> str:
-    """Return what to do for an extra; the package is on no index."""
+    """Return the command that installs an extra; the package is on no index."""
     return f'in a clone of the repository, run: pip install ".[{extra}]"'
 
 

@@ -286,7 +286,7 @@ def _kinds(hint: Any) -> tuple[type | None, type | None]:
 
 
 def parameter_texts(docstring: str) -> dict[str, str]:
-    r"""Return what the section Parameters of a numpydoc docstring says, by name.
+    r"""Return the entries of the section Parameters of a numpydoc docstring, by name.
 
     Examples
     --------

@@ -13,7 +13,7 @@ from typing import Any
 
 
 def in_brackets(unit: str) -> str:
-    """Return what stands behind a name for its unit: nothing for texts and plain numbers."""
+    """Return the unit in brackets behind a name: nothing for texts and plain numbers."""
     return "" if unit in ("", "1") else f" [{unit}]"
 
 
@@ -103,7 +103,7 @@ class Range:
 
     @lru_cache(maxsize=256)  # noqa: B019  (ranges are constants)
     def limits(self, unit: str) -> tuple[Limit, ...]:
-        """Return what a number in a unit must keep, in the order in which it is checked.
+        """Return the rules for a number in a unit, in the order in which they are checked.
 
         These are the ends of the range, and the sizes that can be computed with: what must be
         positive, such as a mass, is divided by and cannot be tiny.

@@ -149,7 +149,7 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
 
 
 def in_unit(name: str, value: Any, unit: str) -> Any:
-    """Return what stands for a number, or several, in an SI unit.
+    """Return a value as numbers in an SI unit.
 
     A quantity of pint, which is known by its methods, is converted and returned as its number or
     array; an xarray variable, a column of pandas and the like as their NumPy array. Anything else
@@ -389,7 +389,7 @@ def describe(law: Any) -> dict[str, Any]:
 
 
 def flattened(described: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what `describe` returned as attributes, nested laws with their name in front.
+    """Return a description as attributes, nested laws with their name in front.
 
     Examples
     --------

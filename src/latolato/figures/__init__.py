@@ -1,1 +1,1 @@
-"""The paper's figures, a module ``figNN`` each, its claims, and pictures of results."""
+"""Pictures of runs, maps, analyses, fits and comparisons."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.quantities import QUANTITIES
-from latolato.figures import grids, style
+from latolato.figures import cells, style
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +61,7 @@ def _motion(dataset: xr.Dataset) -> Figure:
 
 
 def _source(dataset: xr.Dataset) -> str:
-    """Return what to call data that are compared: synthetic ones are never measured."""
+    """Return the word for data that are compared: synthetic ones are never called measured."""
     return "synthetic" if "chain" in dataset.attrs else "measured"
 
 
@@ -118,7 +118,7 @@ def draw_trials(axes: Axes, dataset: xr.Dataset) -> list[Any]:
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     ground = (dataset.motion_class + 1.0).rename("motion_class")
-    grids.draw_cells(
+    cells.draw_cells(
         axes, ground, norm=BoundaryNorm([0.5, 1.5, 2.5, 3.5], 3),
         cmap=ListedColormap(list(GROUNDS.values())),
     )  # fmt: skip

@@ -30,7 +30,7 @@ _ANGLES = {"strong_angle", "weak_angle", "least_motion"}
 
 
 def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> list[str]:
-    """Return what the picture of a variable is of, in lines; `selection` is in words."""
+    """Return the title of a variable's picture, in lines; `selection` is in words."""
     attributes = grid.attrs
     varied = {str(name) for name, c in grid.coords.items() if c.dims}
     varied.add(attributes.get("parameter", ""))  # that a branch is followed along

@@ -147,7 +147,7 @@ def _draw_with_verdict(dataset: xr.Dataset) -> Figure:
 
 
 def kind_of(dataset: xr.Dataset) -> str:
-    """Return what a dataset is of: a fit, comparison or analysis, a map, or else a run."""
+    """Return the kind of a dataset: a fit, comparison or analysis, a map, or else a run."""
     for kind in ("fit", "comparison", "analysis"):
         if kind in dataset.attrs:
             return kind

@@ -58,7 +58,7 @@ def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
 
 
 def _words(ball: str) -> str:
-    """Return what a ball is called in a legend."""
+    """Return the name of a ball in a legend."""
     return ball if ball == "ball" else f"{ball} ball"
 
 

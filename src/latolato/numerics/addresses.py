@@ -31,7 +31,7 @@ def _constant(number: int) -> Any:
 
 
 def _address_of(typing_context: Any, memory: Any) -> Any:
-    """Return where a record or an array lies."""
+    """Return the address of a record or an array."""
 
     def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         at = args[0]
@@ -94,7 +94,7 @@ _kinds: dict[Any, Any] = {}
 
 
 def _key_of(value: Any) -> Any:
-    """Return what the type of a value depends on."""
+    """Return the key of a value's type."""
     if isinstance(value, tuple):
         return type(value), *map(_key_of, value)
     if isinstance(value, np.ndarray):
@@ -258,7 +258,7 @@ def _array(
 
 
 def caller_of(what: str) -> Callable[..., Any]:
-    """Return what compiled code calls as ``call(address, (argument, ...))``.
+    """Return the intrinsic that compiled code calls as ``call(address, (argument, ...))``.
 
     `what` is the `pieces.Recipe.kind` of such pieces; arguments are converted to it.
     """

@@ -52,7 +52,7 @@ def crossing(
     what: int, low: float, high: float, far: float, h: float,
     x0: float, v0: float, a0: float, x1: float, v1: float, a1: float,
 ) -> float:  # fmt: skip
-    """Return where in (low, high) the quintic of a step, or its rate, passes zero.
+    """Return the zero in (low, high) of the quintic of a step, or of its rate.
 
     It does so about where the motion does: a search on the step itself begins there.
 

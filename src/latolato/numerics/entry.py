@@ -129,7 +129,7 @@ def make_allowed_entry(part: Part) -> Callable[[int, float], float]:
 
 
 def make_caller(part: Part) -> Callable[..., int]:
-    """Return what calls the engine whose address is ``run.engine``, as if it were it."""
+    """Return a stand-in for the engine whose address is ``run.engine``: it calls it."""
     call = caller_of(ENGINE)
     write = writer_of(kind_of(empty_arguments(stretch_dtype())))
 

@@ -38,7 +38,7 @@ _SHOWN = tuple(map(kind_of, (
 
 
 def make_hook(formula: Any, part: Part, *, occasion: int) -> Callable[..., None]:
-    """Return what calls the formula of an observable on an occasion."""
+    """Return the callback of an observable on an occasion."""
     numbers_at, shown_at = array_at(), value_at(_SHOWN[occasion])
 
     def show(acc: int, i: int, n: int, shown: int) -> None:

@@ -34,7 +34,7 @@ def width_of(w: Any) -> int:
 def make_fly(
     restoring: Formula, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
 ) -> Callable[..., float]:
-    """Return what takes a step in every lane and puts those back that must not take it."""
+    """Return the kernel that takes a step in every lane, undone where it must not be taken."""
     copied, slope = 7 if works else 5, SLOPES[restoring]
     first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
     numbers_at = array_at()
@@ -157,7 +157,7 @@ def make_fly(
 def make_survey(
     restoring: Formula, potential_of: Formula, part: Part, *, energy: bool, turn: bool
 ) -> Callable[..., None]:
-    """Return what finds for all observables what they share of the step of every lane.
+    """Return the kernel that computes, for every lane, the values that observables share.
 
     Few lanes turn round in a step. These are listed and seen to one by one.
     """
@@ -216,7 +216,7 @@ def make_show(
     formula: Callable[..., None], restoring: Formula, potential_of: Formula, part: Part, *,
     energy: bool, turn: bool,
 ) -> Callable[..., None]:  # fmt: skip
-    """Return what shows an observable the step of every lane; one put back has no length.
+    """Return the kernel that reports every lane's step to an observable, an undone one as 0 s.
 
     The flags say what `make_survey` has found; if the formula reads the other it is found here.
     """
@@ -252,7 +252,7 @@ def make_show(
 
 
 def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]:
-    """Return what shows an observable the matrix of every step that was taken."""
+    """Return the kernel that reports the Jacobian of every step taken to an observable."""
     first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
     numbers_at, (rows, columns) = array_at(), MATRIX_SHAPE
     matrix_at = array_at(np.dtype(np.float64), columns)

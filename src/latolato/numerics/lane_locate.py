@@ -36,7 +36,7 @@ def reach_series(x: float) -> float:
 def make_locate(
     restoring: Callable[..., float], part: Part, *, damped: bool, works: bool
 ) -> Callable[..., None]:
-    """Return what corrects each share of a step until what is missing is a short glide.
+    """Return the kernel that corrects each share of a step until a short glide is left.
 
     `DONE` is then 1, or not if the impact is no ordinary one.
     """

@@ -94,7 +94,7 @@ class Weights(NamedTuple):
 
 
 def make_progress(states: Any, acc: Any) -> Progress:
-    """Return what points start with: their states, shape (point,), and their accumulators."""
+    """Return the points' initial states, shape (point,), and accumulators."""
     return Progress(
         states.copy(), np.zeros_like(states), np.zeros(len(states), dtype=np.int64), acc
     )

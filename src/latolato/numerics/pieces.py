@@ -97,18 +97,18 @@ ALLOWED = Recipe("entry:make_allowed_entry", "float64(int64, float64)")
 
 
 def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
-    """Return what runs points of `balls` balls one after the other, by calling pieces."""
+    """Return the recipe of the kernel that runs points of `balls` balls one after the other."""
     settings = ("balls", balls), ("stretch", stretch)
     return Recipe("entry:make_many_entry", SWEEP, (), settings)
 
 
 def lanes_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
-    """Return what runs points in lanes; laws are those of `lanes.make_lanes`."""
+    """Return the recipe of the kernel that runs points in lanes; laws as for `lanes.make_lanes`."""
     return Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),))
 
 
 def observer_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
-    """Return what fills an `observe.Observation`.
+    """Return the recipe of the kernel that fills an `observe.Observation`.
 
     Laws are those of `observe.make_observer`, or all those of `observe_plane.make_plane_observer`.
     """
@@ -132,7 +132,7 @@ def fly_recipe(
 
 
 def locate_recipe(restoring: Formula, *, damped: bool, works: bool) -> Recipe:
-    """Return what locates all noted impacts of lanes; the flags are those of `fly_recipe`."""
+    """Return the recipe of the kernel that locates impacts of lanes; flags as for `fly_recipe`."""
     settings = ("damped", damped), ("works", works)
     return Recipe("lane_locate:make_locate", LOCATE, (restoring,), settings)
 
@@ -142,7 +142,7 @@ SHARED = ("energy", "turn")
 
 
 def survey_recipe(needs: frozenset[str], restoring: Formula, potential: Formula) -> Recipe:
-    """Return what finds that for the step of every lane."""
+    """Return the recipe of the kernel for values that observables share of every lane's step."""
     settings = tuple((name, name in needs) for name in SHARED)
     return Recipe("lane_flight:make_survey", SHOW, (restoring, potential), settings)
 
@@ -150,18 +150,18 @@ def survey_recipe(needs: frozenset[str], restoring: Formula, potential: Formula)
 def show_recipe(
     formula: Formula, needs: frozenset[str], restoring: Formula, potential: Formula
 ) -> Recipe:
-    """Return what shows an observable the step of every lane."""
+    """Return the recipe of the kernel that reports every lane's step to an observable."""
     settings = tuple((name, name in needs) for name in SHARED)
     return Recipe("lane_flight:make_show", SHOW, (formula, restoring, potential), settings)
 
 
 def follow_recipe(formula: Formula) -> Recipe:
-    """Return what shows an observable the matrix of every lane's step."""
+    """Return the recipe of the kernel that reports every lane's Jacobian to an observable."""
     return Recipe("lane_flight:make_follow", SHOW, (formula,))
 
 
 def hook_recipe(occasion: int, formula: Formula) -> Recipe:
-    """Return what calls the formula of an observable on an occasion."""
+    """Return the recipe of the callback of an observable on an occasion."""
     return Recipe("hooks:make_hook", HOOK, (formula,), (("occasion", occasion),))
 
 

@@ -180,7 +180,7 @@ def _clamped(value: float, low: float, high: float) -> float:
 
 @formula
 def _geometry(case: Any) -> tuple[float, float, int]:
-    """Return where balls touch, [rad] of the angle or of the separation, and what is wrong."""
+    """Return the two angles or separations of contact [rad] and the number of a problem."""
     for i in range(case.angles):
         if not 0.0 <= case.balls[i].radius < case.balls[i].length:
             return 0.0, math.pi, RADIUS

@@ -142,7 +142,7 @@ def tuned_for_lanes(processor: Processor) -> Processor:
 
 @functools.cache
 def _this_machine(*, for_lanes: bool) -> Machine:
-    """Return what makes and holds code for this processor."""
+    """Return the compiler for this processor and its engine, which owns the code."""
     processor, triple = this_processor(), llvm.get_process_triple()
     if for_lanes:
         processor = tuned_for_lanes(processor)

@@ -41,7 +41,7 @@ def make_trajectory(
     motion: str = "exact",
     part: Part = as_it_stands,
 ) -> Callable[..., int]:
-    """Return what carries `count` balls on.
+    """Return the function that carries `count` balls on.
 
     `laws` are the pivot's acceleration, the restoring factor, its potential and, in the plane, the
     formulas of `PlaneLaws`.

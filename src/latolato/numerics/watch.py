@@ -65,7 +65,7 @@ class Slots(NamedTuple):
 
 
 def slots_of(watched: Sequence[Observable]) -> list[Slots]:
-    """Return where each observable's slots lie, one block after the other."""
+    """Return the offsets of each observable's slots, one block after the other."""
     result, first = [], 0
     for observable in watched:
         result.append(Slots(first, observable.slots))

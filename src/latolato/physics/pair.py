@@ -42,7 +42,7 @@ def contact_torque(
 
 @formula
 def radial_push(torque: float, length: float, other_length: float, separation: float) -> float:
-    """Return what the contact adds to the tension of a ball in lasting contact [N].
+    """Return the share of the contact in the tension of a ball in lasting contact [N].
 
     The contact force acts along the line of centres; with its torque on ball 1 known, its
     component along the rod is ``torque (l1 - l2 cos(separation))/(l1 l2 sin(separation))``, written

@@ -182,7 +182,7 @@ def _set_law(tables: Tables, option: Parameter, value: Any) -> None:
 
 
 def axes_of(source: str | None) -> list[str]:
-    """Return what a scenario varies, nothing if it cannot be read."""
+    """Return the names that a scenario varies, none if it cannot be read."""
     from latolato.scenario.scenario import find, read_tables
 
     try:

@@ -35,7 +35,7 @@ def options_of(function: Callable[..., Any]) -> dict[str, Parameter]:
 
 
 def read_value(option: Parameter, value: Any, unit: str | None = None) -> Any:
-    """Return what a function gets for the text of an option; without a unit, of its own."""
+    """Return the argument for the text of an option; a number without a unit is in its own."""
     unit = unit or option.unit
     if option.kind in (bool, str):
         return [part.strip() for part in value.split(",")] if option.several else value

@@ -48,7 +48,7 @@ def law_options() -> dict[str, Parameter]:
 
 
 def table_value(parameter: Parameter, value: Any) -> Any:
-    """Return what a scenario's table gets; names of data files begin in the working directory."""
+    """Return the entries for a scenario's table; paths are relative to the working directory."""
     if not parameter.several:
         return value
     return to_si_list(parameter.name, value, parameter.unit)

@@ -35,7 +35,7 @@ Values = tuple[float, ...]
 
 
 def known_quantities(system: Any, drive: Any) -> dict[str, Quantity]:
-    """Return what axes of a system and a drive of these kinds can vary, by name.
+    """Return the parameters that axes can vary for a system and a drive of these kinds, by name.
 
     An unknown kind stands for all of its registry, and a static or missing drive for a harmonic
     one, which a sweep makes of it.

@@ -173,7 +173,7 @@ def record_of(
 def _on_strings(
     rows: Floats, dimensions: tuple[str, ...], two: bool
 ) -> dict[str, tuple[tuple[str, ...], Any]]:
-    """Return what is known of balls on strings, from the rows of samples."""
+    """Return the variables of balls on strings, from the rows of samples."""
     result: dict[str, tuple[tuple[str, ...], Any]] = {}
     for k, name in enumerate(ON_STRINGS):
         values = rows[records.S_DISTANCE + k : records.S_RETENSION : len(ON_STRINGS)]

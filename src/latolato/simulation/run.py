@@ -148,7 +148,7 @@ def simulate(
 
 
 def record(*args: Any, **options: Any) -> Record:
-    """Return what `simulate` returns for the same arguments, as plain arrays.
+    """Return the result of `simulate` for the same arguments, as plain arrays.
 
     Examples
     --------

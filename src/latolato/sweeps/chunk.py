@@ -108,7 +108,7 @@ def _values(plan: Plan, batch: Batch, progress: Progress) -> Values:
 
 
 def _ends(plan: Plan, batch: Batch, progress: Progress) -> Previous:
-    """Return where the points ended, for the next generation of a continuation.
+    """Return the final states of the points, for the next generation of a continuation.
 
     A point that failed passes its start on.
     """

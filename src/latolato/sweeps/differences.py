@@ -9,7 +9,7 @@ import numpy as np
 
 
 def differences(there: Any, here: Any, name: str = "") -> list[str]:
-    """Return where two descriptions of plans differ, such as ``duration is 60.0, not 30.0``."""
+    """Return the differences of two plans, such as ``duration is 60.0, not 30.0``."""
     if isinstance(there, list) and isinstance(here, list):
         theirs, ours = _by_name(there), _by_name(here)
         if theirs and ours:

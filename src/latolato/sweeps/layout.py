@@ -66,7 +66,7 @@ class Survey:
 
 
 def survey(path: Path, *, read_all: bool) -> Survey:
-    """Return what a store holds; with `read_all` every file is compared with its digest.
+    """Return the contents of a store; with `read_all` every file is compared with its digest.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def _plan_of(root: Any) -> Plan | None:
 
 
 def first_files(plan: Plan, rounding: str) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """Return what a new store begins with: its metadata and the files of its coordinates.
+    """Return the first files of a new store: its metadata and its coordinates.
 
     The metadata of the arrays are consolidated here, as Zarr itself warns that this has no
     specification yet.
@@ -307,7 +307,7 @@ def signed(content: Mapping[str, Any]) -> bytes:
 
 
 def _signed_content(path: Path) -> dict[str, Any] | None:
-    """Return what `signed` wrote to a file, or None unless it is whole."""
+    """Return the content that `signed` wrote to a file, or None unless it is whole."""
     content = _read(path)
     if not isinstance(content, dict):
         return None

@@ -180,7 +180,7 @@ def make_batch(
 
 
 def _are_in_range(plan: Plan, columns: Columns) -> NDArray[np.bool_]:
-    """Return where every parameter lies in its range."""
+    """Return the mask of points whose parameters all lie in their ranges."""
     known = parameters_of(plan.system, plan.drive, plan.noise)
     valid = np.ones(len(columns["gravity"]), dtype=bool)
     for name in columns.keys() & known.keys():
@@ -331,7 +331,7 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
-    """Return what is wrong with a point, with the error of a single run."""
+    """Return the reason why a point is invalid, with the error of a single run."""
     try:
         _objects(plan, columns, k, previous)
     except InputError as error:

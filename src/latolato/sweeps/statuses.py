@@ -48,7 +48,7 @@ def codes_of(status: Any) -> NDArray[np.int8]:
 
 
 def has_answer(status: Any) -> NDArray[np.bool_]:
-    """Return where a status is that of a point with an answer, in the shape of the words."""
+    """Return the mask of points that have an answer, in the shape of the statuses."""
     codes = codes_of(status)
     return (codes >= 0) & (codes < EVENT_LIMIT)
 

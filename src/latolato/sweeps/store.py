@@ -153,7 +153,7 @@ class Store(Results):
         return _opened(self.path, survey(self.path, read_all=False))
 
     def _check_place(self) -> Survey | None:
-        """Return what a store of this plan holds, None where it can begin; raise for another."""
+        """Return the contents of this plan's store, None where it can begin; raise for another."""
         if not has_store(self.path):
             return None
         result = survey(self.path, read_all=self._descriptor != -1)
@@ -335,7 +335,7 @@ def verify_store(path: str | Path) -> dict[str, Any]:
 
 
 def store_status(path: str | Path) -> dict[str, Any]:
-    """Return what a store holds, how far its sweep is, and whether it is being written.
+    """Return the contents of a store, the progress of its sweep, and whether it is being written.
 
     Raises
     ------

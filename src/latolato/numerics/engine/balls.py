@@ -146,7 +146,7 @@ def make_balls(
 
     @part
     def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
-        """Return what `locate` looks at, its slope and its curvature, that far into the step."""
+        """Return the value whose zero is located, its slope and curvature, a time into the step."""
         fly_by(run, s, run.end)
         rate, bend = gap_rate(run.end), gap_acceleration(run, run.end)
         if what == GAP:

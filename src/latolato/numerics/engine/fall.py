@@ -60,9 +60,9 @@ def _nothing(run: Any, i: int, *rest: Any) -> None:
 
 
 @formula
-def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float, float]:
+def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float]:
     """Return zeros."""
-    return 0.0, 0.0, 0.0
+    return 0.0, 0.0
 
 
 # Of balls on rods, which never fall.
@@ -118,8 +118,8 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         swing.shake(run, run.t, point)
 
     @part
-    def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float, float]:
-        """Let the pivot jump [m/s] and throw the ball [rad/s]; return both works [J], and 0."""
+    def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float]:
+        """Let the pivot jump [m/s] and throw the ball [rad/s]; return both works [J]."""
         point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].coupling ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
         point.vy -= jump
@@ -128,7 +128,7 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         point.vx += x
         point.vy += y
         turn_to_place(point)
-        return worked, thrown_work, 0.0
+        return worked, thrown_work
 
     @part
     def pull(run: Any, i: int, point: Any) -> tuple[float, float]:

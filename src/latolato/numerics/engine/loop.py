@@ -279,7 +279,7 @@ def make_engine(
                 if jump != 0.0 and state.is_slack[i] == 0:
                     loosen(run, i)  # it tightens again where the jump pulls at it
                 if state.is_slack[i] != 0:
-                    worked, noise, _ = kick(run, i, jump, thrown)
+                    worked, noise = kick(run, i, jump, thrown)
                     state.drive_work += worked
                     state.noise_work += noise
                     if thrown != 0.0 and state.has_image != 0:

@@ -166,7 +166,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
 
     @part
     def still(run: Any, body: int, t: float, angle: float) -> float:
-        """Return what pulls at the rod of a ball without motion [m/s^2]."""
+        """Return the acceleration along a ball's rod without its own motion [m/s^2]."""
         along: float = run.settings.gravity + shaken(run, t)
         return along * cosine(angle)
 
@@ -217,7 +217,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
 
     @part
     def still(run: Any, body: int, t: float, angle: float) -> float:
-        """Return what pulls at the rod or string of a ball without motion [m/s^2]."""
+        """Return the acceleration along a ball's rod or string without its own motion [m/s^2]."""
         b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
         x, y = -ax - b.rate * wx, -(run.settings.gravity + ay) - b.rate * wy
         along: float = x * sine(angle) - y * cosine(angle)

@@ -47,7 +47,7 @@ def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
 
     @part
     def zero(run: Any, i: int, low: float, high: float, left: float, right: float) -> float:
-        """Return where the tension changes its sign.
+        """Return the time into the step at which the tension changes its sign.
 
         Regula falsi with kept ends halved (Illinois) on what is `seen`; then Newton on the step
         with its slope.

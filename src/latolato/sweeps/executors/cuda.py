@@ -190,7 +190,7 @@ def _simulated(many: Callable[..., None]) -> Callable[..., None]:
 def kernel_arguments(
     batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> tuple[Any, ...]:
-    """Return what a kernel is called with on the host, but the flag of cancelling, its last."""
+    """Return a kernel's arguments on the host, all but the last, the flag of cancelling."""
     template = make_scratch(batch.points.stretches.dtype).runs
     write_stepper(template, stepper)
     return (order, *map(_for_device, batch.points), template, *progress)
