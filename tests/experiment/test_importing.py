@@ -114,7 +114,7 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
     [
         ("", None, "is empty"),
         ("t,theta\n", None, "no rows of numbers"),
-        ("0,1\n1,2\n", None, "no names above"),
+        ("0,1.5\n1,2\n", None, "no names above"),
         ("t,theta\n0,1\n1,2\n", None, "the unit of column 't' is missing"),
         ("t,theta\n0,1\n1,2\n", {"angle_1": "theta [rad]"}, "which column is the time"),
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle_1": "phi [rad]"}, "no column 'phi'; it"),
@@ -122,8 +122,8 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle": "theta [rad]"}, "no column 'angle'"),
         ("t [ms],theta\n0,1\n1,2\n", {"time": "t [s]"}, r"is in \[ms\] itself"),
         ("t,t\n0,1\n1,2\n", {"time": "t [s]"}, "2 columns 't'"),
-        ("t,theta\n0,1\n1,2\nx,3\n", {"time": "t [s]"}, "row 3 of column"),
-        ("t,theta\n0,1\n1\n", {"time": "t [s]"}, "row 2 has 1 cells"),
+        ("t,theta\n0,1\n1,2\nx,3\n", {"time": "t [s]"}, "line 4 of column"),
+        ("t,theta\n0,1\n1\n", {"time": "t [s]"}, "line 3 has 1 cell"),
         ("t,theta\n0,1\n0,2\n", {"time": "t [s]"}, "time must increase strictly"),
         ("t,x\n0,1\n1,2\n", {"time": "t [s]", "ball_1_x": "x [m]"}, "its other coordinate"),
         (

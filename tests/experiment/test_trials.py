@@ -184,13 +184,16 @@ def test_the_names_of_columns_may_carry_their_units():
 @pytest.mark.parametrize(
     "text, words",
     [
-        ("", "holds no columns"),
+        ("", "is empty"),
         ("a,b\n1,2\n", "needs the columns drive_amplitude"),
-        ("drive_amplitude,frequency_ratio,class\n", "needs rows|needs the columns"),
-        ("drive_amplitude,frequency_ratio,class\n0.02,2,loud\n", "class must be 'none'"),
-        ("drive_amplitude,frequency_ratio,class\n0.02 s,2,weak\n", "trial 1"),
+        ("drive_amplitude,frequency_ratio,class\n", "has no rows of numbers"),
+        (
+            "drive_amplitude,frequency_ratio,class\n0.02,2,loud\n",
+            "trial 1 in line 2: class must be 'none'",
+        ),
+        ("drive_amplitude,frequency_ratio,class\n0.02 s,2,weak\n", "trial 1 in line 2"),
         ("drive_amplitude,frequency_ratio,class\n-0.02,2,weak\n", "must be positive"),
-        ("drive_amplitude,frequency_ratio,class\n0.02,2\n", "2 cells below 3"),
+        ("drive_amplitude,frequency_ratio,class\n0.02,2\n", "line 2 has 2 cells below 3 names"),
         ("drive_amplitude,frequency_ratio\n0.02,2\n", "without class"),
     ],
 )

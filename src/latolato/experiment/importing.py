@@ -305,9 +305,7 @@ def _asked(section: Section, mapping: Mapping[str, str]) -> _Import:
     return asked
 
 
-def _series(
-    asked: _Import, frame_rate: float | None, decimal: str | None
-) -> dict[str, Floats]:
+def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> dict[str, Floats]:
     """Return the columns in SI units, or in pixels, of the rows that have a time."""
     names = list(asked.columns)
     values, notes = asked.section.numbers(
@@ -360,13 +358,15 @@ def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None
         asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
     elif unit == "1" or (is_whole and _is_called(column, _FRAMES)):
         raise InputError(
-            f"column {column.label} holds frame numbers, not times", way_out="give frame_rate in 1/s"
+            f"column {column.label} holds frame numbers, not times",
+            way_out="give frame_rate in 1/s",
         )
     pixels = [n for n in asked.columns if n in _PLACES and asked.columns[n][1] == "px"]
     others = [n for n in asked.columns if n in _PLACES and n not in pixels]
     if pixels and others:
         raise InputError(
-            f"{pixels[0]} is in pixels, but {others[0]} is not", way_out="use one unit for positions"
+            f"{pixels[0]} is in pixels, but {others[0]} is not",
+            way_out="use one unit for positions",
         )
     for name, (column, unit) in asked.columns.items():
         if name in pixels or (name == "time" and frame_rate is not None):

@@ -69,9 +69,8 @@ def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:
         if column:
             about[column["name"]] = {"units": column["units"], "long_name": column["long_name"]}
         else:
-            attribute = _ATTRIBUTE.fullmatch(line[1:].strip())
-            key, value = attribute.groups() if attribute else (line[1:], "")
-            attributes[key.strip()] = _value(value.strip())
+            key, value = attribute_of(line[1:])
+            attributes[key] = value
     rows = [row for row in csv.reader(body) if row]
     if not rows:
         raise InputError("it holds no columns")
@@ -84,6 +83,19 @@ def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:
         name: (list(values), about.get(name, {})) for name, values in zip(names, cells, strict=True)
     }
     return columns, attributes
+
+
+def attribute_of(comment: str) -> tuple[str, Any]:
+    """Return name and value of an attribute from a comment in a CSV's header.
+
+    Examples
+    --------
+    >>> attribute_of(" gravity [m/s^2]: 9.81")
+    ('gravity', 9.81)
+    """
+    match = _ATTRIBUTE.fullmatch(comment.strip())
+    key, value = match.groups() if match else (comment, "")
+    return key.strip(), _value(value.strip())
 
 
 def import_pyarrow() -> Any:

@@ -27,20 +27,20 @@ _SIGN = f"[+{MINUS}-]?"
 _EXPONENT = f"(?:[eE][+{MINUS}-]?{_D}+)?"
 _ANY = f"{_SIGN}(?:{_D}+(?:[.,{GROUPING}]?{_D}+)*\\.?|[.,]{_D}+){_EXPONENT}"
 _KINDS = {
-    # kind: pattern of a shape. D: decides for a decimal point, C: for a decimal comma.
     "integer": f"{_SIGN}{_D}+{_EXPONENT}",
     "point or thousands": f"{_SIGN}0{{1,3}}\\.{_D}{{3}}",
     "comma or thousands": f"{_SIGN}0{{1,3}},{_D}{{3}}",
     "point": f"{_SIGN}(?:{_D}+\\.{_D}*|\\.{_D}+){_EXPONENT}",
     "comma": f"{_SIGN}(?:{_D}+,{_D}+|,{_D}+){_EXPONENT}",
-    "points of thousands": f"{_SIGN}0{{1,3}}(?:\\.{_D}{{3}}){{2,}}|{_SIGN}0{{1,3}}(?:\\.{_D}{{3}})+,{_D}+",
-    "commas of thousands": f"{_SIGN}0{{1,3}}(?:,{_D}{{3}}){{2,}}|{_SIGN}0{{1,3}}(?:,{_D}{{3}})+\\.{_D}*",
+    "points of thousands": f"{_SIGN}0{{1,3}}(?:(?:\\.{_D}{{3}}){{2,}}|(?:\\.{_D}{{3}})+,{_D}+)",
+    "commas of thousands": f"{_SIGN}0{{1,3}}(?:(?:,{_D}{{3}}){{2,}}|(?:,{_D}{{3}})+\\.{_D}*)",
 }  # fmt: skip
 _COMPILED = {kind: re.compile(pattern) for kind, pattern in _KINDS.items()}
 _GROUPED = re.compile(f"({_SIGN}0{{1,3}})((?:[{GROUPING}]{_D}{{3}})+)(?!{_D})(.*)")
 _QUANTITY = re.compile(rf"{_ANY}\s*[^\W\d_°µ%][\w°µ%/^²*.]*|{_ANY}\s*[°%µ][\w/]*")
 # Kinds that are numbers, whatever the decimal sign.
 NUMBERS = (*_KINDS, "three digits")
+_NUMBER = re.compile(_ANY.replace(_D, f"[0-9{LEADING}]"))
 _COMMENT = re.compile(r"\s*(?:#|%|//)")
 
 
@@ -72,6 +72,18 @@ def kind_of(cell: str) -> str:
         if pattern.fullmatch(cell):
             return kind
     return "quantity" if _QUANTITY.fullmatch(cell) else "text"
+
+
+def number_in(cell: str) -> str:
+    """Return the number with which a quantity begins.
+
+    Examples
+    --------
+    >>> number_in("20,5 mm"), number_in("1e3 s")
+    ('20,5', '1e3')
+    """
+    match = _NUMBER.match(cell.strip())
+    return match[0] if match else ""
 
 
 def is_comment(line: str) -> bool:

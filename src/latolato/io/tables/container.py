@@ -54,14 +54,14 @@ _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
 
 @dataclass(frozen=True)
 class Part:
-    """One text of a file: the file itself, a member of an archive, or a sheet.
+    r"""One text of a file: the file itself, a member of an archive, or a sheet.
 
     Attributes
     ----------
     name : str
         The member or sheet, "" where the file is the only one.
     text : bytes
-        In UTF-8, with line ends as ``\\n``, also after the last line.
+        In UTF-8, with line ends as ``\n``, also after the last line.
     encoding : str
         How it was written.
     is_sheet : bool
@@ -229,7 +229,7 @@ def _encoding_of(raw: bytes) -> str:
         (True, False, True, False): "utf-16-be",
         (False, True, True, True): "utf-32-le",
         (True, True, True, False): "utf-32-be",
-    }.get(tuple(zeros))
+    }.get((zeros[0], zeros[1], zeros[2], zeros[3]))
     if wide is not None:
         return wide
     try:

@@ -17,6 +17,7 @@ from latolato.io.tables.cells import (
     NUMBERS,
     is_comment,
     kind_of,
+    number_in,
     opens_quote,
     split,
 )
@@ -74,9 +75,9 @@ class Layout:
     delimiter : str
         One of `cells.DELIMITERS`.
     width : int
-        Number of columns that hold something.
+        Number of columns up to the last one that holds something.
     columns : list of Column
-        One for each of `width` columns.
+        One for each cell of the rows; those beyond `width` are empty.
     blocks : list of Block
         At least one.
     has_quotes : bool
@@ -95,7 +96,7 @@ class Layout:
 
 
 def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
-    """Return the layout of a text whose lines end in ``\\n``.
+    r"""Return the layout of a text whose lines end in ``\n``.
 
     Raises
     ------
@@ -113,8 +114,10 @@ def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
     is_text, width = _column_types(kinds, counts, raw_width)
     of_shape = np.array(
         [
-            _COMMENT if is_comment(shape)
-            else _BLANK if _RULE.fullmatch(shape)
+            _COMMENT
+            if is_comment(shape)
+            else _BLANK
+            if _RULE.fullmatch(shape)
             else _kind_of_line(each, raw_width, width, is_text)
             for shape, each in zip(lines.shapes, kinds, strict=True)
         ]
@@ -124,7 +127,7 @@ def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
         of_line[0] = _BLANK
     blocks, notes = _blocks(lines, of_line, delimiter, width, is_text)
     rows = np.concatenate([block.rows for block in blocks])
-    columns = _columns(lines, rows, kinds, width)
+    columns = _columns(lines, rows, kinds, raw_width, delimiter)
     present = np.unique(lines.shape_of[rows])
     return Layout(
         lines=lines,
@@ -366,15 +369,20 @@ def _looks_like_names(line: str, delimiter: str, width: int) -> bool:
 
 
 def _columns(
-    lines: Lines, rows: NDArray[np.int64], kinds: list[list[str]], width: int
+    lines: Lines, rows: NDArray[np.int64], kinds: list[list[str]], width: int, delimiter: str
 ) -> list[Column]:
     """Return what the rows hold in each column."""
     columns = [Column() for _ in range(width)]
     present, first, counts = np.unique(lines.shape_of[rows], return_index=True, return_counts=True)
     for shape, at, count in zip(present.tolist(), rows[first].tolist(), counts, strict=True):
-        for column, kind in zip(columns, kinds[shape], strict=False):
+        cells = split(lines.shapes[shape], delimiter)
+        for column, kind, cell in zip(columns, kinds[shape], cells, strict=False):
             column.counts[kind] = column.counts.get(kind, 0) + int(count)
             column.first[kind] = min(at, column.first.get(kind, at))
+            if kind == "quantity":  # the number in front of the unit has a decimal sign too
+                number = kind_of(number_in(cell))
+                column.counts.setdefault(number, 0)
+                column.first[number] = min(at, column.first.get(number, at))
     return columns
 
 

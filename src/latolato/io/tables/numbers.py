@@ -18,6 +18,7 @@ from latolato.io.tables.cells import (
     MINUS,
     MISSING_WORDS,
     kind_of,
+    number_in,
     split,
 )
 from latolato.io.tables.layout import Block, Layout
@@ -84,9 +85,7 @@ def signs_of(layout: Layout, places: Sequence[int], decimal: str | None, label: 
                 and not _counts_in_thousands(layout, place, _UNSURE[other])
             ):
                 raise _two_ways(layout, place, other, label)
-    has_groups = (
-        unsure is not None or _first_place(layout, places, _GROUPS[other]) is not None
-    )
+    has_groups = unsure is not None or _first_place(layout, places, _GROUPS[other]) is not None
     return Signs(decimal, other if has_groups else None)
 
 
@@ -105,9 +104,7 @@ def _settled_sign(layout: Layout, places: Sequence[int], label: Label) -> str:
             if found:
                 proofs[sign] = found[0]
         if len(proofs) == 2 and among is places:
-            shown = " and ".join(
-                f"{_example(layout, *each, label)}" for each in proofs.values()
-            )
+            shown = " and ".join(f"{_example(layout, *each, label)}" for each in proofs.values())
             raise InputError(
                 f"its numbers have two decimal signs: {shown}",
                 way_out="write all numbers with the same sign",
@@ -180,7 +177,7 @@ def is_comma_both(layout: Layout, named: int) -> bool:
 
     They could where no number has a point and the names do not account for all cells.
     """
-    if layout.delimiter != COMMA or layout.has_quotes or named == layout.width:
+    if layout.delimiter != COMMA or layout.has_quotes or named >= layout.width:
         return False
     kinds = {kind for column in layout.columns for kind in column.counts}
     return not kinds & {"point", _UNSURE[POINT], _GROUPS[POINT], "quantity"}
@@ -256,9 +253,23 @@ def _plain(body: bytes, delimiter: str) -> bytes:
     return body
 
 
-def _parsed(
-    layout: Layout, block: Block, places: Sequence[int], signs: Signs
-) -> dict[int, Floats]:
+def plain_text(cell: str, signs: Signs) -> str:
+    """Return a number, perhaps with a unit behind it, with a decimal point; "" if it is missing.
+
+    Examples
+    --------
+    >>> plain_text("1.020,5 mm", Signs(",", "."))
+    '1020.5 mm'
+    """
+    cell = cell.strip().replace(MINUS, "-")
+    if cell.lower() in MISSING_WORDS:
+        return ""
+    number = number_in(cell)
+    plain = re.sub(f"[{GROUPING}{signs.thousands or ''}]", "", number).replace(signs.decimal, ".")
+    return plain + cell[len(number) :]
+
+
+def _parsed(layout: Layout, block: Block, places: Sequence[int], signs: Signs) -> dict[int, Floats]:
     """Return the numbers in columns whose cells are known to be numbers or missing."""
     import pandas as pd
 
@@ -266,10 +277,9 @@ def _parsed(
     body = _plain(_body(layout, block), delimiter)
     if delimiter == "|":
         body = re.sub(rb"(?m)^[ \t]*\||\|[ \t]*$", b"", body)
-    if delimiter not in (BLANKS, "\t"):
-        body = re.sub(rb"[ \t]+(?=" + re.escape(delimiter.encode()) + rb"|$)", b"", body, flags=re.M)
-    elif delimiter == "\t":
-        body = re.sub(rb" +(?=\t|$)", b"", body, flags=re.M)
+    if delimiter != BLANKS:
+        blanks = b" +" if delimiter == "\t" else rb"[ \t]+"
+        body = re.sub(blanks + b"(?=" + re.escape(delimiter.encode()) + rb"|\n)", b"", body)
     shapes = np.unique(layout.lines.shape_of[block.rows])
     widest = max(len(split(layout.lines.shapes[i], delimiter)) for i in shapes)
     words = {word for each in MISSING_WORDS for word in (each, each.upper(), each.capitalize())}
@@ -282,7 +292,7 @@ def _parsed(
         index_col=False,
         skipinitialspace=True,
         skip_blank_lines=False,
-        dtype={place: np.float64 for place in places},
+        dtype=dict.fromkeys(places, np.float64),
         decimal=signs.decimal,
         thousands=signs.thousands,
         keep_default_na=False,

@@ -24,12 +24,12 @@ _DIGITS = bytes.maketrans(b"123456789", b"000000000")
 
 @dataclass(frozen=True)
 class Lines:
-    """The lines of a text and their shapes.
+    r"""The lines of a text and their shapes.
 
     Attributes
     ----------
     text : bytes
-        The text in UTF-8; each line ends in ``\\n``.
+        The text in UTF-8; each line ends in ``\n``.
     starts : array of int, shape (line + 1,)
         Where each line begins, and the end of the text.
     shape_of : array of int, shape (line,)
@@ -52,12 +52,12 @@ class Lines:
 
 
 def lines_of(text: bytes, numbers: NDArray[np.int32] | None = None) -> Lines:
-    """Return the lines of a text with their shapes.
+    r"""Return the lines of a text with their shapes.
 
     Examples
     --------
-    >>> lines_of(b"0.25;31,5\\n0.50;32,5\\n").shapes
-    ['\\x01.00;00,0']
+    >>> lines_of(b"0.25;31,5\n0.50;32,5\n").shapes
+    ['\x01.00;00,0']
     """
     ends = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == ord("\n"))
     starts = np.concatenate([[0], ends + 1])

@@ -13,12 +13,19 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, reading
 from latolato.core.registry import checked_choice, suggest
-from latolato.io.tables.cells import is_comment, split
+from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
-from latolato.io.tables.headings import Heading, HeaderLine, header_of
+from latolato.io.tables.headings import HeaderLine, Heading, header_of
 from latolato.io.tables.kinds import kind_of_file
 from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
-from latolato.io.tables.numbers import DECIMALS, Floats, is_comma_both, numbers_of
+from latolato.io.tables.numbers import (
+    DECIMALS,
+    Floats,
+    is_comma_both,
+    numbers_of,
+    plain_text,
+    signs_of,
+)
 from latolato.io.tables.units import canonical, is_known
 
 # The sheet or member that a program's export keeps the measurement in.
@@ -82,11 +89,14 @@ class Section:
     columns : tuple of SourceColumn
     lines : array of int, shape (row,)
         The line of the file in which each row stands.
+    comments : tuple of str
+        The comments above the rows, without their marks.
     """
 
     name: str
     columns: tuple[SourceColumn, ...]
     lines: NDArray[np.int32]
+    comments: tuple[str, ...]
     _layout: Layout = field(repr=False)
     _block: Block = field(repr=False)
 
@@ -185,15 +195,37 @@ class Section:
                 )
         places = [column.position - 1 for column in columns]
         wanted = list(dict.fromkeys(places))
-        labels = {column.position - 1: column.label for column in self.columns}
-        values, signs = numbers_of(
-            self._layout, self._block, wanted, decimal, lambda i: labels.get(i, str(i + 1))
-        )
+        values, signs = numbers_of(self._layout, self._block, wanted, decimal, self._label)
         notes = []
         if signs.thousands is not None:
             sign = {".": "points", ",": "commas"}[signs.thousands]
             notes.append(f"{sign} group thousands, '{signs.decimal}' is the decimal sign")
         return [values[place] for place in places], notes
+
+    def quantities(
+        self, columns: Sequence[SourceColumn], *, decimal: str | None = None
+    ) -> list[list[str]]:
+        """Return columns whose cells may carry units as texts with points as decimal signs.
+
+        Parameters
+        ----------
+        columns : sequence of SourceColumn
+        decimal : {".", ","}, optional
+            The decimal sign, where the file leaves it open.
+
+        Raises
+        ------
+        InputError
+            For numbers that could be read in two ways.
+        """
+        places = [column.position - 1 for column in columns]
+        signs = signs_of(self._layout, places, decimal, self._label)
+        return [[plain_text(cell, signs) for cell in self.texts(column)] for column in columns]
+
+    def _label(self, place: int) -> str:
+        """Return the name of a column, counted from 0, for messages."""
+        labels = {column.position - 1: column.label for column in self.columns}
+        return labels.get(place, str(place + 1))
 
     def texts(self, column: SourceColumn, rows: int | None = None) -> list[str]:
         """Return the cells of a column as written, of all rows or the first ones."""
@@ -201,7 +233,7 @@ class Section:
 
     def cells(self, rows: int | None = None) -> list[list[str]]:
         """Return the cells of all rows, or of the first ones, as written."""
-        width = self._layout.width
+        width = len(self._layout.columns)
         parted = []
         for index in self._block.rows[:rows]:
             cells = split(self._layout.lines.line(int(index)), self._layout.delimiter)
@@ -223,6 +255,8 @@ class SourceTable:
         As words: "utf-8", "semicolons".
     notes : tuple of str
         What was left out or inferred, as sentences.
+    comments : tuple of str
+        The comments above the first rows, without their marks.
     """
 
     kind: str
@@ -230,6 +264,7 @@ class SourceTable:
     encoding: str
     delimiter: str
     notes: tuple[str, ...]
+    comments: tuple[str, ...]
 
     @property
     def about(self) -> str:
@@ -345,11 +380,11 @@ def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
 
 
 def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> SourceTable:
-    """Return what the bytes of a file hold; see `read_source`.
+    r"""Return what the bytes of a file hold; see `read_source`.
 
     Examples
     --------
-    >>> table = parse_source(b"t (s);theta (deg)\\n0,00;12,5\\n0,02;12,4\\n")
+    >>> table = parse_source(b"t (s);theta (deg)\n0,00;12,5\n0,02;12,4\n")
     >>> [(column.name, column.unit) for column in table.sections[0].columns]
     [('t', 's'), ('theta', 'deg')]
     """
@@ -386,6 +421,7 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
         encoding=first.encoding,
         delimiter=delimiter_name(sections[0]._layout.delimiter),
         notes=tuple(notes),
+        comments=sections[0].comments,
     )
 
 
@@ -397,14 +433,15 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         [HeaderLine(lines.line(i), is_comment(lines.line(i))) for i in block.header]
         for block in layout.blocks
     ]
-    headers = [header_of(each, layout.width, layout.delimiter) for each in header_lines]
+    width = max(_names_width(layout, each) for each in header_lines)
+    headers = [header_of(each, width, layout.delimiter) for each in header_lines]
     named = headers[0].named
     if decimal != "." and is_comma_both(layout, named):
         _refuse_comma(layout, named)
     kind, units = kind_of_file(
         [line.text for line in header_lines[0]], [each.name for each in headers[0].headings]
     )
-    sections = []
+    sections: list[Section] = []
     for number, (block, header) in enumerate(zip(layout.blocks, headers, strict=True), start=1):
         headings = header.headings if header.named else headers[0].headings
         columns = tuple(
@@ -414,8 +451,35 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         if len(layout.blocks) > 1:
             taken = {section.name for section in sections}
             name = name if name and name not in taken else f"{number}"
-        sections.append(Section(name, columns, lines.numbers[block.rows], layout, block))
+        own = header_lines[number - 1]
+        comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
+        numbers = lines.numbers[block.rows]
+        sections.append(Section(name, columns, numbers, comments, layout, block))
     return sections, kind, list(layout.notes)
+
+
+def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
+    """Return the number of columns: those that hold something, and empty ones that have a name.
+
+    Raises
+    ------
+    InputError
+        If the line above the rows has more names than the rows have cells.
+    """
+    widths = [layout.width]
+    for line in header:
+        cells = [] if line.is_comment else split(line.text, layout.delimiter)
+        while cells and not cells[-1]:
+            cells.pop()
+        if len(cells) <= len(layout.columns):
+            widths.append(len(cells))
+        elif line is header[-1] and layout.delimiter != BLANKS and all(cells):
+            first = layout.lines.numbers[layout.blocks[0].rows[0]]
+            raise InputError(
+                f"line {first} has {len(layout.columns)} cells below {len(cells)} names",
+                way_out="complete the rows, or remove names without a column",
+            )
+    return max(widths)
 
 
 def _refuse_comma(layout: Layout, named: int) -> None:

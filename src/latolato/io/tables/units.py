@@ -42,9 +42,10 @@ _SPELLINGS: dict[str, dict[str, str]] = {
 }
 # Others that mark a cell of a header as a unit; nothing is converted from them.
 _OTHERS = (
-    "v mv n g kg j w m/s m/s^2 m/s² m/s2 cm/s cm/s^2 mm/s mm/s^2 n·m rad/s^2 rad/s² deg/s^2 °/s² "
-    "quality % µt ut lux hpa °c"
-).split()
+    "v", "mv", "n", "g", "kg", "j", "w", "m/s", "m/s^2", "m/s²", "m/s2", "cm/s", "cm/s^2", "mm/s",
+    "mm/s^2", "n·m", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "quality", "%", "µt", "ut", "lux",
+    "hpa", "°c",
+)  # fmt: skip
 # Units whose conversion the list of units does not know, in one that it knows.
 IN_OTHERS = {"gon": "0.9 deg", "arcmin": f"{1 / 60!r} deg"}
 _KNOWN = {
