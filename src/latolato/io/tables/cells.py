@@ -74,6 +74,22 @@ def kind_of(cell: str) -> str:
     return "quantity" if _QUANTITY.fullmatch(cell) else "text"
 
 
+def kinds_of(cells: list[str], delimiter: str) -> list[str]:
+    """Return the kinds of cells; between commas and blanks no blank groups digits."""
+    kinds = [kind_of(cell) for cell in cells]
+    if delimiter in (",", BLANKS):
+        return [
+            "text" if kind in NUMBERS and any(c.isspace() for c in cell) else kind
+            for kind, cell in zip(kinds, cells, strict=True)
+        ]
+    return kinds
+
+
+def zeros(cell: str) -> str:
+    """Return a cell with a zero for each digit, nearly its shape."""
+    return re.sub(r"\d", "0", cell)
+
+
 def number_in(cell: str) -> str:
     """Return the number with which a quantity begins.
 

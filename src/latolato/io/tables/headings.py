@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
-from latolato.io.tables.cells import BLANKS, DELIMITERS, NUMBERS, kind_of, split, without_mark
+from latolato.io.tables.cells import (
+    BLANKS,
+    DELIMITERS,
+    NUMBERS,
+    kind_of,
+    split,
+    without_mark,
+    zeros,
+)
 from latolato.io.tables.units import APPENDED, canonical, is_known, is_unit
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
@@ -67,11 +75,14 @@ class Header:
         The line above the names, or above the rows of a later section.
     named : int
         How many names there are.
+    is_own : bool
+        Whether the names are separated by the delimiter of the rows.
     """
 
     headings: list[Heading]
     title: str
     named: int
+    is_own: bool = False
 
 
 def heading_of(cell: str) -> Heading:
@@ -171,7 +182,14 @@ def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
     below = [without_mark(line.text) for line in lines[place + 1 :] if line.is_comment]
     if below and units is None:  # the title of a section
         title = below[-1]
-    return Header(headings, _title(title, delimiter), sum(bool(cell) for cell in rows[0]))
+    line = without_mark(lines[place].text) if lines[place].is_comment else lines[place].text
+    own = _WORD.findall(line) if delimiter == BLANKS else split(line, delimiter)
+    return Header(
+        headings=headings,
+        title=_title(title, delimiter),
+        named=sum(bool(cell) for cell in names),
+        is_own=len(own) >= len(names),
+    )
 
 
 def _names_at(
@@ -219,18 +237,13 @@ def _fitting(line: HeaderLine, width: int, delimiter: str) -> list[str] | None:
                 candidate.pop()
             if not candidate or len(candidate) > width:
                 continue
-            if any(kind_of(_shape(cell)) in NUMBERS for cell in candidate):
+            if any(kind_of(zeros(cell)) in NUMBERS for cell in candidate):
                 continue
             if len(candidate) == width and all(candidate):
                 return candidate
             if best is None and each == delimiter:
                 best = candidate
     return best
-
-
-def _shape(cell: str) -> str:
-    """Return a cell with zeros for its digits."""
-    return re.sub(r"\d", "0", cell)
 
 
 def _with_unit(heading: Heading, cell: str) -> Heading:
@@ -248,7 +261,7 @@ def _tracks(line: str, delimiter: str, width: int) -> list[str]:
     belongs to all columns but the first.
     """
     cells = split(line, delimiter) if delimiter in line else [line.strip()]
-    if delimiter == BLANKS or not any(cells) or any(kind_of(_shape(c)) in NUMBERS for c in cells):
+    if delimiter == BLANKS or not any(cells) or any(kind_of(zeros(c)) in NUMBERS for c in cells):
         return []
     if len(cells) == 1:
         return ["", *cells * (width - 1)] if _OBJECT.fullmatch(cells[0]) else []

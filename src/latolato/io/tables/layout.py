@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.io.tables.cells import (
-    BLANKS,
     DELIMITER_NAMES,
     DELIMITERS,
+    MINUS,
     NUMBERS,
     is_comment,
     kind_of,
+    kinds_of,
     number_in,
     opens_quote,
     split,
+    zeros,
 )
-from latolato.io.tables.shapes import Lines, lines_of
+from latolato.io.tables.shapes import LEADING, Lines, lines_of
 
 # A cell in quotation marks goes over at most so many lines.
 _LONGEST_CELL = 10
@@ -80,6 +82,8 @@ class Layout:
         One for each cell of the rows; those beyond `width` are empty.
     blocks : list of Block
         At least one.
+    decimal : str or None
+        The decimal sign, where the kind of file settles it.
     has_quotes : bool
         Whether rows hold quotation marks.
     notes : list of str
@@ -91,11 +95,12 @@ class Layout:
     width: int
     columns: list[Column]
     blocks: list[Block]
+    decimal: str | None
     has_quotes: bool
     notes: list[str]
 
 
-def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
+def layout_of(text: bytes, *, delimiter: str | None = None, decimal: str | None = None) -> Layout:
     r"""Return the layout of a text whose lines end in ``\n``.
 
     Raises
@@ -109,7 +114,7 @@ def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
     if delimiter is None:
         delimiter = _named_delimiter(lines) or _likeliest_delimiter(lines.shapes, counts)
     cells = [_cells(shape, delimiter) for shape in lines.shapes]
-    kinds = [_kinds(row, delimiter) for row in cells]
+    kinds = [kinds_of(row, delimiter) for row in cells]
     raw_width = _usual_width(kinds, counts)
     is_text, width = _column_types(kinds, counts, raw_width)
     of_shape = np.array(
@@ -118,8 +123,8 @@ def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
             if is_comment(shape)
             else _BLANK
             if _RULE.fullmatch(shape)
-            else _kind_of_line(each, raw_width, width, is_text)
-            for shape, each in zip(lines.shapes, kinds, strict=True)
+            else _kind_of_line(row, each, raw_width, width, is_text)
+            for shape, row, each in zip(lines.shapes, cells, kinds, strict=True)
         ]
     )
     of_line = of_shape[lines.shape_of]
@@ -135,6 +140,7 @@ def layout_of(text: bytes, *, delimiter: str | None = None) -> Layout:
         width=width,
         columns=columns,
         blocks=blocks,
+        decimal=decimal,
         has_quotes=any('"' in lines.shapes[i] for i in present),
         notes=notes,
     )
@@ -181,7 +187,7 @@ def _likeliest_delimiter(shapes: list[str], counts: NDArray[np.int64]) -> str:
     for place, delimiter in enumerate(DELIMITERS):
         score, weak, several = 0.0, 0.0, False
         for i in usual:
-            kinds = _kinds(_cells(shapes[i], delimiter), delimiter)
+            kinds = kinds_of(_cells(shapes[i], delimiter), delimiter)
             held = sum(kind != "empty" for kind in kinds)
             numbers = sum(_is_number(kind) or kind == "missing" for kind in kinds)
             # Lines with more words than numbers count only if there are no others.
@@ -198,17 +204,6 @@ def _cells(shape: str, delimiter: str) -> list[str]:
     if len(cells) > 2 and cells[-1].startswith("#") and kind_of(cells[-1]) == "text":
         return cells[:-1]
     return cells
-
-
-def _kinds(cells: list[str], delimiter: str) -> list[str]:
-    """Return the kinds of cells; between commas and blanks no blank groups digits."""
-    kinds = [kind_of(cell) for cell in cells]
-    if delimiter in (",", BLANKS):
-        return [
-            "text" if kind in NUMBERS and any(c.isspace() for c in cell) else kind
-            for kind, cell in zip(kinds, cells, strict=True)
-        ]
-    return kinds
 
 
 def _is_number(kind: str) -> bool:
@@ -251,7 +246,9 @@ def _column_types(
     return [each < 0 for each in balance], width
 
 
-def _kind_of_line(kinds: list[str], raw_width: int, width: int, is_text: list[bool]) -> int:
+def _kind_of_line(
+    cells: list[str], kinds: list[str], raw_width: int, width: int, is_text: list[bool]
+) -> int:
     """Return the kind of a line that is no comment."""
     held = [place for place, kind in enumerate(kinds) if kind != "empty"]
     if not held:
@@ -264,7 +261,12 @@ def _kind_of_line(kinds: list[str], raw_width: int, width: int, is_text: list[bo
     wrong = [place for place in texts if not is_text[place]]
     if not wrong and (numbers or not texts):
         return _ROW
-    return _MIXED if numbers else _TEXT
+    return _MIXED if numbers or any(_begins_as_number(cells[i]) for i in wrong) else _TEXT
+
+
+def _begins_as_number(cell: str) -> bool:
+    """Return whether a cell begins with a digit, as a spoiled number does and no name."""
+    return re.match(f"[-+.,{MINUS}]?[0{LEADING}]", zeros(cell)) is not None
 
 
 def _blocks(
@@ -279,6 +281,8 @@ def _blocks(
             way_out="save the table as CSV: a line of names and rows of numbers below it",
         )
     start = int(rows[0])
+    _refuse_odd(lines, of_line, _right_above(of_line, start), delimiter, width)
+    start = _with_spoiled_rows(lines, of_line, start, delimiter)
     has_sections = any(
         "kinovea" in lines.line(i).lower() for i in range(start) if of_line[i] == _COMMENT
     )
@@ -316,6 +320,39 @@ def _blocks(
     return blocks, notes
 
 
+def _right_above(of_line: NDArray[np.int64], start: int) -> list[int]:
+    """Return the lines of numbers between which and the first row there are no words."""
+    found = []
+    for i in range(start - 1, -1, -1):
+        if of_line[i] in (_TEXT, _MIXED):
+            break
+        if of_line[i] == _ODD:
+            found.insert(0, i)
+    return found
+
+
+def _with_spoiled_rows(lines: Lines, of_line: NDArray[np.int64], start: int, delimiter: str) -> int:
+    """Return the first row, where words stand in columns of numbers, and mark such lines as rows.
+
+    Above the first row without such words, they are rows if names stand above them, or if a word
+    begins with a digit as no name does.
+    """
+    has_names = bool(np.any(of_line[:start] == _TEXT))
+    for i in range(start - 1, -1, -1):
+        if of_line[i] in (_BLANK, _COMMENT):
+            continue
+        if of_line[i] != _MIXED:
+            break
+        cells = split(lines.line(i), delimiter)
+        kinds = kinds_of([zeros(cell) for cell in cells], delimiter)
+        words = [cell for cell, kind in zip(cells, kinds, strict=True) if kind == "text"]
+        if not has_names and not any(map(_begins_as_number, words)):
+            break
+        of_line[i] = _ROW
+        start = i
+    return start
+
+
 def _gaps(of_line: NDArray[np.int64], start: int) -> Iterator[list[int]]:
     """Yield the indices of lines between rows, gap by gap."""
     others = start + np.flatnonzero(of_line[start:] != _ROW)
@@ -331,10 +368,13 @@ def _refuse_odd(
     for i in held:
         if of_line[i] == _ODD and not any(of_line[j] == _TEXT for j in held):
             count = len(split(lines.line(i), delimiter))
+            way_out = "complete or remove that line"
+            if delimiter == "," and "." not in lines.line(i):
+                way_out += "; if commas are decimal signs too, export it with semicolons or tabs"
             raise InputError(
                 f"line {lines.numbers[i]} has {count} cell{'s' * (count != 1)}, but the other rows "
                 f"have {width}",
-                way_out="complete or remove that line",
+                way_out=way_out,
             )
 
 

@@ -17,9 +17,12 @@ from latolato.io.tables.cells import (
     GROUPING,
     MINUS,
     MISSING_WORDS,
+    NUMBERS,
     kind_of,
+    kinds_of,
     number_in,
     split,
+    zeros,
 )
 from latolato.io.tables.layout import Block, Layout
 
@@ -68,7 +71,7 @@ def signs_of(layout: Layout, places: Sequence[int], decimal: str | None, label: 
     ``1.234`` do not. They are read with the decimal sign that others settle, but refused where a
     column looks as if it counted in thousands: ``999`` in one row and ``1.000`` in another.
     """
-    given = decimal
+    given = decimal = decimal or layout.decimal
     if decimal is None:
         decimal = _settled_sign(layout, places, label)
     other = COMMA if decimal == POINT else POINT
@@ -111,9 +114,11 @@ def _settled_sign(layout: Layout, places: Sequence[int], label: Label) -> str:
             )
         if len(proofs) == 1:
             return next(iter(proofs))
-    place = _first_place(layout, places, _UNSURE[COMMA])
-    if place is not None:
-        raise _two_ways(layout, place, COMMA, label)
+    for sign in DECIMALS:
+        place = _first_place(layout, places, _UNSURE[sign])
+        # Where commas separate the cells, points are decimal signs.
+        if place is not None and (sign == COMMA or layout.delimiter != COMMA):
+            raise _two_ways(layout, place, sign, label)
     return POINT
 
 
@@ -183,6 +188,19 @@ def is_comma_both(layout: Layout, named: int) -> bool:
     return not kinds & {"point", _UNSURE[POINT], _GROUPS[POINT], "quantity"}
 
 
+def other_delimiter(layout: Layout) -> str | None:
+    """Return another delimiter that would make numbers of all rows: of ``5,1 000`` a comma."""
+    if layout.delimiter != BLANKS:
+        return None
+    widths = set()
+    for shape in np.unique(layout.lines.shape_of[np.concatenate([b.rows for b in layout.blocks])]):
+        cells = split(layout.lines.shapes[shape], COMMA)
+        if not all(kind_of(cell) in NUMBERS for cell in cells):
+            return None
+        widths.add(len(cells))
+    return COMMA if len(widths) == 1 and widths != {1} else None
+
+
 def numbers_of(
     layout: Layout, block: Block, places: Sequence[int], decimal: str | None, label: Label
 ) -> tuple[dict[int, Floats], Signs]:
@@ -213,12 +231,13 @@ def _refuse_other_cells(
     is_bad = np.zeros(len(lines.shapes), dtype=bool)
     for shape in np.unique(lines.shape_of[block.rows]):
         cells = split(lines.shapes[shape], layout.delimiter)
-        is_bad[shape] = place < len(cells) and kind_of(cells[place]) not in good
+        kinds = kinds_of(cells, layout.delimiter)
+        is_bad[shape] = place < len(kinds) and kinds[place] not in good
     bad = block.rows[is_bad[lines.shape_of[block.rows]]]
     if not bad.size:
         return
     cell = _cell(layout, int(bad[0]), place)
-    kind = kind_of(re.sub(r"\d", "0", cell))
+    kind = kind_of(zeros(cell))
     if re.fullmatch(r"\d+(:\d+)+([.,]\d+)?", cell):
         way_out = "export the time in seconds or milliseconds"
     elif kind == "quantity":

@@ -23,6 +23,7 @@ from latolato.io.tables.numbers import (
     Floats,
     is_comma_both,
     numbers_of,
+    other_delimiter,
     plain_text,
     signs_of,
 )
@@ -427,7 +428,8 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
 
 def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, list[str]]:
     """Return the sections of a text, the kind of its export, and notes."""
-    layout = layout_of(part.text, delimiter="\t" if part.is_sheet else None)
+    known = {"delimiter": "\t", "decimal": "."} if part.is_sheet else {}
+    layout = layout_of(part.text, **known)
     lines = layout.lines
     header_lines = [
         [HeaderLine(lines.line(i), is_comment(lines.line(i))) for i in block.header]
@@ -438,6 +440,19 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
     named = headers[0].named
     if decimal != "." and is_comma_both(layout, named):
         _refuse_comma(layout, named)
+    if layout.delimiter == BLANKS and 0 < named < layout.width:
+        raise InputError(
+            f"it has {named} names above {layout.width} columns that blanks separate",
+            way_out="write names without blanks, or export it with semicolons or tabs",
+        )
+    other = other_delimiter(layout)
+    if other is not None and not (headers[0].is_own and named == layout.width):
+        first = int(layout.blocks[0].rows[0])
+        raise InputError(
+            f"its rows could be separated by {delimiter_name(layout.delimiter)} or "
+            f"{delimiter_name(other)}: line {lines.numbers[first]} is '{lines.line(first)[:40]}'",
+            way_out="export it with semicolons or tabs",
+        )
     kind, units = kind_of_file(
         [line.text for line in header_lines[0]], [each.name for each in headers[0].headings]
     )
