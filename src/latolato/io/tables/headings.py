@@ -192,6 +192,16 @@ def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
     )
 
 
+def later_header(lines: list[HeaderLine], width: int, delimiter: str, first: Header) -> Header:
+    """Return what the lines above a later section say; a comment may be its title only."""
+    header = header_of(lines, width, delimiter)
+    known = {each.name for each in first.headings if each.name}
+    if all(line.is_comment for line in lines) and not known & {h.name for h in header.headings}:
+        title = without_mark(lines[-1].text) if lines else ""
+        return Header([], _title(title, delimiter), 0)
+    return header
+
+
 def _names_at(
     lines: list[HeaderLine], parted: list[list[str] | None], width: int
 ) -> tuple[int | None, list[str] | None]:
@@ -229,7 +239,9 @@ def _fitting(line: HeaderLine, width: int, delimiter: str) -> list[str] | None:
     """Return the cells of a header line, empty ones at its end left out; None for other lines."""
     text = without_mark(line.text) if line.is_comment else line.text
     best: list[str] | None = None
-    for each in dict.fromkeys((delimiter, *DELIMITERS)):
+    # Between words that blanks separate there may be other delimiters too.
+    order = DELIMITERS if delimiter == BLANKS else (delimiter, *DELIMITERS)
+    for each in dict.fromkeys(order):
         cells = _WORD.findall(text) if each == BLANKS else split(text, each)
         for candidate in (cells, re.split(r"\s{2,}", text.strip())) if each == BLANKS else (cells,):
             candidate = [cell.strip().strip('"').strip() for cell in candidate]

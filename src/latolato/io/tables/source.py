@@ -15,7 +15,7 @@ from latolato.core.errors import InputError, reading
 from latolato.core.registry import checked_choice, suggest
 from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
-from latolato.io.tables.headings import HeaderLine, Heading, header_of
+from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
 from latolato.io.tables.kinds import kind_of_file
 from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
 from latolato.io.tables.numbers import (
@@ -436,7 +436,10 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         for block in layout.blocks
     ]
     width = max(_names_width(layout, each) for each in header_lines)
-    headers = [header_of(each, width, layout.delimiter) for each in header_lines]
+    headers = [header_of(header_lines[0], width, layout.delimiter)]
+    headers += [
+        later_header(each, width, layout.delimiter, headers[0]) for each in header_lines[1:]
+    ]
     named = headers[0].named
     if decimal != "." and is_comma_both(layout, named):
         _refuse_comma(layout, named)
