@@ -182,6 +182,36 @@ def test_the_names_of_columns_may_carry_their_units():
 
 
 @pytest.mark.parametrize(
+    "text, encoding",
+    [
+        ("drive_amplitude [mm];frequency_ratio;class\n12,5;1,95;weak\n20;2;strong\n;;\n", "utf-8"),
+        ("drive_amplitude;frequency_ratio;class\n12,5 mm;1,95;weak\n20 mm;2;strong\n", "utf-16"),
+        ("Drive amplitude (mm)\tFREQUENCY RATIO\tClass\n12.5\t1.95\tweak\n20\t2\tStrong\n", "ascii"),
+    ],
+)  # fmt: skip
+def test_trial_tables_are_read_like_other_tables(tmp_path, text, encoding):
+    path = tmp_path / "mine.txt"
+    path.write_bytes(text.encode(encoding))
+    trials = read_trials(path)
+    assert trials.drive_amplitude.values.tolist() == [0.0125, 0.02]
+    assert trials.frequency_ratio.values.tolist() == [1.95, 2.0]
+    assert trials["class"].values.tolist() == ["weak", "strong"]
+
+
+def test_bare_millimetres_and_hertz_are_asked_about(tmp_path):
+    path = tmp_path / "mine.csv"
+    path.write_text("drive_amplitude,drive_frequency,class\n12.5,10.4,strong\n")
+    with pytest.raises(ll.InputError, match=r"would be 12.5 m in line 2.*\[mm\]"):
+        read_trials(path)
+    text = "drive_amplitude [mm],drive_frequency{},length [cm],class\n12.5,1.654,36.3,strong\n"
+    path.write_text(text.format(""))
+    with pytest.raises(ll.InputError, match=r"slower than half.*\[Hz\]"):
+        read_trials(path)
+    path.write_text(text.format(" [Hz]"))
+    assert read_trials(path).frequency_ratio.values == pytest.approx([2.0], abs=2e-3)
+
+
+@pytest.mark.parametrize(
     "text, words",
     [
         ("", "is empty"),
