@@ -322,7 +322,7 @@ def _blocks(
 
 def _right_above(of_line: NDArray[np.int64], start: int) -> list[int]:
     """Return the lines of numbers between which and the first row there are no words."""
-    found = []
+    found: list[int] = []
     for i in range(start - 1, -1, -1):
         if of_line[i] in (_TEXT, _MIXED):
             break

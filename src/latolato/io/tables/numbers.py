@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -180,12 +181,18 @@ def _cell(layout: Layout, index: int, place: int) -> str:
 def is_comma_both(layout: Layout, named: int) -> bool:
     """Return whether commas separate the cells and could be decimal signs as well.
 
-    They could where no number has a point and the names do not account for all cells.
+    They could where the names do not account for all cells, and no number has a point or whole
+    numbers are followed by columns of three digits, like ``1,000``.
     """
     if layout.delimiter != COMMA or layout.has_quotes or named >= layout.width:
         return False
-    kinds = {kind for column in layout.columns for kind in column.counts}
-    return not kinds & {"point", _UNSURE[POINT], _GROUPS[POINT], "quantity"}
+    kinds = [column.counts.keys() - {"empty", "missing"} for column in layout.columns]
+    if not set().union(*kinds) & {"point", _UNSURE[POINT], _GROUPS[POINT], "quantity"}:
+        return True
+    return any(
+        first <= {"integer", "three digits"} and second == {"three digits"}
+        for first, second in pairwise(kinds)
+    )
 
 
 def other_delimiter(layout: Layout) -> str | None:
