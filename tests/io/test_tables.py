@@ -189,6 +189,16 @@ def test_names_are_found_above_the_numbers(head, delimiter):
     assert list(numbers(section).values()) == [[0.0, 0.05], [0.41, 0.39]]
 
 
+def test_a_column_that_numbers_the_rows_needs_no_name():
+    section = source(",t,x\n0,0.0,0.5\n1,0.1,0.4\n").section()
+    assert numbers(section) == {"1": [0, 1], "t": [0.0, 0.1], "x": [0.5, 0.4]}
+
+
+def test_labchart_headers_need_no_units_to_be_headers():
+    text = "Interval=\t0.01 s\nChannelTitle=\tAngle\nRange=\t10.000 V\n0\t22.5\n0.01\t21.5\n"
+    assert numbers(source(text).section()) == {"Time": [0.0, 0.01], "Angle": [22.5, 21.5]}
+
+
 def test_a_table_drawn_with_bars_is_read():
     text = "| t (s) | x (m) |\n|-------|:-----:|\n| 0.0 | 0.5 |\n| 0.1 | 0.4 |\n"
     assert numbers(source(text).section()) == {"t": [0.0, 0.1], "x": [0.5, 0.4]}
@@ -259,6 +269,7 @@ def test_numbers_are_read_as_written(text, values):
         ('"swing of 3 October\n' + "t,x\n" + "0.1,0.2\n" * 50, "mark in line 1 is not closed"),
         ("", "is empty"),
         ("t,x\n", "no rows of numbers"),
+        ("'t','x'\n'0.1','5'\n", "single quotation marks"),
     ],
 )
 def test_what_could_be_read_in_two_ways_or_not_at_all_is_refused(text, said):

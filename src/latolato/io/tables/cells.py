@@ -25,7 +25,7 @@ MISSING_WORDS = (
 _D = f"[0{LEADING}]"
 _SIGN = f"[+{MINUS}-]?"
 _EXPONENT = f"(?:[eE][+{MINUS}-]?{_D}+)?"
-_ANY = f"{_SIGN}(?:{_D}+(?:[.,{GROUPING}]?{_D}+)*\\.?|[.,]{_D}+){_EXPONENT}"
+_ANY = f"{_SIGN}(?:{_D}+(?:[.,{GROUPING}]{_D}+)*\\.?|[.,]{_D}+){_EXPONENT}"
 _KINDS = {
     "integer": f"{_SIGN}{_D}+{_EXPONENT}",
     "point or thousands": f"{_SIGN}0{{1,3}}\\.{_D}{{3}}",
@@ -41,6 +41,7 @@ _QUANTITY = re.compile(rf"{_ANY}\s*[^\W\d_°µ%][\w°µ%/^²*.]*|{_ANY}\s*[°%µ
 # Kinds that are numbers, whatever the decimal sign.
 NUMBERS = (*_KINDS, "three digits")
 _NUMBER = re.compile(_ANY.replace(_D, f"[0-9{LEADING}]"))
+_FRAME = re.compile(r"^\s*\|(.*)\|\s*$")
 _COMMENT = re.compile(r"\s*(?:#|%|//)")
 
 
@@ -129,7 +130,7 @@ def split(line: str, delimiter: str) -> list[str]:
         return [cell.strip('"') for cell in re.findall(r'"[^"]*"|[^\s"]+', line)]
     if delimiter == "|":
         # The bars at both ends of a line are a frame.
-        line = line.strip().removeprefix("|").removesuffix("|")
+        line = _FRAME.sub(r"\1", line)
     if '"' not in line:
         return [cell.strip() for cell in line.split(delimiter)]
     try:

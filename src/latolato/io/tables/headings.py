@@ -176,7 +176,9 @@ def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
         if tracks:
             title = ""
             headings = [
-                each if each.name.lower() in _SHARED else replace(each, track=track)
+                each
+                if not tracks[0] and each.name.lower() in _SHARED
+                else replace(each, track=track)
                 for each, track in zip(headings, tracks, strict=True)
             ]
     below = [without_mark(line.text) for line in lines[place + 1 :] if line.is_comment]
@@ -214,7 +216,8 @@ def _names_at(
     ]
     plain = [i for i in candidates if not lines[i].is_comment]
     for group in (plain, candidates):
-        whole = [i for i in group if len(parted[i] or []) == width and all(parted[i] or [])]
+        # A column that numbers the rows may have no name.
+        whole = [i for i in group if len(parted[i] or []) == width and all((parted[i] or [])[1:])]
         if not whole:
             continue
         below = [i for i in group if i >= whole[-1]]
@@ -277,7 +280,7 @@ def _tracks(line: str, delimiter: str, width: int) -> list[str]:
         return []
     if len(cells) == 1:
         return ["", *cells * (width - 1)] if _OBJECT.fullmatch(cells[0]) else []
-    if cells[0]:
+    if cells[0] and all(cells):
         return []
     tracks, current = [], ""
     for cell in [*cells, *[""] * width][:width]:

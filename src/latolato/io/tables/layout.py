@@ -115,7 +115,7 @@ def layout_of(text: bytes, *, delimiter: str | None = None, decimal: str | None 
         delimiter = _named_delimiter(lines) or _likeliest_delimiter(lines.shapes, counts)
     cells = [_cells(shape, delimiter) for shape in lines.shapes]
     kinds = [kinds_of(row, delimiter) for row in cells]
-    raw_width = _usual_width(kinds, counts)
+    raw_width = _usual_width(lines.shapes, kinds, counts)
     is_text, width = _column_types(kinds, counts, raw_width)
     of_shape = np.array(
         [
@@ -210,13 +210,18 @@ def _is_number(kind: str) -> bool:
     return kind in NUMBERS or kind == "quantity"
 
 
-def _usual_width(kinds: list[list[str]], counts: NDArray[np.int64]) -> int:
+def _usual_width(shapes: list[str], kinds: list[list[str]], counts: NDArray[np.int64]) -> int:
     """Return how many cells most lines of numbers have, empty ones at the end too."""
     weights: dict[int, int] = {}
     for row, count in zip(kinds, counts, strict=True):
         numbers = sum(map(_is_number, row))
         if numbers:
             weights[len(row)] = weights.get(len(row), 0) + int(count) * numbers
+    if not weights and any(re.search(r"'[-+.,]?0", shape) for shape in shapes):
+        raise InputError(
+            "its numbers stand in single quotation marks",
+            way_out="remove them, or use double ones",
+        )
     if not weights:
         raise InputError(
             "it has no rows of numbers",
@@ -341,7 +346,7 @@ def _with_spoiled_rows(lines: Lines, of_line: NDArray[np.int64], start: int, del
     for i in range(start - 1, -1, -1):
         if of_line[i] in (_BLANK, _COMMENT):
             continue
-        if of_line[i] != _MIXED:
+        if of_line[i] != _MIXED or re.match(r"\w+=\t", lines.line(i)):  # a key of LabChart
             break
         cells = split(lines.line(i), delimiter)
         kinds = kinds_of([zeros(cell) for cell in cells], delimiter)

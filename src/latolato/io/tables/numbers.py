@@ -302,7 +302,7 @@ def _parsed(layout: Layout, block: Block, places: Sequence[int], signs: Signs) -
     delimiter = layout.delimiter
     body = _plain(_body(layout, block), delimiter)
     if delimiter == "|":
-        body = re.sub(rb"(?m)^[ \t]*\||\|[ \t]*$", b"", body)
+        body = re.sub(rb"(?m)^[ \t]*\|(.*)\|[ \t]*$", rb"\1", body)
     if delimiter != BLANKS:
         blanks = b" +" if delimiter == "\t" else rb"[ \t]+"
         body = re.sub(blanks + b"(?=" + re.escape(delimiter.encode()) + rb"|\n)", b"", body)

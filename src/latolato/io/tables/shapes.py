@@ -1,7 +1,8 @@
 """The few distinct shapes of a text's lines, so that all of a long file can be looked at.
 
-In the shape of a line, every digit is a 0 and longer runs of digits have four. A million lines of
-measured numbers have some dozens of shapes, each of which is then studied once.
+In the shape of a line, every digit is a 0, longer runs of digits have four, and signs of numbers
+are left out. A million lines of measured numbers have some dozens of shapes, each of which is then
+studied once.
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from numpy.typing import NDArray
 # A lone zero in front of a point or comma, which no thousands have.
 LEADING = "\x01"
 _LEADING = re.compile(rb"(?<![0-9.,])0(?=[.,][0-9])")
+# What makes no difference between shapes: the sign of a number, digits in front of a point.
+_SIGN = re.compile(rb"(?<![\w.,+-])[+-](?=[\x010.])")
+_WHOLE = re.compile(rb"(?<![0.,' \x80-\xff])0{2,3}(?=\.0)")
 _LONG = re.compile(rb"0{5,}")
 # So many lines are looked at together, which bounds the memory that this takes.
 _CHUNK = 20_000
@@ -66,7 +70,8 @@ def lines_of(text: bytes, numbers: NDArray[np.int32] | None = None) -> Lines:
     for first in range(0, len(ends), _CHUNK):
         last = min(first + _CHUNK, len(ends))
         part = _LEADING.sub(LEADING.encode(), text[starts[first] : starts[last]])
-        flat = _LONG.sub(b"0000", part.translate(_DIGITS))
+        flat = _SIGN.sub(b"", _LONG.sub(b"0000", part.translate(_DIGITS)))
+        flat = _WHOLE.sub(b"0", flat)
         shape_of[first:last] = [known.setdefault(line, len(known)) for line in io.BytesIO(flat)]
     shapes = [shape.removesuffix(b"\n").decode() for shape in known]
     if numbers is None:
