@@ -60,7 +60,7 @@ def import_(
     from latolato.experiment.importing import import_table
     from latolato.experiment.track_table import write_table
     from latolato.io.tables.source import read_source
-    from latolato.scenario.units import to_si, to_si_list
+    from latolato.scenario.units import to_si
 
     if preview:
         source = read_source(file, decimal=decimal)
@@ -78,7 +78,7 @@ def import_(
         frame_rate=frame_rate_of(frame_rate),
         length=to_si("length", length, "m"),
         radius=to_si("radius", radius, "m"),
-        pivot=None if pivot is None else to_si_list("pivot", pivot, unit_of_place(pivot)),
+        pivot=None if pivot is None else pivot_of(pivot),
         angle_from=angle_from,
         y_axis=y_axis,
         angle_sigma=to_si("angle_sigma", angle_sigma, "rad"),
@@ -151,9 +151,18 @@ def _refuse_rate(text: str) -> float:
     raise InputError("must be a number of frames per second", parameter="--frame-rate", value=text)
 
 
-def unit_of_place(text: str) -> str:
-    """Return the unit in which a pivot is given: pixels if the text says so, else metres."""
-    return "pixel" if re.search(r"\bpx\b|\bpixels?\b", text) else "m"
+def pivot_of(text: str) -> Any:
+    """Return the two numbers of a pivot, in m, or in pixels if the text says so.
+
+    Examples
+    --------
+    >>> pivot_of("36 cm, 0 m"), pivot_of("320 px, 75 px")
+    ([0.36, 0.0], [320.0, 75.0])
+    """
+    from latolato.scenario.units import to_si_list
+
+    in_pixels = re.sub(r"\b(?:px|pixels?)\b", "pixel", text)
+    return to_si_list("pivot", in_pixels, "pixel" if "pixel" in in_pixels else "m")
 
 
 def preview_of(source: SourceTable) -> str:
