@@ -35,7 +35,6 @@ class FitGroup(RegistryGroup):
 
     def make_command(self, name: str) -> Any:
         """Return the command of a fit."""
-        from latolato.experiment.importing import read_measured
         from latolato.scenario.analysis_options import options_of
         from latolato.scenario.options import law_options
 
@@ -50,6 +49,8 @@ class FitGroup(RegistryGroup):
             as_json: JsonOption = False,
             **values: Any,
         ) -> None:
+            from latolato.experiment.importing import read_measured
+
             targets = Targets(output, plot)
             targets.check("the result of a fit")
             measured = read_measured(table, columns_of(column))
