@@ -50,6 +50,8 @@ def dialects(draw):
     thousands = draw(st.sampled_from(["", "", "", *GROUPS.values()]))
     if delimiter.isspace() and thousands.isspace() and delimiter != "\t":
         thousands = ""  # nobody could tell the two apart
+    if delimiter == "," and thousands == ".":
+        thousands = ""  # where commas separate the cells, points are decimal signs
     return {
         "delimiter": delimiter,
         "decimal": decimal,

@@ -244,6 +244,8 @@ def _fitting(line: HeaderLine, width: int, delimiter: str) -> list[str] | None:
     best: list[str] | None = None
     # Between words that blanks separate there may be other delimiters too.
     order = DELIMITERS if delimiter == BLANKS else (delimiter, *DELIMITERS)
+    if delimiter != BLANKS and delimiter in text:
+        order = (delimiter,)
     for each in dict.fromkeys(order):
         cells = _WORD.findall(text) if each == BLANKS else split(text, each)
         for candidate in (cells, re.split(r"\s{2,}", text.strip())) if each == BLANKS else (cells,):

@@ -181,13 +181,18 @@ def _cell(layout: Layout, index: int, place: int) -> str:
 def is_comma_both(layout: Layout, named: int) -> bool:
     """Return whether commas separate the cells and could be decimal signs as well.
 
-    They could where the names do not account for all cells, and no number has a point or whole
-    numbers are followed by columns of three digits, like ``1,000``.
+    They could where the names do not account for all cells, or some rows have more. Then no point
+    is a decimal sign, or whole numbers are followed by columns of three digits, like ``1,000``.
     """
-    if layout.delimiter != COMMA or layout.has_quotes or named >= layout.width:
+    if layout.delimiter != COMMA or layout.has_quotes:
+        return False
+    rows = np.concatenate([block.rows for block in layout.blocks])
+    shapes = (layout.lines.shapes[i] for i in np.unique(layout.lines.shape_of[rows]))
+    is_ragged = len({len(split(shape, COMMA)) for shape in shapes}) > 1
+    if named >= layout.width and not is_ragged:
         return False
     kinds = [column.counts.keys() - {"empty", "missing"} for column in layout.columns]
-    if not set().union(*kinds) & {"point", _UNSURE[POINT], _GROUPS[POINT], "quantity"}:
+    if not set().union(*kinds) & {"point", "quantity"}:
         return True
     return any(
         first <= {"integer", "three digits"} and second == {"three digits"}
