@@ -243,7 +243,7 @@ def _fitting(line: HeaderLine, width: int, delimiter: str) -> list[str] | None:
     text = without_mark(line.text) if line.is_comment else line.text
     best: list[str] | None = None
     # Between words that blanks separate there may be other delimiters too.
-    order = DELIMITERS if delimiter == BLANKS else (delimiter, *DELIMITERS)
+    order: tuple[str, ...] = DELIMITERS if delimiter == BLANKS else (delimiter, *DELIMITERS)
     if delimiter != BLANKS and delimiter in text:
         order = (delimiter,)
     for each in dict.fromkeys(order):
