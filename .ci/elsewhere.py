@@ -81,7 +81,8 @@ def requirements(extras: set[str]) -> Iterator[Requirement]:
         yield Requirement(text)
     for extra in sorted(extras):
         for text in project()["optional-dependencies"][extra]:
-            yield Requirement(text)
+            if Requirement(text).name != "latolato":  # another of the extras
+                yield Requirement(text)
 
 
 def pinned(need: Requirement) -> str:

@@ -85,6 +85,58 @@ def test_a_table_of_another_program_is_imported_or_fitted_at_once(tmp_path, caps
     assert "decay_rate_envelope" in capsys.readouterr().out
 
 
+def test_an_import_never_replaces_a_measurement_or_another_import(tmp_path, capsys):
+    path = tmp_path / "swing.csv"
+    text = "t [s],left [deg],right [deg]\n0.0,1.5,2\n0.1,2.5,3\n0.2,3.5,4\n"
+    path.write_text(text)
+    left, right = (
+        ["import", str(path), "--column", "time=t", "--column", f"angle_1={name}"]
+        for name in ("left", "right")
+    )
+    assert main([*left, "--output", str(path)]) == 2
+    assert "is the measurement itself" in capsys.readouterr().err
+    assert path.read_text() == text
+    assert main(left) == main(left) == 0
+    assert main(right) == 2
+    assert "was not imported from these columns; name another file" in capsys.readouterr().err
+    target = tmp_path / "swing.track.csv"
+    assert main([*right, "--output", str(target)]) == 0
+    assert read_table(target).attrs["imported"].endswith("angle_1 = right [deg]")
+    assert main(["import", str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+def test_a_preview_shows_what_was_recognised_and_writes_nothing(tmp_path, capsys):
+    path = tmp_path / "pair.txt"
+    path.write_text("\tright ball\t\t\nt\tx\ty\t\n0.0\t0.125\t-0.3\n0.1\t0.12\t-0.31\n")
+    assert main(["import", str(path), "--preview"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("Tracker export, one track: right ball\nutf-8, tabs\n")
+    assert "2 right ball/x [m]: 0.125, 0.12 ..." in out
+    assert main(["import", str(path), "--preview", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["kind"] == "Tracker export"
+    assert list(tmp_path.iterdir()) == [path]
+    arguments = ["import", str(path), "--pivot", "0, 0", "--json"]
+    assert main(arguments) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["rows"] == 2
+    assert "x' is in [m], from the kind of file" in told["attributes"]["assumed"]
+    assert main([*arguments, "--frame-rate", "quick"]) == 2
+
+
+def test_a_table_whose_columns_are_recognised_is_fitted_without_naming_them(tmp_path, capsys):
+    table = decay_table(**BODY, duration=8.0)
+    rows = "\n".join(
+        f"{t:.6f}\t{a:.6f}" for t, a in zip(table.time.values, table.angle_1.values, strict=True)
+    )
+    path = tmp_path / "swing.txt"
+    path.write_text(f"t_s\ttheta [rad]\n{rows}\n")
+    assert main(["fit", "decay", str(path), "--method", "envelope"]) == 0
+    captured = capsys.readouterr()
+    assert "decay_rate_envelope" in captured.out
+    assert "'t' is in [s], from its name" in captured.err
+
+
 @pytest.mark.parametrize("name", fits)
 def test_every_fit_has_options_words_and_a_picture(name):
     kind = fits[name]

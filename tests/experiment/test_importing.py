@@ -109,12 +109,120 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
     assert np.isnan(table.angle_1.values[3])
 
 
+def test_two_tracks_are_two_balls_and_a_pivot_without_naming_columns(tmp_path):
+    left, right = 0.3 * np.sin(-ANGLE), 0.3 * np.sin(ANGLE)
+    down = -0.3 * np.cos(ANGLE)
+    still = np.zeros_like(TIME)
+    head = "\tleft ball\t\tright ball\t\tpivot\t\t\nt\tx\ty\tx\ty\tx\ty\t\n"
+    body = lines(TIME, left, down, right, down, still, still, delimiter="\t")
+    table = import_table(written(tmp_path, head + body, "pair.txt"))
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-7)
+    assert table.angle_2.values == pytest.approx(-ANGLE, abs=1e-7)
+    assert table.attrs["recognised"] == (
+        "Tracker export, three tracks: left ball, right ball, pivot"
+    )
+    assert "ball_1_x = right ball/x [m]" in table.attrs["imported"]
+    assert "'t' is in [s], from the kind of file (Tracker export)" in table.attrs["assumed"]
+
+
+def test_a_run_beside_others_is_chosen_by_its_name(tmp_path):
+    head = '"Time (s) Run #1","Angle (rad) Run #1","Time (s) Run #2","Angle (rad) Run #2"\n'
+    rows = [f"{t:.4f},{a:.6f},{t:.4f},{-a:.6f}" for t, a in zip(TIME, ANGLE, strict=True)]
+    rows[30:] = [",," + row.split(",", 2)[2] for row in rows[30:]]  # the first run is shorter
+    path = written(tmp_path, head + "\n".join(rows))
+    first, second = (import_table(path, section=f"Run #{run}") for run in (1, 2))
+    assert first.sizes["frame"] == 30
+    assert "10 rows without numbers left out" in first.attrs["assumed"]
+    assert second.angle_1.values == pytest.approx(-ANGLE, abs=1e-6)
+    by_name = import_table(path, {"time": "Run #2/Time", "angle_1": "Run #2/Angle"})
+    assert by_name.angle_1.equals(second.angle_1)
+    with pytest.raises(ll.InputError, match=r"2 runs beside each other.*section = 'Run #1'"):
+        import_table(path)
+    with pytest.raises(ll.InputError, match="no section 'Run #3'"):
+        import_table(path, section="Run #3")
+
+
+def test_frame_numbers_need_a_frame_rate_and_gaps_stay(tmp_path):
+    path = written(tmp_path, "frame,theta [deg]\n10,5\n11,6.5\n14,7\n")
+    table = import_table(path, frame_rate=240.0)
+    assert table.time.values == pytest.approx(np.array([10, 11, 14]) / 240.0, rel=1e-15)
+    assert table.frame.values.tolist() == [10, 11, 14]
+    assert "divided by 240 per second" in table.attrs["assumed"]
+    for columns in (None, {"time": "frame [s]", "angle_1": "theta"}):
+        with pytest.raises(ll.InputError, match=r"frame numbers.*give frame_rate"):
+            import_table(path, columns)
+    seconds = written(tmp_path, "t [s],theta [deg]\n0.5,5\n0.6,6.5\n", "seconds.csv")
+    with pytest.raises(ll.InputError, match="no frame numbers, which a frame rate needs"):
+        import_table(seconds, {"time": "t", "angle_1": "theta"}, frame_rate=240.0)
+
+
+def test_pixels_without_a_scale_give_angles_only(tmp_path):
+    u, v = 320.0 + 400.0 * np.sin(ANGLE), 75.0 + 400.0 * np.cos(ANGLE)
+    path = written(tmp_path, "t [s],x [px],y [px]\n" + lines(TIME, u, v))
+    table = import_table(path, pivot=(320.0, 75.0), y_axis="down")
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-9)
+    assert np.isnan(table.ball_1_x.values).all()
+    assert "only angles are kept" in table.attrs["assumed"]
+    path = written(tmp_path, "t [s],x [px],y [px],z [m]\n" + lines(TIME, u, v, v))
+    mixed = {"time": "t", "ball_1_x": "x", "ball_1_y": "y", "pivot_x": "z", "pivot_y": "z"}
+    with pytest.raises(ll.InputError, match="ball_1_x is in pixels, but pivot_x is not"):
+        import_table(path, mixed)
+
+
+def test_jumps_and_whole_turns_are_taken_off_stated_angles(tmp_path):
+    hanging = np.rad2deg(ANGLE) + 270.0  # from the x axis, as an angle of 0 to 360 degrees
+    path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, hanging))
+    table = import_table(path, angle_from="right")
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-9)
+    assert "1 whole turn taken off angle_1" in table.attrs["assumed"]
+    wrapped = np.rad2deg((ANGLE + 2.8 + np.pi) % (2.0 * np.pi) - np.pi)
+    path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, wrapped), "wrapped.csv")
+    table = import_table(path)
+    assert np.ptp(table.angle_1.values) == pytest.approx(np.ptp(ANGLE), abs=1e-8)
+    assert "jumps of a whole turn removed" in table.attrs["assumed"]
+
+
+def test_a_ball_above_its_pivot_raises_a_question(tmp_path):
+    x, y = 0.3 * np.sin(ANGLE), 0.3 * np.cos(ANGLE)
+    path = written(tmp_path, "t [s],x [m],y [m]\n" + lines(TIME, x, y))
+    table = import_table(path, pivot=(0.0, 0.0))
+    assert "does y point down (y_axis = 'down')?" in table.attrs["assumed"]
+    assert "assumed" not in import_table(path, pivot=(0.0, 0.0), y_axis="down").attrs
+    path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) - 180.0))
+    assert "counted from the x axis" in import_table(path).attrs["assumed"]
+
+
+def test_columns_are_named_by_position_where_the_file_has_no_names(tmp_path):
+    path = written(tmp_path, "0.0;12.5\n0.1;11.5\n")
+    table = import_table(path, {"time": "1 [s]", "angle_1": "2 [Deg]"})
+    assert table.angle_1.values == pytest.approx(np.deg2rad([12.5, 11.5]))
+
+
+def test_what_the_unit_of_a_column_may_be_is_listed(tmp_path):
+    path = written(tmp_path, "t (S);theta (gon);x (km/h)\n0.0;100;1.5\n0.1;90;1.5\n")
+    table = import_table(path, {"time": "t", "angle_1": "theta"})
+    assert table.angle_1.values == pytest.approx([0.5 * np.pi, 0.45 * np.pi])
+    with pytest.raises(ll.InputError, match=r"\[km/h\].*it may be rad, mrad, deg, arcmin, gon"):
+        import_table(path, {"time": "t", "angle_1": "x"})
+    with pytest.raises(ll.InputError, match=r"is in \[gon\].*it may be m, cm, mm.*px"):
+        import_table(path, {"time": "t", "pivot_y": "theta"})
+
+
+def test_times_that_fall_are_named_with_their_line_in_the_file(tmp_path):
+    path = written(tmp_path, "# a comment\nt [s],theta [deg]\n0.0,1\n0.1,2\n0.1,3\n")
+    with pytest.raises(ll.InputError, match=r"increase strictly, above 0\.1 in line 5"):
+        import_table(path)
+    path = written(tmp_path, "t [s],theta [deg]\n0.0,1\n,2.5\n0.1,3\n")
+    with pytest.raises(ll.InputError, match="time is missing in line 3"):
+        import_table(path)
+
+
 @pytest.mark.parametrize(
     "text, columns, said",
     [
         ("", None, "is empty"),
         ("t,theta\n", None, "no rows of numbers"),
-        ("0,1\n1,2\n", None, "no names above"),
+        ("0,1.5\n1,2\n", None, "no names above"),
         ("t,theta\n0,1\n1,2\n", None, "the unit of column 't' is missing"),
         ("t,theta\n0,1\n1,2\n", {"angle_1": "theta [rad]"}, "which column is the time"),
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle_1": "phi [rad]"}, "no column 'phi'; it"),
@@ -122,8 +230,8 @@ def test_angles_from_the_x_axis_and_gaps_are_understood(tmp_path):
         ("t,theta\n0,1\n1,2\n", {"time": "t [s]", "angle": "theta [rad]"}, "no column 'angle'"),
         ("t [ms],theta\n0,1\n1,2\n", {"time": "t [s]"}, r"is in \[ms\] itself"),
         ("t,t\n0,1\n1,2\n", {"time": "t [s]"}, "2 columns 't'"),
-        ("t,theta\n0,1\n1,2\nx,3\n", {"time": "t [s]"}, "row 3 of column"),
-        ("t,theta\n0,1\n1\n", {"time": "t [s]"}, "row 2 has 1 cells"),
+        ("t,theta\n0,1\n1,2\nx,3\n", {"time": "t [s]"}, "line 4 of column"),
+        ("t,theta\n0,1\n1\n", {"time": "t [s]"}, "line 3 has 1 cell"),
         ("t,theta\n0,1\n0,2\n", {"time": "t [s]"}, "time must increase strictly"),
         ("t,x\n0,1\n1,2\n", {"time": "t [s]", "ball_1_x": "x [m]"}, "its other coordinate"),
         (

@@ -182,15 +182,48 @@ def test_the_names_of_columns_may_carry_their_units():
 
 
 @pytest.mark.parametrize(
+    "text, encoding",
+    [
+        ("drive_amplitude [mm];frequency_ratio;class\n12,5;1,95;weak\n20;2;strong\n;;\n", "utf-8"),
+        ("drive_amplitude;frequency_ratio;class\n12,5 mm;1,95;weak\n20 mm;2;strong\n", "utf-16"),
+        ("Drive amplitude (mm)\tFrequency_ratio\tCLASS\n12.5\t1.95\tweak\n20\t2\tStrong", "ascii"),
+    ],
+)  # fmt: skip
+def test_trial_tables_are_read_like_other_tables(tmp_path, text, encoding):
+    path = tmp_path / "mine.txt"
+    path.write_bytes(text.encode(encoding))
+    trials = read_trials(path)
+    assert trials.drive_amplitude.values.tolist() == [0.0125, 0.02]
+    assert trials.frequency_ratio.values.tolist() == [1.95, 2.0]
+    assert trials["class"].values.tolist() == ["weak", "strong"]
+
+
+def test_bare_millimetres_and_hertz_are_asked_about(tmp_path):
+    path = tmp_path / "mine.csv"
+    path.write_text("drive_amplitude,drive_frequency,class\n12.5,10.4,strong\n")
+    with pytest.raises(ll.InputError, match=r"would be 12.5 m in line 2.*\[mm\]"):
+        read_trials(path)
+    text = "drive_amplitude [mm],drive_frequency{},length [cm],class\n12.5,1.654,36.3,strong\n"
+    path.write_text(text.format(""))
+    with pytest.raises(ll.InputError, match=r"slower than half.*\[Hz\]"):
+        read_trials(path)
+    path.write_text(text.format(" [Hz]"))
+    assert read_trials(path).frequency_ratio.values == pytest.approx([2.0], abs=2e-3)
+
+
+@pytest.mark.parametrize(
     "text, words",
     [
-        ("", "holds no columns"),
+        ("", "is empty"),
         ("a,b\n1,2\n", "needs the columns drive_amplitude"),
-        ("drive_amplitude,frequency_ratio,class\n", "needs rows|needs the columns"),
-        ("drive_amplitude,frequency_ratio,class\n0.02,2,loud\n", "class must be 'none'"),
-        ("drive_amplitude,frequency_ratio,class\n0.02 s,2,weak\n", "trial 1"),
+        ("drive_amplitude,frequency_ratio,class\n", "has no rows of numbers"),
+        (
+            "drive_amplitude,frequency_ratio,class\n0.02,2,loud\n",
+            "trial 1 in line 2: class must be 'none'",
+        ),
+        ("drive_amplitude,frequency_ratio,class\n0.02 s,2,weak\n", "trial 1 in line 2"),
         ("drive_amplitude,frequency_ratio,class\n-0.02,2,weak\n", "must be positive"),
-        ("drive_amplitude,frequency_ratio,class\n0.02,2\n", "2 cells below 3"),
+        ("drive_amplitude,frequency_ratio,class\n0.02,2\n", "line 2 has 2 cells below 3 names"),
         ("drive_amplitude,frequency_ratio\n0.02,2\n", "without class"),
     ],
 )

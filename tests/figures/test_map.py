@@ -195,9 +195,12 @@ def test_trials_are_placed_on_the_map_and_those_outside_are_counted(grid, tmp_pa
 @pytest.mark.parametrize(
     "text, message",
     [
-        ("drive_amplitude,class\n1,weak\n", "must have the columns"),
-        ("drive_amplitude,frequency_ratio,class\n1,2,wild\n", "class of trial 1 of .*, got 'wild'"),
-        ("drive_amplitude,frequency_ratio,class\nx,2,weak\n", "trial 1 of .*drive_amplitude must"),
+        ("drive_amplitude,class\n1,weak\n", "needs the columns"),
+        (
+            "drive_amplitude,frequency_ratio,class\n1,2,wild\n",
+            "line 2: class .*, got 'wild'",
+        ),
+        ("drive_amplitude,frequency_ratio,class\nx,2,weak\n", "trial 1 in line 2: drive_amp"),
     ],
 )
 def test_a_bad_table_of_trials_is_refused_by_row(grid, tmp_path, text, message):

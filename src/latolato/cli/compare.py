@@ -80,7 +80,7 @@ def compare(
     scenario or a fit the response curves and their peaks.
     """
     from latolato.experiment.compare import compare as find
-    from latolato.experiment.track_table import read_table
+    from latolato.experiment.importing import read_measured
     from latolato.experiment.trial_table import read_trials
 
     targets = Targets(output, plot)
@@ -99,7 +99,7 @@ def compare(
         names = ", ".join(f"--{name}" for name, value in unfit.items() if value is not None)
         raise InputError(f"{names} does not belong to this comparison")
     options |= {name: _si(name, value) for name, value in own.items() if value is not None}
-    measured = read_table(table) if table is not None else read_trials(Path(str(trials)))
+    measured = read_measured(table) if table is not None else read_trials(Path(str(trials)))
     dataset = find(measured, computed, drive, **options)
     files = [str(path) for path in targets.write(dataset)]
     print_summary(summarise(dataset) | {"files": files}, lines_of(dataset), as_json=as_json)

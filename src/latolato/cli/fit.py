@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,13 +15,11 @@ from latolato.cli.output import Targets, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from latolato.core.parameters import Parameter
     from latolato.experiment.fits.registry import FitKind
     from latolato.experiment.fits.result import Fit
 
-TableArgument = Annotated[Path, typer.Argument(help="Track table: .csv, .parquet or .nc.")]
+TableArgument = Annotated[Path, typer.Argument(help="Track table, or another program's.")]
 
 
 class FitGroup(RegistryGroup):
@@ -50,9 +49,13 @@ class FitGroup(RegistryGroup):
             as_json: JsonOption = False,
             **values: Any,
         ) -> None:
+            from latolato.experiment.importing import read_measured
+
             targets = Targets(output, plot)
             targets.check("the result of a fit")
-            measured = read(table, columns_of(column))
+            measured = read_measured(table, columns_of(column))
+            if measured.attrs.get("assumed"):
+                print(f"latolato: {measured.attrs['assumed']}", file=sys.stderr)
             result = kind.function(measured, **arguments_of(kind, own, values))
             files = [str(path) for path in targets.write(result.dataset)]
             print_summary(result.to_dict() | {"files": files}, lines_of(result), as_json=as_json)
@@ -64,14 +67,6 @@ class FitGroup(RegistryGroup):
             if option.owner in ("run", "noise") or option.name in own or not has_laws
         ]
         return command_of(name, kind.function, fit, own, without=unfit)
-
-
-def read(path: Path, columns: Mapping[str, str] | None) -> xr.Dataset:
-    """Return a track table, or convert another program's table if its columns are named."""
-    from latolato.experiment.importing import import_table
-    from latolato.experiment.track_table import read_table
-
-    return import_table(path, columns) if columns else read_table(path)
 
 
 def arguments_of(

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +14,9 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
 from latolato.core.registry import checked_choice, checked_number, suggest
-from latolato.experiment.track_table import column_names, track_table
+from latolato.experiment.track_table import column_names, read_table, track_table
+from latolato.io.tables.source import Section, SourceColumn, SourceTable, read_source
+from latolato.io.tables.units import IN_OTHERS, canonical, units_like
 from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
@@ -24,35 +24,41 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-# What people call the columns, in small letters and without units; used where no column is named.
+# What people call the columns, in small letters and without units; used where none is named.
 _USUAL = {
-    "time": ("t", "time"),
-    "angle_1": ("theta", "angle", "θ", "angle_1"),
-    "ball_1_x": ("x", "ball_1_x"),
-    "ball_1_y": ("y", "ball_1_y"),
+    "time": ("t", "time", "zeit", "seconds_elapsed", "time since start", "position_t"),
+    "angle": ("theta", "angle", "θ", "θr", "phi", "φ", "winkel", "angle_1"),
+    "x": ("x", "position_x", "ball_1_x"),
+    "y": ("y", "position_y", "ball_1_y"),
 }
+_FRAMES = ("frame", "frames", "frame number", "frame no", "image", "slice", "bild")
+# Tracks that are the pivot and not a ball.
+_PIVOTS = ("pivot", "suspension", "hand", "support", "aufhängung")
 # What may be imported: the table's numbers.
 TARGETS = tuple(n for n in column_names(2) if n != "frame" and not n.startswith("flag"))
-_WITH_UNIT = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
+_PLACES = tuple(name for name in TARGETS if name.endswith(("_x", "_y")))
 # What a gyroscope measures; it becomes the angle.
 _RATE = "angular_velocity_1"
-# Files beyond this size are taken for mistakes [bytes].
-_LARGEST = 500_000_000
+# The line of a CSV that says it is a track table, and how far down it may stand.
+_MARK, _HEADER_LINES = ["#", "table:", "track"], 200
 
 
-@dataclass(frozen=True)
-class _Text:
-    """A text table: names of its columns, and rows of cells."""
+@dataclass
+class _Import:
+    """What is asked of a file, and what had to be assumed."""
 
-    names: list[str]
-    columns: list[list[str]]
-    decimal_comma: bool
+    section: Section
+    columns: dict[str, tuple[SourceColumn, str]]
+    notes: list[str] = field(default_factory=list)
 
 
 def import_table(
     path: str | Path,
     columns: Mapping[str, str] | None = None,
     *,
+    section: str | None = None,
+    decimal: str | None = None,
+    frame_rate: float | None = None,
     length: float | None = None,
     radius: float | None = None,
     pivot: Sequence[float] | None = None,
@@ -60,25 +66,34 @@ def import_table(
     y_axis: str = "up",
     angle_sigma: float | None = None,
 ) -> xr.Dataset:
-    """Return a track table from a text file of another program.
+    """Return a track table from a file of another program.
 
     Parameters
     ----------
     path : str or Path
-        A table of numbers below a line of names, with cells separated by tabs, semicolons,
-        commas or blanks. Further lines above, and comments, are skipped; numbers may have decimal
-        commas unless commas separate the cells.
+        A table as text, as a spreadsheet or in an archive. Delimiter, decimal sign, encoding,
+        header and units are found from the whole file; see
+        `latolato.io.tables.source.read_source`.
     columns : mapping of str to str, optional
         For each column of the track table, the column of the file:
-        ``{"time": "t [s]", "angle_1": "theta [deg]"}``.
-        The unit is given in brackets, here or in the file's own names, as in
-        "Time (s)". By default columns called t, theta, x and y are used. Instead of an angle
-        you may give ``angular_velocity_1``, a gyroscope's rate about the axis of the swing.
+        ``{"time": "t [s]", "angle_1": "theta [deg]"}``. A column is named as in the file, with its
+        track if several have the name (``"right ball/x"``), or by its position (``"1 [s]"``). The
+        unit is given in brackets, here or in the file. By default columns called t, theta, x and y
+        are used. Instead of an angle you may give ``angular_velocity_1``, a gyroscope's rate about
+        the axis of the swing.
+    section : str, optional
+        Which table of the file, if it holds several: the title of the section, the sheet, the
+        member of the archive, or a run beside others.
+    decimal : {".", ","}, optional
+        The decimal sign, needed only where the file leaves it open.
+    frame_rate : float, optional
+        Frames per second [1/s], if the column for the time holds frame numbers. Missing numbers
+        stay gaps.
     length, radius : float, optional
         Pivot to ball centre and the ball's radius [m], kept with the table.
     pivot : pair of float, optional
-        Position of the pivot in the file's coordinates [m], if angles come from positions and the
-        file has no pivot.
+        Position of the pivot in the file's coordinates, if angles come from positions and the
+        file has no pivot: in m, or in pixels if the positions are in pixels.
     angle_from : {"down", "right"}
         Direction from which the file counts angles, counter-clockwise: "right" is the x axis.
     y_axis : {"up", "down"}
@@ -90,46 +105,60 @@ def import_table(
     -------
     xarray.Dataset
         A track table, see `latolato.experiment.track_table`. Angles are computed from positions
-        where the file has none; cells without a number are NaN and flagged lost.
+        where the file has none; cells without a number are NaN and flagged lost. Angles are
+        unwrapped, and whole turns are taken off. Its attribute ``recognised`` says what the file
+        is, ``imported`` which columns were read, and ``assumed`` what the file does not state.
 
     Raises
     ------
     InputError
-        For missing or duplicate columns, missing or unsuitable units, cells that are not numbers,
-        times that do not increase, and positions without a pivot.
+        For files without a table, numbers that could be read in two ways, missing or duplicate
+        columns, missing or unsuitable units, cells that are not numbers, times that do not
+        increase, and positions without a pivot; with the line of the file where there is one.
     OSError
         If the file cannot be read.
+
+    Notes
+    -----
+    Positions in pixels give angles only, since nothing says how long a pixel is.
     """
     path = Path(path)
     checked_choice("angle_from", angle_from, ("down", "right"))
     checked_choice("y_axis", y_axis, ("up", "down"))
-    if not path.is_file():
-        raise FileNotFoundError(f"there is no file '{path}'")
+    if frame_rate is not None:
+        frame_rate = checked_number("frame_rate", frame_rate, POSITIVE, "1/s")
+    source = read_source(path, decimal=decimal)
     with reading(path):
-        if path.stat().st_size > _LARGEST:
-            raise InputError(f"it is larger than {_LARGEST // 1_000_000} MB", way_out="cut it")
-        raw = path.read_bytes()
-        text = _split(raw)
-        mapping = _usual(text.names) if columns is None else dict(columns)
-        if "time" not in mapping:
-            raise InputError("which column is the time?", way_out="name it, as in time = 't [s]'")
-        series = {target: _column(text, target, name) for target, name in mapping.items()}
-        if y_axis == "down":
-            series = {name: -v if name.endswith("_y") else v for name, v in series.items()}
-            pivot = None if pivot is None else (pivot[0], -pivot[1])
+        part = _chosen(source, section)
+        mapping = _usual(part, has_rate=frame_rate is not None) if columns is None else columns
+        asked = _asked(part, mapping)
+        asked.notes += source.notes
+        series = _series(asked, frame_rate, decimal)
+        _turn_y_up(series, y_axis)
+        if pivot is not None:
+            pivot = _checked_pivot(series, pivot, y_axis)
         if _RATE in series:
-            if "angle_1" in series:
-                raise InputError(f"give angle_1 or {_RATE}, not both")
             series["angle_1"] = _integrated(series["time"], series.pop(_RATE))
+        stated = [name for name in ("angle_1", "angle_2") if name in series]
         _place_angles(series, pivot, angle_from)
+        for name in stated:
+            series[name] = _near_zero(name, series[name], asked.notes)
+        _leave_out_pixels(series, asked)
+        _ask_about_directions(series, stated, asked.notes)
         for ball in (1, 2):
             if angle_sigma is not None and f"angle_{ball}" in series:
                 sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
                 series.setdefault(f"angle_sigma_{ball}", np.full(len(series["time"]), sigma))
         attributes: dict[str, Any] = {
             "source": path.name,
-            "source_sha256": hashlib.sha256(raw).hexdigest(),
-            "imported": "; ".join(f"{target} = {name}" for target, name in mapping.items()),
+            "source_sha256": hashlib.sha256(path.read_bytes()).hexdigest(),
+            "recognised": source.about,
+            "imported": "; ".join(
+                f"{name} = {column.path}" + (f" [{unit}]" if unit else "")
+                for name, (column, unit) in asked.columns.items()
+            ),
+            "assumed": "; ".join(asked.notes) or None,
+            "section": section,
         }
         if length is not None:
             attributes["length"] = checked_number("length", length, POSITIVE, "m")
@@ -138,146 +167,301 @@ def import_table(
         return track_table(series, attributes)
 
 
-def _split(raw: bytes) -> _Text:
-    """Return the cells of a text table below its line of names."""
-    if not raw.strip():
-        raise InputError("it is empty")
-    for encoding in ("utf-8-sig", "utf-16" if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else "cp1252"):
-        try:
-            lines = raw.decode(encoding).splitlines()
-            break
-        except UnicodeDecodeError:
-            continue
-    else:
-        raise InputError("it is not a text file; save it as UTF-8 text")
-    if "\0" in lines[0]:
-        raise InputError("it is not a text file; save it as UTF-8 text")
-    for delimiter in ("\t", ";", ",", None):
-        rows = _rows(lines, delimiter)
-        body = next((i for i, row in enumerate(rows) if _is_numbers(row, delimiter)), None)
-        if body is not None:
-            break
-    else:
-        raise InputError("it has no rows of numbers below a line of column names")
-    width = len(rows[body])
-    while body > 0 and _is_sparse(rows[body - 1], width, delimiter):
-        body -= 1
-    named = [row for row in rows[:body] if len(row) == width and any(row)]
-    if not named:
-        raise InputError(
-            f"it has no names above its {width} columns: add a header line such as 't [s]'"
-        )
-    names = [name.strip().lstrip("#%").strip().strip('"') for name in named[-1]]
-    numbers = [row for row in rows[body:] if any(row)]
-    for i, row in enumerate(numbers):
-        if len(row) != width:
-            raise InputError(f"row {i + 1} has {len(row)} cells, but there are {width} names")
-    return _Text(names, [list(cells) for cells in zip(*numbers, strict=True)], delimiter != ",")
+def read_measured(path: str | Path, columns: Mapping[str, str] | None = None) -> xr.Dataset:
+    """Return the track table in a file, or the one that another program's table gives.
+
+    Parameters
+    ----------
+    path : str or Path
+        A track table (``.csv``, ``.parquet``, ``.nc``) or anything that `import_table` reads.
+    columns : mapping of str to str, optional
+        As for `import_table`.
+
+    Raises
+    ------
+    InputError, OSError
+        As `read_table` and `import_table`.
+    """
+    path = Path(path)
+    is_own = columns is None and (
+        path.suffix.lower() in (".nc", ".parquet") or is_track_file(path) or not path.is_file()
+    )
+    return read_table(path) if is_own else import_table(path, columns)
 
 
-def _rows(lines: list[str], delimiter: str | None) -> list[list[str]]:
-    """Return the cells of every line."""
-    if delimiter is None:
-        return [line.split() for line in lines]
-    return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
-
-
-def _is_numbers(row: list[str], delimiter: str | None) -> bool:
-    """Return whether a row holds at least two numbers and nothing but numbers and empty cells."""
-    known = [_number(cell, delimiter != ",") for cell in row if cell]
-    return len(known) >= 2 and None not in known
-
-
-def _is_sparse(row: list[str], width: int, delimiter: str | None) -> bool:
-    """Return whether a row above the numbers is one of them, with all cells empty but one."""
-    known = [_number(cell, delimiter != ",") for cell in row if cell]
-    return len(row) == width and len(known) == 1 and known[0] is not None
-
-
-def _number(cell: str, decimal_comma: bool) -> float | None:
-    """Return a cell's number, None if it holds something else."""
-    plain = cell.strip('"').replace(",", ".") if decimal_comma else cell.strip('"')
+def is_track_file(path: Path) -> bool:
+    """Return whether the header of a text file says that it is a track table."""
     try:
-        return float(plain) if plain else float("nan")
-    except ValueError:
-        return float("nan") if plain.lower() in ("-", "na", "n/a", "none", "null") else None
+        with path.open(encoding="utf-8-sig", errors="replace") as file:
+            head = [line for line, _ in zip(file, range(_HEADER_LINES), strict=False)]
+    except OSError:
+        return False
+    return any(line.startswith("#") and line.split() == _MARK for line in head)
 
 
-def _name_and_unit(name: str) -> tuple[str, str]:
-    """Return a column's name and its unit, which may be empty."""
-    match = _WITH_UNIT.fullmatch(name)
-    if match is None:
-        return name.strip(), ""
-    unit = match["square"] if match["square"] is not None else match["round"]
-    return match["name"].strip(), unit.strip()
+def _chosen(source: SourceTable, name: str | None) -> Section:
+    """Return the section that is asked for, or the columns of one run beside others."""
+    first = source.sections[0]
+    if len(source.sections) > 1 or name in (None, first.name):
+        return source.section(name)
+    runs = _runs(first)
+    if name not in runs:
+        raise InputError(
+            f"it has no section '{name}'",
+            way_out=suggest(str(name), runs) if runs else "leave it out: the file is one table",
+        )
+    return replace(first, columns=tuple(c for c in first.columns if c.track in ("", name)))
 
 
-def _usual(names: list[str]) -> dict[str, str]:
-    """Return the columns that are called as usual."""
-    plain = {_name_and_unit(name)[0].lower(): name for name in reversed(names)}
-    mapping = {
-        target: next(plain[word] for word in words if word in plain)
-        for target, words in _USUAL.items()
-        if any(word in plain for word in words)
+def _runs(section: Section) -> list[str]:
+    """Return the tracks that have a time of their own."""
+    return [c.track for c in section.columns if c.track and _is_called(c, _USUAL["time"])]
+
+
+def _is_called(column: SourceColumn, names: Sequence[str]) -> bool:
+    """Return whether a column has one of some names."""
+    return any(each.lower() in names for each in (column.name, *column.aliases))
+
+
+def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
+    """Return the columns that are called as usual: of one ball, or of two tracks.
+
+    Raises
+    ------
+    InputError
+        If the time or everything else is missing, or there are several runs or too many tracks.
+    """
+    runs = _runs(section)
+    if len(runs) > 1:
+        raise InputError(
+            f"it holds {len(runs)} runs beside each other: {', '.join(runs)}",
+            way_out=f"choose one, as in section = '{runs[0]}'",
+        )
+    usual = _FRAMES if has_rate else _USUAL["time"]
+    time = next((c for c in section.columns if _is_called(c, usual)), None)
+    if time is None and any(_is_called(c, _FRAMES) for c in section.columns):
+        raise InputError("it has frame numbers and no time", way_out="give frame_rate in 1/s")
+    by_track: dict[str, dict[str, str]] = {}
+    for column in section.columns:
+        for what in ("angle", "x", "y"):
+            if column.kind != "texts" and _is_called(column, _USUAL[what]):
+                by_track.setdefault(column.track, {}).setdefault(what, str(column.position))
+    whole = {
+        track: found for track, found in by_track.items() if "angle" in found or len(found) == 2
     }
-    if "angle_1" in mapping:
-        mapping = {k: v for k, v in mapping.items() if k in ("time", "angle_1")}
-    if "time" not in mapping or len(mapping) < 2:
-        raise InputError(f"name its columns, as in time = 't [s]'; it has {', '.join(names)}")
+    mapping = {} if time is None else {"time": str(time.position)}
+    balls = [track for track in whole if track.lower() not in _PIVOTS]
+    balls.sort(key=lambda track: ("left" in track.lower()) - ("right" in track.lower()))
+    if len(balls) > 2:
+        raise InputError(
+            f"it has {len(balls)} tracks: {', '.join(balls)}",
+            way_out=f"name the columns of one or two, as in ball_1_x = '{balls[0]}/x'",
+        )
+    for ball, track in enumerate(balls, start=1):
+        found = whole[track]
+        names = {"angle": f"angle_{ball}"} if "angle" in found else {
+            "x": f"ball_{ball}_x", "y": f"ball_{ball}_y"
+        }  # fmt: skip
+        mapping |= {name: found[what] for what, name in names.items()}
+    for track in whole.keys() - set(balls):
+        if "x" in whole[track]:
+            mapping |= {"pivot_x": whole[track]["x"], "pivot_y": whole[track]["y"]}
+    if time is None or not balls:
+        listed = ", ".join(column.path for column in section.columns)
+        if not any(column.name for column in section.columns):
+            raise InputError(
+                f"it has no names above its {len(section.columns)} columns",
+                way_out="name them by position, as in time = '1 [s]'",
+            )
+        raise InputError(
+            f"it is not clear which columns are meant; it has {listed}",
+            way_out="name its columns, as in time = 't [s]'",
+        )
     return mapping
 
 
-def _column(text: _Text, target: str, column: str) -> Floats:
-    """Return a column of the file in SI units."""
-    if target not in (*TARGETS, _RATE):
-        known = [*TARGETS, _RATE]
-        raise InputError(f"a track table has no column '{target}': {suggest(target, known)}")
-    index, unit = _locate(text.names, column)
+def _asked(section: Section, mapping: Mapping[str, str]) -> _Import:
+    """Return the columns that a mapping names, with their units.
+
+    Raises
+    ------
+    InputError
+        For a missing time, unknown names, and columns that are not in the file.
+    """
+    if "time" not in mapping:
+        raise InputError("which column is the time?", way_out="name it, as in time = 't [s]'")
+    known = [*TARGETS, _RATE]
+    for target in mapping:
+        if target not in known:
+            raise InputError(
+                f"a track table has no column '{target}'", way_out=suggest(target, known)
+            )
+    if _RATE in mapping and "angle_1" in mapping:
+        raise InputError(f"give angle_1 or {_RATE}, not both")
+    asked = _Import(section, {name: section.column(text) for name, text in mapping.items()})
+    for column, unit in asked.columns.values():
+        if column.unit_from and unit == column.unit:
+            asked.notes.append(f"{column.label} is in [{unit}], from {column.unit_from}")
+    return asked
+
+
+def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> dict[str, Floats]:
+    """Return the columns in SI units, or in pixels, of the rows that have a time."""
+    names = list(asked.columns)
+    values, notes = asked.section.numbers(
+        [column for column, _ in asked.columns.values()], decimal=decimal
+    )
+    asked.notes += notes
+    series = dict(zip(names, values, strict=True))
+    lines = asked.section.lines
+    has_time = np.isfinite(series["time"])
+    has_more = np.zeros(len(has_time), dtype=bool)
+    for name in names:
+        has_more |= np.isfinite(series[name]) & (name != "time")
+    lost = np.flatnonzero(has_more & ~has_time)
+    if lost.size:
+        raise InputError(
+            f"the time is missing in line {lines[lost[0]]}", way_out="complete or remove that line"
+        )
+    if not has_time.any():
+        raise InputError(f"column {asked.columns['time'][0].label} holds no numbers")
+    if not has_time.all():
+        count = int((~has_time).sum())
+        asked.notes.append(f"{count} row{'s' * (count != 1)} without numbers left out")
+        series = {name: each[has_time] for name, each in series.items()}
+        lines = lines[has_time]
+    falls = np.flatnonzero(np.diff(series["time"]) <= 0.0)
+    if falls.size:
+        at = int(falls[0])
+        raise InputError(
+            f"must increase strictly, above {series['time'][at]:g} in line {lines[at + 1]}",
+            parameter="time",
+            value=float(series["time"][at + 1]),
+            way_out="sort the rows, remove repeats, or cut the file where a new run begins",
+        )
+    _convert(asked, series, frame_rate)
+    return series
+
+
+def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None) -> None:
+    """Convert columns to SI units; positions may stay in pixels."""
+    column, unit = asked.columns["time"]
+    is_whole = bool(np.all(series["time"] == np.floor(series["time"])))
+    if frame_rate is not None:
+        if unit not in ("", "1") or not is_whole:
+            raise InputError(
+                f"column {column.label} holds no frame numbers, which a frame rate needs",
+                way_out="name the column of frame numbers as time, or leave out frame_rate",
+            )
+        series["frame"] = series["time"]
+        series["time"] = series["time"] / frame_rate
+        asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
+    elif unit == "1" or (is_whole and _is_called(column, _FRAMES)):
+        raise InputError(
+            f"column {column.label} holds frame numbers, not times",
+            way_out="give frame_rate in 1/s",
+        )
+    pixels = [n for n in asked.columns if n in _PLACES and asked.columns[n][1] == "px"]
+    others = [n for n in asked.columns if n in _PLACES and n not in pixels]
+    if pixels and others:
+        raise InputError(
+            f"{pixels[0]} is in pixels, but {others[0]} is not",
+            way_out="use one unit for positions",
+        )
+    for name, (column, unit) in asked.columns.items():
+        if name in pixels or (name == "time" and frame_rate is not None):
+            continue
+        series[name] = _factor(name, column, unit) * series[name]
+
+
+def _factor(target: str, column: SourceColumn, unit: str) -> float:
+    """Return the SI value of a column's unit."""
     quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
+    usual = [each for each in units_like(canonical(quantity.unit) or "") if each != "1"]
+    if target in _PLACES:
+        usual.append("px")
     if not unit:
         raise InputError(
-            f"the unit of column '{column}' is missing; write it in brackets, as in "
-            f"{target} = '{column} [{quantity.unit}]'"
+            f"the unit of column {column.label} is missing",
+            way_out=f"write it in brackets, as in {target} = '{column.path} [{quantity.unit}]'; "
+            f"it may be {', '.join(usual)}",
         )
     try:
-        factor = to_si(target, f"1 {unit}", quantity.unit)
+        return float(to_si(target, IN_OTHERS.get(unit, f"1 {unit}"), quantity.unit))
     except InputError:
         raise InputError(
-            f"column '{column}' is in [{unit}], which is not a unit of {target} [{quantity.unit}]"
+            f"column {column.label} is in [{unit}], which is not a unit of {target}",
+            way_out=f"it may be {', '.join(usual)}",
         ) from None
-    numbers = []
-    for row, cell in enumerate(text.columns[index]):
-        number = _number(cell, text.decimal_comma)
-        if number is None:
-            raise InputError(f"row {row + 1} of column '{column}' holds {cell!r}")
-        numbers.append(number)
-    values: Floats = factor * np.array(numbers)
-    return values
 
 
-def _locate(names: list[str], column: str) -> tuple[int, str]:
-    """Return the place and the unit of the column that `column` means, with its unit or without."""
-    name, unit = _name_and_unit(column)
-    matches = [i for i, each in enumerate(names) if each == column]
-    if not matches:
-        matches = [i for i, each in enumerate(names) if each == name]
-    if not matches:
-        matches = [i for i, each in enumerate(names) if _name_and_unit(each)[0] == name]
-    if not matches:
-        known = ", ".join(names)
-        raise InputError(f"it has no column '{name}'; it has {known}")
-    if len(matches) > 1:
-        raise InputError(f"it has {len(matches)} columns '{name}': rename them")
-    own = _name_and_unit(names[matches[0]])[1]
-    if unit and own and unit != own:
-        raise InputError(f"column '{name}' is in [{own}] itself, not in [{unit}]")
-    return matches[0], unit or own
+def _turn_y_up(series: dict[str, Floats], y_axis: str) -> None:
+    """Let y increase upwards."""
+    if y_axis == "down":
+        for name in series:
+            if name.endswith("_y"):
+                series[name] = -series[name]
+
+
+def _checked_pivot(
+    series: Mapping[str, Floats], pivot: Sequence[float], y_axis: str
+) -> tuple[float, float]:
+    """Return a pivot given as numbers, with y upwards."""
+    if len(pivot) != 2:
+        raise InputError("must be two numbers x, y", parameter="pivot", value=pivot)
+    if "pivot_x" in series or "pivot_y" in series:
+        raise InputError("give the pivot either as numbers or as columns, not both")
+    return float(pivot[0]), float(pivot[1]) * (-1.0 if y_axis == "down" else 1.0)
+
+
+def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
+    """Return an angle that the file states without jumps of a turn and without whole turns."""
+    unwrapped = _unwrapped(angle)
+    known = unwrapped[np.isfinite(unwrapped)]
+    if not known.size:
+        return angle
+    changed = np.abs(unwrapped - angle)
+    if np.nanmax(changed) > np.pi:
+        notes.append(f"jumps of a whole turn removed from {name}")
+    # A swing lies about its median; a ball that goes round is counted from where it begins.
+    middle = np.median(known) if np.ptp(known) < 2.0 * np.pi else known[0]
+    turns = round(float(middle) / (2.0 * np.pi))
+    if turns == 0:
+        return unwrapped
+    notes.append(f"{turns} whole turn{'s' * (abs(turns) != 1)} taken off {name}")
+    result: Floats = unwrapped - 2.0 * np.pi * turns
+    return result
+
+
+def _leave_out_pixels(series: dict[str, Floats], asked: _Import) -> None:
+    """Leave out positions in pixels, which have served for angles."""
+    if any(unit == "px" for _, unit in asked.columns.values()):
+        for name in _PLACES:
+            series.pop(name, None)
+        asked.notes.append("positions are in pixels without a scale, so only angles are kept")
+
+
+def _ask_about_directions(
+    series: Mapping[str, Floats], stated: Sequence[str], notes: list[str]
+) -> None:
+    """Note balls that are above their pivot most of the time."""
+    for name in ("angle_1", "angle_2"):
+        angle = series.get(name)
+        if angle is None or not np.isfinite(angle).any():
+            continue
+        if abs(float(np.nanmedian(angle))) > 0.5 * np.pi:
+            question = (
+                "is it counted from the x axis (angle_from = 'right')?"
+                if name in stated
+                else "does y point down (y_axis = 'down')?"
+            )
+            notes.append(f"{name} is above the pivot in most rows: {question}")
 
 
 def _place_angles(
-    columns: dict[str, Floats], pivot: Sequence[float] | None, angle_from: str
+    columns: dict[str, Floats], pivot: tuple[float, float] | None, angle_from: str
 ) -> None:
-    """Put the origin at the mean pivot and add the angles that positions tell."""
+    """Put the origin at the mean pivot and add the angles that follow from positions."""
     for ball in (1, 2):
         if f"angle_{ball}" in columns and angle_from == "right":
             columns[f"angle_{ball}"] = columns[f"angle_{ball}"] + 0.5 * np.pi
@@ -287,17 +471,13 @@ def _place_angles(
         if len(half) == 1:
             raise InputError(f"{half.pop()} needs its other coordinate too")
     if pivot is not None:
-        if len(pivot) != 2:
-            raise InputError("must be two numbers x, y [m]", parameter="pivot", value=pivot)
-        if "pivot_x" in columns or "pivot_y" in columns:
-            raise InputError("give the pivot either as numbers or as columns, not both")
-        columns["pivot_x"] = np.full(len(columns["time"]), float(pivot[0]))
-        columns["pivot_y"] = np.full(len(columns["time"]), float(pivot[1]))
+        for axis, value in zip("xy", pivot, strict=True):
+            columns[f"pivot_{axis}"] = np.full(len(columns["time"]), value)
     if placed and not {"pivot_x", "pivot_y"} <= columns.keys():
         if any(f"angle_{b}" not in columns for b in placed):
             raise InputError(
-                "angles from positions need the pivot: give pivot = (x, y) in m, or its "
-                "columns pivot_x and pivot_y"
+                "angles from positions need the pivot",
+                way_out="give pivot = (x, y), or its columns pivot_x and pivot_y",
             )
         return
     for axis in ("x", "y"):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,8 @@ from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.io.tables.source import SourceColumn
 
 SUFFIXES = (".csv", ".nc")
 # By the number that sweeps give them.
@@ -49,6 +52,10 @@ COLUMN_UNITS = {
     name: None if name in TEXTS else QUANTITIES[name].unit if name in QUANTITIES else "1"
     for name in COLUMNS
 }
+# Columns that had other names when earlier tables were written.
+_FORMER = {"stabilised_angle": "largest_angle_after_transient"}
+# Beyond these, numbers without a unit are taken for mm and Hz [m, 1].
+_LARGEST_AMPLITUDE, _SMALLEST_RATIO = 1.0, 0.5
 # Amplitudes of one set differ by less than this share, or by so many standard deviations.
 _SAME, _SAME_SIGMAS = 0.04, 4.0
 
@@ -261,37 +268,75 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     return path
 
 
-def read_trials(path: str | Path, *, gravity: float | None = None) -> xr.Dataset:
-    """Return the trial table in a CSV or NetCDF file.
+def read_trials(
+    path: str | Path, *, gravity: float | None = None, decimal: str | None = None
+) -> xr.Dataset:
+    """Return the trial table in a file.
 
-    A CSV needs a line of column names; cells may carry units (``12 mm``, ``95 deg``), or names
-    (``drive_amplitude [mm]``), and lines that begin with ``#`` are comments. Columns that do not
-    belong to a trial table are ignored.
+    Any table that `latolato.io.tables.source.read_source` reads, with columns named as in
+    `COLUMNS`, or NetCDF. Cells may carry units (``12 mm``, ``95 deg``), or names
+    (``drive_amplitude [mm]``). Columns that do not belong to a trial table are ignored.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    gravity : float, optional
+        Gravitational acceleration [m/s^2]; by default that of the file, or 9.8.
+    decimal : {".", ","}, optional
+        The decimal sign, where the file leaves it open.
 
     Raises
     ------
     InputError
-        For an unknown suffix, missing columns, cells that are not numbers (naming the row), and
-        anything `trial_table` refuses.
+        For files without a table, missing columns, cells that are not numbers (with trial and
+        line), amplitudes and frequencies without a unit that look like mm and Hz, and anything
+        `trial_table` refuses.
     OSError
         If the file cannot be read.
     """
-    from latolato.io.files import check_readable, load
+    from latolato.io.column_files import attribute_of
+    from latolato.io.files import load
+    from latolato.io.tables.source import read_source
 
     path = Path(path)
-    suffix = check_readable(path, SUFFIXES, "the name of a trial table")
-    with reading(path):
-        if suffix == ".nc":
+    if path.suffix.lower() == ".nc":
+        with reading(path):
             return checked_trials(load(path))
-        try:
-            text = path.read_text(encoding="utf-8-sig")
-        except UnicodeDecodeError:
-            raise InputError("it is not a text file; save the trials as UTF-8 CSV") from None
-        return parse_trials(text, gravity=gravity)
+    source = read_source(path, decimal=decimal)
+    with reading(path):
+        section = source.section()
+        header = dict(map(attribute_of, source.comments))
+        chosen: dict[str, SourceColumn] = {}
+        for column in section.columns:
+            name = "_".join(column.name.lower().split())
+            if name in (*COLUMNS, *_FORMER) and column.kind != "empty":
+                chosen.setdefault(name, column)
+        measured = [name for name in chosen if COLUMN_UNITS.get(name) is not None]
+        plain = section.quantities([chosen[name] for name in measured], decimal=decimal)
+        numbers = dict(zip(measured, plain, strict=True))
+        cells = {
+            (name, column.unit.removeprefix("1")): numbers.get(name) or section.texts(column)
+            for name, column in chosen.items()
+        }
+        lines = section.lines.tolist()
+        for trial, kind in enumerate(cells.get(("class", ""), ()), start=1):
+            try:
+                checked_choice("class", kind.strip().lower(), CLASSES)
+            except InputError as error:
+                raise InputError(f"trial {trial} in line {lines[trial - 1]}: {error}") from None
+        trials = _trials_of(
+            cells, header, gravity, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
+        )
+        if header.get("table") != _KIND:
+            _ask_about_units(trials, cells, lines)
+        return trials
 
 
 def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
-    """Return the trial table that the text of a CSV holds; see `read_trials`.
+    """Return the trial table that the text of a CSV holds, in the form that `write_trials` writes.
+
+    The *Map* page reads the same form; `read_trials` reads all others too.
 
     Examples
     --------
@@ -301,21 +346,33 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     ([0.012], 'strong')
     """
     from latolato.io.column_files import parse_columns
-    from latolato.scenario.units import to_si
 
     parts, header = parse_columns(text)
-    headings = {name_and_unit(heading): values for heading, (values, _) in parts.items()}
-    if "stabilised_angle" in parts:  # as tables were written before
-        raise InputError(
-            "the column stabilised_angle is now called largest_angle_after_transient",
-            way_out="rename it, and its _sigma",
-        )
+    cells = {name_and_unit(heading): list(values) for heading, (values, _) in parts.items()}
+    return _trials_of(cells, header, gravity, lambda trial: f"trial {trial}")
+
+
+def _trials_of(
+    cells: Mapping[tuple[str, str], list[str]],
+    header: Mapping[str, Any],
+    gravity: float | None,
+    place: Callable[[int], str],
+) -> xr.Dataset:
+    """Return the trial table in cells below names and units; `place` names a trial by its row."""
+    from latolato.scenario.units import to_si
+
+    for former in _FORMER:
+        if any(name == former for name, _ in cells):
+            raise InputError(
+                f"the column {former} is now called {_FORMER[former]}",
+                way_out="rename it, and its _sigma",
+            )
     columns: dict[str, Any] = {}
-    for (name, written), values in headings.items():
-        cells = [f"{value.strip()} {written}".strip() if value.strip() else "" for value in values]
-        if name in COLUMNS and any(cells):
+    for (name, written), values in cells.items():
+        texts = [f"{value.strip()} {written}".strip() if value.strip() else "" for value in values]
+        if name in COLUMNS and any(texts):
             unit = COLUMN_UNITS[name]
-            columns[name] = cells if unit is None else _numbers(name, cells, unit)
+            columns[name] = texts if unit is None else _numbers(name, texts, unit, place)
     attributes = {}
     if gravity is None and "gravity" in header:
         gravity = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
@@ -324,27 +381,46 @@ def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
     return trial_table(columns, attributes)
 
 
+def _ask_about_units(
+    trials: xr.Dataset, cells: Mapping[tuple[str, str], list[str]], lines: list[int]
+) -> None:
+    """Refuse amplitudes and frequencies that look like mm and Hz but state no unit."""
+    bare = {
+        name
+        for (name, unit), values in cells.items()
+        if not unit and all(re.fullmatch(r"[-+.\deE]*", value.strip()) for value in values)
+    }
+    amplitude = trials["drive_amplitude"].values
+    if "drive_amplitude" in bare and float(np.median(amplitude)) > _LARGEST_AMPLITUDE:
+        raise InputError(
+            f"drive_amplitude has no unit and would be {amplitude[0]:g} m in line {lines[0]}",
+            way_out="if it is in mm, call the column 'drive_amplitude [mm]'; if not, '[m]'",
+        )
+    ratio = trials["frequency_ratio"].values
+    known = ratio[np.isfinite(ratio)]
+    if "drive_frequency" in bare and known.size and float(known.max()) < _SMALLEST_RATIO:
+        raise InputError(
+            f"drive_frequency has no unit, and in rad/s all drives would be slower than half the "
+            f"natural frequency (at most {known.max():.3g} of it)",
+            way_out="if it is in Hz, call the column 'drive_frequency [Hz]'; if not, '[rad/s]'",
+        )
+
+
 def is_trial_table(path: str | Path) -> bool:
     """Return whether a file looks like a trial table: its header, or columns of one."""
-    path = Path(path)
-    if path.suffix.lower() == ".nc":
-        from latolato.io.files import load
+    from latolato.io.files import load
+    from latolato.io.tables.source import read_source
 
-        try:
-            return bool(load(path).attrs.get("table") == _KIND)
-        except (OSError, InputError):
-            return False
-    if path.suffix.lower() != ".csv":
-        return False
+    path = Path(path)
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            for line in file:
-                if line.startswith("#"):
-                    continue
-                return "drive_amplitude" in {name_and_unit(cell)[0] for cell in line.split(",")}
-    except (OSError, UnicodeDecodeError):
+        if path.suffix.lower() == ".nc":
+            return bool(load(path).attrs.get("table") == _KIND)
+        if path.suffix.lower() == ".parquet":
+            return False
+        first = read_source(path).sections[0]
+    except (OSError, InputError):
         return False
-    return False
+    return any("_".join(c.name.lower().split()) == "drive_amplitude" for c in first.columns)
 
 
 def _values(name: str, column: Any) -> Any:
@@ -368,7 +444,7 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _numbers(name: str, cells: list[str], unit: str) -> list[float]:
+def _numbers(name: str, cells: list[str], unit: str, place: Callable[[int], str]) -> list[float]:
     """Return the numbers in a column's cells, which may have units."""
     from latolato.scenario.units import to_si
 
@@ -377,5 +453,5 @@ def _numbers(name: str, cells: list[str], unit: str) -> list[float]:
         try:
             values.append(float(to_si(name, cell, unit)) if cell else math.nan)
         except InputError as error:
-            raise InputError(f"trial {number}: {error}") from None
+            raise InputError(f"{place(number)}: {error}") from None
     return values

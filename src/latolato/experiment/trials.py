@@ -274,12 +274,11 @@ def _stem(path: Path) -> tuple[Path, str]:
 
 def _is_track(path: Path) -> bool:
     """Return whether a file says that it is a track table."""
+    from latolato.experiment.importing import is_track_file
     from latolato.experiment.track_table import read_table
 
     if path.suffix.lower() == ".csv":
-        with path.open(encoding="utf-8-sig", errors="replace") as file:
-            head = [line for line, _ in zip(file, range(200), strict=False) if line[0] == "#"]
-        return any(line.split() == ["#", "table:", "track"] for line in head)
+        return is_track_file(path)
     try:
         read_table(path)
     except (InputError, OSError):
@@ -311,13 +310,13 @@ def _row(
     file: Any, of_trial: Mapping[str, Any], of_video: Mapping[str, Any]
 ) -> dict[str, Any] | str:
     """Return the row of one file, or the reason why there is none."""
-    from latolato.experiment.track_table import read_table
+    from latolato.experiment.importing import read_measured
 
     try:
         table = file
         if isinstance(file, Path):
             is_video = file.suffix.lower() in VIDEOS
-            table = _tracked(file, of_video) if is_video else read_table(file)
+            table = _tracked(file, of_video) if is_video else read_measured(file)
         row = trial_of(table, **of_trial)
     except Exception as error:
         return line_of(error).removeprefix(f"{file}: ")

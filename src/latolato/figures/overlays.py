@@ -11,9 +11,8 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
-from latolato.io.shown_units import name_and_unit
-from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -241,16 +240,22 @@ def _line(axes: Axes, x: Any, y: Any, text: str, dashes: Any) -> Any:
 def draw_points(axes: Axes, context: Context, path: str | Path) -> list[Any]:
     """Draw the trials of a file and return their legend entries."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    trials = read_trials(Path(path), context.natural_frequency)
+    trials = read_trials(path)
+    plain = trials["drive_frequency"].values
+    # On an axis of ratios: in natural frequencies of the measured toy where they are known.
+    by_ratio = trials["frequency_ratio"].values * context.natural_frequency
+    is_plain = "drive_frequency" in (context.x, context.y)
+    first, second = (plain, by_ratio) if is_plain else (by_ratio, plain)
+    frequency = np.where(np.isfinite(first), first, second)
     handles = []
     for name, (marker, colour) in TRIALS.items():
-        rows = [(a, w) for a, w, kind in trials if kind == name]
-        if not rows:
+        chosen = trials["class"].values == name
+        count = int(chosen.sum())
+        if not count:
             continue
-        amplitude, frequency = np.array(rows).T
-        x, y = context.place(amplitude, frequency)
+        x, y = context.place(trials["drive_amplitude"].values[chosen], frequency[chosen])
         outside = int(np.sum((x < left) | (x > right) | (y < bottom) | (y > top)))
-        text = f"trial, {name}" + (f" ({outside} of {len(rows)} outside)" if outside else "")
+        text = f"trial, {name}" + (f" ({outside} of {count} outside)" if outside else "")
         handles.append(
             axes.scatter(
                 x,
@@ -267,52 +272,3 @@ def draw_points(axes: Axes, context: Context, path: str | Path) -> list[Any]:
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     return handles
-
-
-def read_trials(path: Path, natural_frequency: float) -> list[tuple[float, float, str]]:
-    """Return amplitude [m], frequency [rad/s] and class of every trial in a CSV file.
-
-    Raises
-    ------
-    InputError
-        For missing columns, unknown classes and what is no number, naming the row.
-    """
-    import csv
-
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(
-            f"'{path}' is not a text file", way_out="save the trials as UTF-8 CSV"
-        ) from None
-    table = csv.DictReader(line for line in text.splitlines() if line.strip() and line[0] != "#")
-    units = {"drive_amplitude": "m", "drive_frequency": "rad/s", "frequency_ratio": "1"}
-    headings = dict(map(name_and_unit, table.fieldnames or ()))
-    columns = list(headings)
-    table.fieldnames = columns
-    frequency = next((name for name in FREQUENCIES if name in columns), None)
-    if not {"drive_amplitude", "class"} <= set(columns) or frequency is None:
-        raise InputError(
-            f"'{path}' must have the columns drive_amplitude, class and one of "
-            f"{', '.join(FREQUENCIES)}",
-            value=columns,
-        )
-    trials = []
-    for number, row in enumerate(table, start=1):
-        kind = (row["class"] or "").strip().lower()
-        if kind not in TRIALS:
-            raise InputError(
-                f"{{parameter}} of trial {number} of '{path}' must be one of {', '.join(TRIALS)}",
-                parameter="class",
-                value=kind,
-            )
-        try:
-            a, w = (
-                float(to_si(name, f"{row[name] or ''} {headings[name]}", units[name]))
-                for name in ("drive_amplitude", frequency)
-            )
-        except InputError as error:
-            error.where = f"trial {number} of '{path}'"
-            raise
-        trials.append((a, w * natural_frequency if frequency == "frequency_ratio" else w, kind))
-    return trials

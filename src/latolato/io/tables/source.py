@@ -1,0 +1,553 @@
+"""What a file of another program holds, as one value that a page can show."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.core.errors import InputError, reading
+from latolato.core.registry import checked_choice, suggest
+from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
+from latolato.io.tables.container import LARGEST, Part, read_parts
+from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
+from latolato.io.tables.kinds import kind_of_file
+from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
+from latolato.io.tables.numbers import (
+    DECIMALS,
+    Floats,
+    is_comma_both,
+    numbers_of,
+    other_delimiter,
+    plain_text,
+    signs_of,
+)
+from latolato.io.tables.units import canonical, is_known
+
+# The sheet or member that a program's export keeps the measurement in.
+_MAIN = ("raw data",)
+
+
+@dataclass(frozen=True)
+class SourceColumn:
+    """A column of a file.
+
+    Attributes
+    ----------
+    position : int
+        Counted from 1.
+    name : str
+        Without unit and track, "" if the file has none.
+    unit : str
+        As this package spells it, or as written; "" if the file has none.
+    track : str
+        The object or run to which it belongs, "" for all of them.
+    written : str
+        The cell of the header.
+    aliases : tuple of str
+        Other names that the file has for it.
+    kind : {"numbers", "texts", "empty"}
+        What its cells hold.
+    unit_from : str
+        What the unit was inferred from, "" if it is stated.
+    """
+
+    position: int
+    name: str
+    unit: str
+    track: str
+    written: str
+    aliases: tuple[str, ...]
+    kind: str
+    unit_from: str
+
+    @property
+    def path(self) -> str:
+        """Track and name, such as ``right ball/x``; the position if there is no name."""
+        if not self.name:
+            return str(self.position)
+        return f"{self.track}/{self.name}" if self.track else self.name
+
+    @property
+    def label(self) -> str:
+        """The path in quotes for messages."""
+        return f"'{self.path}'" if self.name else f"{self.position}"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A table in a file: columns and rows.
+
+    Attributes
+    ----------
+    name : str
+        Its title, its sheet or its number; "" if it has none and is the only one.
+    columns : tuple of SourceColumn
+    lines : array of int, shape (row,)
+        The line of the file in which each row stands.
+    comments : tuple of str
+        The comments above the rows, without their marks.
+    """
+
+    name: str
+    columns: tuple[SourceColumn, ...]
+    lines: NDArray[np.int32]
+    comments: tuple[str, ...]
+    _layout: Layout = field(repr=False)
+    _block: Block = field(repr=False)
+
+    @property
+    def tracks(self) -> list[str]:
+        """The objects or runs that columns belong to, in their order."""
+        return [each for each in dict.fromkeys(c.track for c in self.columns) if each]
+
+    def column(self, name: str) -> tuple[SourceColumn, str]:
+        """Return the column that a text means, and the unit that the text or the file states.
+
+        Parameters
+        ----------
+        name : str
+            The name in the file, with or without the unit in brackets, after the track if several
+            have the name, or the position: ``"t [s]"``, ``"right ball/x"``, ``"1 [s]"``.
+
+        Raises
+        ------
+        InputError
+            If there is no such column or there are several, and if the units contradict.
+        """
+        base, unit = _base_and_unit(name)
+        column = self._found(name, base, unit)
+        if not unit:
+            return column, column.unit
+        if column.unit and not column.unit_from and unit != column.unit:
+            raise InputError(f"column {column.label} is in [{column.unit}] itself, not in [{unit}]",
+                             way_out=f"write [{column.unit}], or change the file")  # fmt: skip
+        return column, unit
+
+    def _found(self, name: str, base: str, unit: str) -> SourceColumn:
+        """Return the only column that fits best."""
+
+        def names(column: SourceColumn) -> set[str]:
+            known = {column.name, column.path, *column.aliases}
+            return known | {f"{column.track}/{each}" for each in column.aliases if column.track}
+
+        searches = (
+            lambda c: c.written == name,
+            lambda c: c.written == base,
+            lambda c: base in names(c) and unit in ("", c.unit),
+            lambda c: base in names(c),
+            lambda c: base.lower() in {each.lower() for each in names(c)},
+            lambda c: base == str(c.position),
+        )
+        for search in searches:
+            found = [column for column in self.columns if search(column)]
+            if len(found) == 1:
+                return found[0]
+            if found:
+                places = ", ".join(str(column.position) for column in found)
+                tracked = next((c.path for c in found if c.track), None)
+                way_out = f"name one by its position ({places})"
+                if tracked and len({c.path for c in found}) == len(found):
+                    way_out += f" or its track, as in '{tracked}'"
+                raise InputError(f"it has {len(found)} columns '{base}'", way_out=way_out)
+        known = [column.path for column in self.columns]
+        if not any(column.name for column in self.columns):
+            raise InputError(
+                f"it has no column '{base}', for it has no names above its {len(known)} columns",
+                way_out="name columns by position, as in '1 [s]'",
+            )
+        raise InputError(f"it has no column '{base}'; it has {', '.join(known)}")
+
+    def numbers(
+        self, columns: Sequence[SourceColumn], *, decimal: str | None = None
+    ) -> tuple[list[Floats], list[str]]:
+        """Return columns as numbers, NaN where a cell is empty, and what was assumed.
+
+        Parameters
+        ----------
+        columns : sequence of SourceColumn
+        decimal : {".", ","}, optional
+            The decimal sign, where the file leaves it open.
+
+        Returns
+        -------
+        list of array of float, shape (row,)
+            In the units of the file.
+        list of str
+            Sentences about signs that group thousands.
+
+        Raises
+        ------
+        InputError
+            For cells that are not numbers, with line and column, and for numbers that could be
+            read in two ways.
+        """
+        for column in columns:
+            if column.kind == "texts":
+                example = self.texts(column, rows=1)
+                raise InputError(
+                    f"column {column.label} holds texts such as '{''.join(example)[:40]}'",
+                    way_out="name a column of numbers",
+                )
+        places = [column.position - 1 for column in columns]
+        wanted = list(dict.fromkeys(places))
+        values, signs = numbers_of(self._layout, self._block, wanted, decimal, self._label)
+        notes = []
+        if signs.thousands is not None:
+            sign = {".": "points", ",": "commas"}[signs.thousands]
+            notes.append(f"{sign} group thousands, '{signs.decimal}' is the decimal sign")
+        return [values[place] for place in places], notes
+
+    def quantities(
+        self, columns: Sequence[SourceColumn], *, decimal: str | None = None
+    ) -> list[list[str]]:
+        """Return columns whose cells may carry units as texts with points as decimal signs.
+
+        Parameters
+        ----------
+        columns : sequence of SourceColumn
+        decimal : {".", ","}, optional
+            The decimal sign, where the file leaves it open.
+
+        Raises
+        ------
+        InputError
+            For numbers that could be read in two ways.
+        """
+        places = [column.position - 1 for column in columns]
+        signs = signs_of(self._layout, places, decimal, self._label)
+        return [[plain_text(cell, signs) for cell in self.texts(column)] for column in columns]
+
+    def _label(self, place: int) -> str:
+        """Return the name of a column, counted from 0, for messages."""
+        labels = {column.position - 1: column.label for column in self.columns}
+        return labels.get(place, str(place + 1))
+
+    def texts(self, column: SourceColumn, rows: int | None = None) -> list[str]:
+        """Return the cells of a column as written, of all rows or the first ones."""
+        return [row[column.position - 1] for row in self.cells(rows)]
+
+    def cells(self, rows: int | None = None) -> list[list[str]]:
+        """Return the cells of all rows, or of the first ones, as written."""
+        width = len(self._layout.columns)
+        parted = []
+        for index in self._block.rows[:rows]:
+            cells = split(self._layout.lines.line(int(index)), self._layout.delimiter)
+            parted.append((cells + [""] * width)[:width])
+        return parted
+
+
+@dataclass(frozen=True)
+class SourceTable:
+    """What was recognised in a file.
+
+    Attributes
+    ----------
+    kind : str
+        The program whose export it is: "Tracker export"; "table" for others.
+    sections : tuple of Section
+        At least one.
+    encoding, delimiter : str
+        As words: "utf-8", "semicolons".
+    notes : tuple of str
+        What was left out or inferred, as sentences.
+    comments : tuple of str
+        The comments above the first rows, without their marks.
+    """
+
+    kind: str
+    sections: tuple[Section, ...]
+    encoding: str
+    delimiter: str
+    notes: tuple[str, ...]
+    comments: tuple[str, ...]
+
+    @property
+    def about(self) -> str:
+        """One line that says what was recognised.
+
+        Such as ``Tracker export, two tracks: right ball, left ball``.
+        """
+        words = [self.kind]
+        first = self.sections[0]
+        if len(self.sections) > 1:
+            names = ", ".join(section.name for section in self.sections)
+            words.append(f"{_counted(len(self.sections), 'section')}: {names}")
+        elif first.tracks:
+            words.append(f"{_counted(len(first.tracks), 'track')}: {', '.join(first.tracks)}")
+        if not any(column.name for column in first.columns):
+            words.append("no names")
+        return ", ".join(words)
+
+    def section(self, name: str | None = None) -> Section:
+        """Return a section by its name or its number from 1; by default the only one.
+
+        Raises
+        ------
+        InputError
+            If there are several and none is named, or none has the name.
+        """
+        names = [section.name for section in self.sections]
+        if name is None:
+            if len(names) == 1:
+                return self.sections[0]
+            raise InputError(
+                f"it holds {len(names)} tables: {', '.join(names)}",
+                way_out=f"choose one, as in section = '{names[0]}'",
+            )
+        if name in names:
+            return self.sections[names.index(name)]
+        if name.isdigit() and 0 < int(name) <= len(names):
+            return self.sections[int(name) - 1]
+        raise InputError(f"it has no section '{name}'", way_out=suggest(name, names))
+
+    def to_dict(self, rows: int = 5) -> dict[str, Any]:
+        """Return everything but the body as plain values, for JSON.
+
+        Parameters
+        ----------
+        rows : int
+            How many rows of each section to include, as written.
+
+        Returns
+        -------
+        dict
+            ``kind``, ``about``, ``encoding``, ``delimiter``, ``notes`` and ``sections``. A section
+            has its ``name``, ``tracks``, ``rows`` (their number), ``first_line`` and ``last_line``
+            of the file, ``first_rows`` (lists of texts, with their ``line_numbers``) and
+            ``columns``, each of which has the attributes of `SourceColumn`.
+        """
+        return {
+            "kind": self.kind,
+            "about": self.about,
+            "encoding": self.encoding,
+            "delimiter": self.delimiter,
+            "notes": list(self.notes),
+            "sections": [
+                {
+                    "name": section.name,
+                    "tracks": section.tracks,
+                    "rows": len(section.lines),
+                    "first_line": int(section.lines[0]),
+                    "last_line": int(section.lines[-1]),
+                    "first_rows": section.cells(rows),
+                    "line_numbers": section.lines[:rows].tolist(),
+                    "columns": [
+                        {**vars(column), "aliases": list(column.aliases), "path": column.path}
+                        for column in section.columns
+                    ],
+                }
+                for section in self.sections
+            ],
+        }
+
+
+def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
+    """Return what a file of another program holds.
+
+    Delimiter, header, units and sections are found from all lines of the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A text table in any usual encoding, such a table in a ``.gz`` or ``.zip`` archive, or a
+        spreadsheet (``.xls``, ``.xlsx``, ``.ods``).
+    decimal : {".", ","}, optional
+        The decimal sign, where the file leaves it open.
+
+    Raises
+    ------
+    InputError
+        For files without a table, with what they are instead; for rows with a wrong number of
+        cells; and where commas both separate cells and could be decimal signs.
+        For a spreadsheet, if the extra `tables` is missing.
+    OSError
+        If the file cannot be read.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no file '{path}'")
+    with reading(path):
+        if path.stat().st_size > LARGEST:
+            raise InputError(f"it is larger than {LARGEST // 1_000_000} MB", way_out="cut it")
+        return parse_source(path.read_bytes(), path.name, decimal=decimal)
+
+
+def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> SourceTable:
+    r"""Return what the bytes of a file hold; see `read_source`.
+
+    Examples
+    --------
+    >>> table = parse_source(b"t (s);theta (deg)\n0,00;12,5\n0,02;12,4\n")
+    >>> [(column.name, column.unit) for column in table.sections[0].columns]
+    [('t', 's'), ('theta', 'deg')]
+    """
+    if decimal is not None:
+        checked_choice("decimal", decimal, DECIMALS)
+    parts = read_parts(name, raw)
+    tables: dict[str, tuple[Part, list[Section], str, list[str]]] = {}
+    refusals: list[InputError] = []
+    for part in parts:
+        try:
+            tables[part.name] = (part, *_sections_of(part, decimal))
+        except InputError as error:
+            if len(parts) > 1:
+                error.where = error.where or part.name
+            refusals.append(error)
+    if not tables:
+        raise refusals[0]
+    notes: list[str] = []
+    main = [each for each in tables if Path(each).stem.lower() in _MAIN]
+    if len(tables) > 1 and len(main) == 1:
+        others = ", ".join(each for each in tables if each != main[0])
+        notes.append(f"read '{main[0]}', not {others}")
+        tables = {main[0]: tables[main[0]]}
+    sections: list[Section] = []
+    for part, found, _, own_notes in tables.values():
+        notes += [f"{part.name}: {note}" if part.name else note for note in own_notes]
+        for section in found:
+            title = ": ".join(filter(None, (part.name if len(tables) > 1 else "", section.name)))
+            sections.append(replace(section, name=title))
+    first, _, kind, _ = next(iter(tables.values()))
+    return SourceTable(
+        kind=kind if len(tables) == 1 else "tables",
+        sections=tuple(sections),
+        encoding=first.encoding,
+        delimiter=delimiter_name(sections[0]._layout.delimiter),
+        notes=tuple(notes),
+        comments=sections[0].comments,
+    )
+
+
+def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, list[str]]:
+    """Return the sections of a text, the kind of its export, and notes."""
+    known = {"delimiter": "\t", "decimal": "."} if part.is_sheet else {}
+    layout = layout_of(part.text, **known)
+    lines = layout.lines
+    header_lines = [
+        [HeaderLine(lines.line(i), is_comment(lines.line(i))) for i in block.header]
+        for block in layout.blocks
+    ]
+    width = max(_names_width(layout, each) for each in header_lines)
+    headers = [header_of(header_lines[0], width, layout.delimiter)]
+    headers += [
+        later_header(each, width, layout.delimiter, headers[0]) for each in header_lines[1:]
+    ]
+    named = headers[0].named
+    if decimal != "." and is_comma_both(layout, named):
+        _refuse_comma(layout, named)
+    if layout.delimiter == BLANKS and 0 < named < layout.width:
+        raise InputError(
+            f"it has {named} names above {layout.width} columns that blanks separate",
+            way_out="write names without blanks, or export it with semicolons or tabs",
+        )
+    other = other_delimiter(layout)
+    if other is not None and not (headers[0].is_own and named == layout.width):
+        first = int(layout.blocks[0].rows[0])
+        raise InputError(
+            f"its rows could be separated by {delimiter_name(layout.delimiter)} or "
+            f"{delimiter_name(other)}: line {lines.numbers[first]} is '{lines.line(first)[:40]}'",
+            way_out="export it with semicolons or tabs",
+        )
+    kind, units = kind_of_file(
+        [line.text for line in header_lines[0]], [each.name for each in headers[0].headings]
+    )
+    sections: list[Section] = []
+    for number, (block, header) in enumerate(zip(layout.blocks, headers, strict=True), start=1):
+        headings = header.headings if header.named else headers[0].headings
+        columns = tuple(
+            _column_of(layout, place, heading, units) for place, heading in enumerate(headings)
+        )
+        name = header.title
+        if len(layout.blocks) > 1:
+            taken = {section.name for section in sections}
+            name = name if name and name not in taken else f"{number}"
+        own = header_lines[number - 1]
+        comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
+        numbers = lines.numbers[block.rows]
+        sections.append(Section(name, columns, numbers, comments, layout, block))
+    return sections, kind, list(layout.notes)
+
+
+def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
+    """Return the number of columns: those that hold something, and empty ones that have a name.
+
+    Raises
+    ------
+    InputError
+        If the line above the rows has more names than the rows have cells.
+    """
+    widths = [layout.width]
+    for line in header:
+        cells = [] if line.is_comment else split(line.text, layout.delimiter)
+        while cells and not cells[-1]:
+            cells.pop()
+        if len(cells) <= len(layout.columns):
+            widths.append(len(cells))
+        elif line is header[-1] and layout.delimiter != BLANKS and all(cells):
+            first = layout.lines.numbers[layout.blocks[0].rows[0]]
+            raise InputError(
+                f"line {first} has {len(layout.columns)} cells below {len(cells)} names",
+                way_out="complete the rows, or remove names without a column",
+            )
+    return max(widths)
+
+
+def _refuse_comma(layout: Layout, named: int) -> None:
+    """Raise the error for a comma that could be both delimiter and decimal sign."""
+    first = int(layout.blocks[0].rows[0])
+    shown = layout.lines.line(first)
+    below = f"{named} names" if named else "no names"
+    raise InputError(
+        f"the comma seems to be delimiter and decimal sign at once, or to group thousands: line "
+        f"{layout.lines.numbers[first]} is '{shown[:40]}' below {below}",
+        way_out="export it with semicolons or tabs, or with decimal points; if its numbers are "
+        "whole, give decimal = '.'",
+    )
+
+
+def _column_of(
+    layout: Layout, place: int, heading: Heading, units: Mapping[str, tuple[str, str]]
+) -> SourceColumn:
+    """Return a column with what header, cells and the kind of the export say about it."""
+    cells = layout.columns[place]
+    held = cells.counts.keys() - {"empty", "missing"}
+    kind = "texts" if cells.is_text else "numbers" if held else "empty"
+    unit, unit_from = heading.unit, heading.unit_from
+    if not unit and heading.name in units:
+        unit, unit_from = units[heading.name]
+    return SourceColumn(
+        position=place + 1,
+        name=heading.name,
+        unit=unit,
+        track=heading.track,
+        written=heading.written,
+        aliases=heading.aliases,
+        kind=kind,
+        unit_from=unit_from,
+    )
+
+
+def _base_and_unit(text: str) -> tuple[str, str]:
+    """Return what a caller calls a column, and the unit in brackets after it."""
+    match = re.fullmatch(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", text.strip())
+    if not match or not match[1]:
+        return text.strip(), ""
+    unit = match[2] if match[2] is not None else match[3]
+    if match[2] is None and not is_known(unit):
+        return text.strip(), ""
+    return match[1].strip(), canonical(unit) or unit.strip()
+
+
+def _counted(count: int, noun: str) -> str:
+    """Return a number of things in words."""
+    words = ("no", "one", "two", "three", "four", "five", "six")
+    number = words[count] if count < len(words) else str(count)
+    return f"{number} {noun}{'s' * (count != 1)}"

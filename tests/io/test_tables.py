@@ -1,0 +1,477 @@
+"""Exports of the programs of a laboratory are recognised and read, or refused with the cause."""
+
+import gzip
+import io
+import json
+import zipfile
+
+import numpy as np
+import pytest
+
+from latolato.core.errors import InputError
+from latolato.io.tables.source import parse_source
+
+TRACKER = "\tpendulum A\t\t\nt\tx\ty\t\n0.000\t1.25E-1\t-3.41E-1\n0.033\t1.19E-1\t-3.43E-1\n"
+TWO_TRACKS = (
+    "#multi:\n\tright ball\t\tleft ball\t\t\t\nt\tx\ty\tx\ty\t\n"
+    "0.000\t12.5\t-34.1\t-11.0\t-33.9\n0.033\t11.9\t-34.3\t-11.4\t-33.7\n"
+)
+OLD_TRACKER = "cm_A\nt\tx\ty\n0.000000000E0\t1.25E1\t-3.41E1\n3.3E-2\t1.19E1\t-3.43E1\n"
+COMMA_TRACKER = ",mass A,,,\nt,frame,x,y,\n0.0E0,1.2E2,-3.5E0,4.1E0,\n3.3E-2,1.21E2,-3.4E0,4.2E0,\n"
+VERNIER = (
+    "Vernier Format 2\nswing.cmbl 3/10/2026 12:13:14 .\nRun 1\nTime\tAngle\nT\tθ\ns\trad\n\n"
+    "0\t0.40\n0.05\t0.38\n"
+)
+VERNIER_CSV = "Latest: Time (s),Latest: Angle (rad)\n0,0.4\n0.05,0.38\n"
+DATA_SETS = (
+    "Data Set 1:Time(s),Data Set 1:Angle(rad),Data Set 2:Time(s),Data Set 2:Angle(rad)\n"
+    "0,0.4,0,0.3\n0.05,0.38,0.05,0.29\n0.1,0.35,,\n"
+)
+LABCHART = (
+    "Interval=\t0.01 s\nExcelDateTime=\t4.63E+04\t3/10/26 11:08:37.48\nTimeFormat=\tStartOfBlock\n"
+    "DateFormat=\t\nChannelTitle=\tAngle\tPivot\nRange=\t10.000 V\t10.000 V\nUnitName=\tdeg\tmm\n"
+    "{0}\t22.9\t0.1\n{0}.01\t22.8\t0.2\t#* released\n"
+)
+CAPSTONE = (
+    '"Time (s) Run #1","Angle (rad) Run #1","Time (s) Run #2","Angle (rad) Run #2"\n'
+    "0.000,0.400,0.000,0.380\n0.050,0.390,0.050,0.370\n,,0.100,0.350\n"
+)
+TRACKMATE = (
+    "LABEL,ID,TRACK_ID,POSITION_X,POSITION_Y,POSITION_T,FRAME\n"
+    "Label,Spot ID,Track ID,X,Y,T,Frame\nLabel,Spot ID,Track ID,X,Y,T,Frame\n"
+    ",,,(micron),(micron),(sec),\nID1,1,0,11.5,21.0,0.0,0\nID2,2,0,11.9,20.5,0.04,1\n"
+)
+KINOVEA = (
+    "#Kinovea Trajectory data export\n#T X Y\n\n# Trajectory 1\n"
+    "0 866.00 320.00\n33.4 847.00 321.00\n"
+    "\n# My left ball\n0 412.00 318.00\n33.4 431.00 319.00\n"
+)
+PHYPHOX = (
+    '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)"\n'
+    "4.9E-3,-2.16E-1,1.0E-2\n1.5E-2,-2.10E-1,NaN\n"
+)
+ANDROSENSOR = (
+    "SATELLITES,TIME SINCE START (ms),DATE (YYYY-MO-DD HH-MI-SS_SSS),GYROSCOPE X (rad/s)\n"
+    "18 / 19,5,2026-10-03 09:13:29:506,0.25\n18 / 19,15,2026-10-03 09:13:29:516,0.26\n"
+)
+SENSOR_LOGGER = "time,seconds_elapsed,z,y,x\n1718030736872695300,0.0707,-0.32,0.15,0.67\n"
+
+
+def source(text, encoding="utf-8", **options):
+    return parse_source(text.encode(encoding), **options)
+
+
+def numbers(section):
+    columns = [column for column in section.columns if column.kind == "numbers"]
+    values, _ = section.numbers(columns)
+    return {column.path: each.tolist() for column, each in zip(columns, values, strict=True)}
+
+
+@pytest.mark.parametrize(
+    "text, about, columns",
+    [
+        (
+            TRACKER,
+            "Tracker export, one track: pendulum A",
+            "t [s], pendulum A/x [m], pendulum A/y [m]",
+        ),
+        (
+            TWO_TRACKS,
+            "Tracker export, two tracks: right ball, left ball",
+            "t [s], right ball/x [m], right ball/y [m], left ball/x [m], left ball/y [m]",
+        ),
+        (OLD_TRACKER, "Tracker export, one track: cm_A", "t [s], cm_A/x [m], cm_A/y [m]"),
+        (
+            COMMA_TRACKER,
+            "Tracker export, one track: mass A",
+            "t [s], frame, mass A/x [m], mass A/y [m]",
+        ),
+        (VERNIER, "Vernier text", "Time [s], Angle [rad]"),
+        (VERNIER_CSV, "Vernier table, one track: Latest", "Latest/Time [s], Latest/Angle [rad]"),
+        (
+            DATA_SETS,
+            "Vernier table, two tracks: Data Set 1, Data Set 2",
+            "Data Set 1/Time [s], Data Set 1/Angle [rad], Data Set 2/Time [s], "
+            "Data Set 2/Angle [rad]",
+        ),
+        (LABCHART.format(43), "LabChart export", "Time [s], Angle [deg], Pivot [mm]"),
+        (
+            CAPSTONE,
+            "Capstone export, two tracks: Run #1, Run #2",
+            "Run #1/Time [s], Run #1/Angle [rad], Run #2/Time [s], Run #2/Angle [rad]",
+        ),
+        (
+            TRACKMATE,
+            "TrackMate export",
+            "LABEL, ID, TRACK_ID, POSITION_X [um], POSITION_Y [um], POSITION_T [s], FRAME",
+        ),
+        (PHYPHOX, "phyphox export", "Time [s], Gyroscope x [rad/s], Gyroscope y [rad/s]"),
+        (
+            ANDROSENSOR,
+            "AndroSensor recording",
+            "SATELLITES, TIME SINCE START [ms], DATE (YYYY-MO-DD HH-MI-SS_SSS), "
+            "GYROSCOPE X [rad/s]",
+        ),
+        (SENSOR_LOGGER, "Sensor Logger recording", "time [ns], seconds_elapsed [s], z, y, x"),
+    ],
+)
+def test_exports_are_recognised_with_their_columns_and_units(text, about, columns):
+    found = source(text)
+    assert found.about == about
+    (section,) = found.sections
+    shown = [c.path + (f" [{c.unit}]" if c.unit else "") for c in section.columns]
+    assert ", ".join(shown) == columns
+
+
+def test_numbers_of_exports_are_those_in_the_file():
+    assert numbers(source(TWO_TRACKS).section()) == {
+        "t": [0.0, 0.033],
+        "right ball/x": [12.5, 11.9],
+        "right ball/y": [-34.1, -34.3],
+        "left ball/x": [-11.0, -11.4],
+        "left ball/y": [-33.9, -33.7],
+    }
+    assert numbers(source(VERNIER).section()) == {"Time": [0.0, 0.05], "Angle": [0.4, 0.38]}
+    assert numbers(source(TRACKMATE).section())["POSITION_X"] == [11.5, 11.9]
+    assert numbers(source(LABCHART.format(43)).section())["Pivot"] == [0.1, 0.2]
+    runs = numbers(source(CAPSTONE).section())
+    np.testing.assert_array_equal(runs["Run #1/Angle"], [0.4, 0.39, np.nan])
+    assert runs["Run #2/Angle"] == [0.38, 0.37, 0.35]
+
+
+def test_names_of_several_header_lines_are_all_known():
+    section = source(TRACKMATE).section()
+    for name in ("POSITION_X", "X", "X [um]", "4", "4 [um]"):
+        column, unit = section.column(name)
+        assert (column.position, unit) == (4, "um")
+    section = source(VERNIER).section()
+    assert section.column("θ")[0] is section.column("Angle (rad)")[0]
+
+
+def test_sections_below_each_other_keep_titles_columns_and_lines():
+    found = source(KINOVEA)
+    assert found.about == "Kinovea export, two sections: Trajectory 1, My left ball"
+    assert [section.lines.tolist() for section in found.sections] == [[5, 6], [9, 10]]
+    assert numbers(found.section("My left ball")) == {
+        "T": [0.0, 33.4],
+        "X": [412.0, 431.0],
+        "Y": [318.0, 319.0],
+    }
+    with pytest.raises(InputError, match=r"holds 2 tables: Trajectory 1, My left ball; choose one"):
+        found.section()
+    blocks = source(LABCHART.format(43) + LABCHART.format(88))
+    assert [numbers(section)["Time"] for section in blocks.sections] == [
+        [43.0, 43.01],
+        [88.0, 88.01],
+    ]
+
+
+@pytest.mark.parametrize(
+    "head, delimiter",
+    [
+        ("# t theta\n", " "),
+        ("# t, theta\n", " "),
+        ("#t\ttheta\n", " "),
+        ("% t [s] theta [rad]\n", " "),
+        ("Time (s)   Angle (rad)\n", "   "),
+        ("t;theta;\n", ";"),
+        ("t,theta,,\n", ","),
+        ("sep=;\nt;theta\n", ";"),
+        ('"Time\n(s)","Angle\n(rad)"\n', ","),
+        ("swing of Monday\n\nt | theta\n", "|"),
+        ("t,theta\n# measured twice\n", ","),
+    ],
+)
+def test_names_are_found_above_the_numbers(head, delimiter):
+    rows = [["0.00", "0.41"], ["0.05", "0.39"]]
+    section = source(head + "\n".join(map(delimiter.join, rows))).section()
+    assert [column.name.lower() in ("t", "time") for column in section.columns] == [True, False]
+    assert list(numbers(section).values()) == [[0.0, 0.05], [0.41, 0.39]]
+
+
+def test_a_column_that_numbers_the_rows_needs_no_name():
+    section = source(",t,x\n0,0.0,0.5\n1,0.1,0.4\n").section()
+    assert numbers(section) == {"1": [0, 1], "t": [0.0, 0.1], "x": [0.5, 0.4]}
+
+
+def test_labchart_headers_need_no_units_to_be_headers():
+    text = "Interval=\t0.01 s\nChannelTitle=\tAngle\nRange=\t10.000 V\n0\t22.5\n0.01\t21.5\n"
+    assert numbers(source(text).section()) == {"Time": [0.0, 0.01], "Angle": [22.5, 21.5]}
+
+
+def test_a_table_drawn_with_bars_is_read():
+    text = "| t (s) | x (m) |\n|-------|:-----:|\n| 0.0 | 0.5 |\n| 0.1 | 0.4 |\n"
+    assert numbers(source(text).section()) == {"t": [0.0, 0.1], "x": [0.5, 0.4]}
+
+
+def test_comments_and_other_lines_between_and_below_rows_are_no_rows():
+    text = "t,x\n0,0.5\n# released\n1,0.6\n\n2,0.7\n# stopped\nend of the data\n"
+    found = source(text)
+    assert found.notes == ("line 8 left out, which is no row: 'end of the data'",)
+    assert found.section().lines.tolist() == [2, 4, 6]
+    assert numbers(found.section()) == {"t": [0.0, 1.0, 2.0], "x": [0.5, 0.6, 0.7]}
+
+
+@pytest.mark.parametrize(
+    "text, values",
+    [
+        ("t;x\n0,1;\u22120,0548\n0,2;\u22125,1\n", {"t": [0.1, 0.2], "x": [-0.0548, -5.1]}),
+        ('t,x\n"0,799","0,41"\n"0,832", "0,40"\n', {"t": [0.799, 0.832], "x": [0.41, 0.40]}),
+        ("t;x\n1.234,5;0,3\n2.234,5;0,4\n", {"t": [1234.5, 2234.5], "x": [0.3, 0.4]}),
+        ("t;x\n1 234,5;0,3\n2 234,5;0,4\n", {"t": [1234.5, 2234.5], "x": [0.3, 0.4]}),
+        ("t;x\n1\u202f234,5;0,3\n2\u00a0234,5;0,4\n", {"t": [1234.5, 2234.5], "x": [0.3, 0.4]}),
+        ("t;x\n1'234.5;0.3\n2'234.5;0.4\n", {"t": [1234.5, 2234.5], "x": [0.3, 0.4]}),
+        ('t,x\n"1,234.5",0.3\n"2,234.5",0.4\n', {"t": [1234.5, 2234.5], "x": [0.3, 0.4]}),
+        ("t;x\n966;0,41\n999;0,4\n1.033;0,39\n", {"t": [966, 999, 1033], "x": [0.41, 0.4, 0.39]}),
+        ("t\tx\n432\t0.25\n432.001\t0.5\n", {"t": [432.0, 432.001], "x": [0.25, 0.5]}),
+        ("t x\n0 866 \n33 847\n100 200\n", {"t": [0, 33, 100], "x": [866, 847, 200]}),
+        ("t;x\n0.1;\n;0.2\n0.3;#N/A\n", {"t": [0.1, np.nan, 0.3], "x": [np.nan, 0.2, np.nan]}),
+    ],
+)  # fmt: skip
+def test_numbers_are_read_as_written(text, values):
+    found = numbers(source(text).section())
+    assert found.keys() == values.keys()
+    for name, expected in values.items():
+        np.testing.assert_array_equal(found[name], expected)
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        (
+            "t,x,\n0,22,93\n33,22,58\n67,21,44\n",
+            "delimiter and decimal sign at once.* line 2",
+        ),
+        ("t,x\n0,000,0,41\n0,033,0,40\n", r"line 2 is '0,000,0,41' below 2 names"),
+        ("t,x\n0,033,0,41\n0,067,1\n0,100,0,39\n", "if commas are decimal signs too"),
+        ("0,1\n1,2\n", "delimiter and decimal sign at once"),
+        ("0.5,1,000\n0.6,1,033\n", "or to group thousands: line 1 is '0.5,1,000'"),
+        (
+            "t;x\n1.000;0,4000\n1.033;0,3942\n",
+            "line 2, column 't'; give the decimal sign",
+        ),
+        ("t;x\n1,234;5,678\n2,345;6,789\n", "commas may be decimal signs or group thousands"),
+        ("t\tx\n1.234\t5.678\n", "points may be decimal signs or group thousands"),
+        (
+            "t;x\n999;0.41\n1.000;0.40\n",
+            "or group thousands: '1.000' in line 3",
+        ),
+        ("t;x\n0,5;0.41\n0,6;0.40\n", "two decimal signs: '0.41' in line 2.*'0,5' in line 2"),
+        ("t,x\n5,1 000\n6,1 010\n", "could be separated by blanks or commas"),
+        ("t;x\n0.5;0.3\nlost;0.4\n", r"line 3 of column 't' holds 'lost'"),
+        ("t;x\n0.5;0.3\n0.39_1;0.4\n", r"line 3 of column 't' holds '0.39_1'"),
+        ("t;x\n0.5 s;0.3\n0.6 s;0.4\n", "write the unit into the column's name"),
+        ("t;x\n0:00:00:03;0.3\n0:00:00:06;0.4\n", None),
+        ("t;x\n0.5;0.3\n0.6\n", "line 3 has 1 cell, but the other rows have 2"),
+        ("0.1;0.2\n0.5;0.3;0.4\n0.6;0.3;0.4\n", "line 1 has 2 cells, but the other rows have 3"),
+        ("t,x,y\n0.5,0.3\n", "line 2 has 2 cells below 3 names"),
+        ("t;x\nmean;0.5\n0.5;0.3\n0.6;0.3\n", r"line 2 of column 't' holds 'mean'"),
+        ('"swing of 3 October\n' + "t,x\n" + "0.1,0.2\n" * 50, "mark in line 1 is not closed"),
+        ("", "is empty"),
+        ("t,x\n", "no rows of numbers"),
+        ("'t','x'\n'0.1','5'\n", "single quotation marks"),
+    ],
+)
+def test_what_could_be_read_in_two_ways_or_not_at_all_is_refused(text, said):
+    try:
+        section = source(text).section()
+        columns = list(section.columns)
+        section.numbers(columns)
+    except InputError as error:
+        caught = error
+    assert "\n" not in str(caught)
+    assert caught.way_out
+    if said is not None:
+        with pytest.raises(InputError, match=said):
+            raise caught
+
+
+def test_the_decimal_sign_can_be_given_where_the_file_leaves_it_open():
+    text = "t;x\n1.000;4\n1.033;3\n"
+    for decimal, expected in ((".", [1.0, 1.033]), (",", [1000.0, 1033.0])):
+        section = source(text).section()
+        (values,), notes = section.numbers([section.columns[0]], decimal=decimal)
+        assert values.tolist() == expected
+        assert bool(notes) == (decimal == ",")
+    assert numbers(source("0,1\n1,2\n", decimal=".").section()) == {"1": [0, 1], "2": [1, 2]}
+
+
+def test_columns_that_nobody_asked_for_may_hold_anything():
+    text = "t,when,x\n0.5,2026-10-03 09:13:29,0.3\n0.6,-,0.4\n"
+    section = source(text).section()
+    assert [column.kind for column in section.columns] == ["numbers", "texts", "numbers"]
+    (values,), _ = section.numbers([section.column("x")[0]])
+    assert values.tolist() == [0.3, 0.4]
+    with pytest.raises(InputError, match="'when' holds texts such as '2026-10-03 09:13:29'"):
+        section.numbers([section.column("when")[0]])
+
+
+def test_a_column_is_named_by_name_track_or_position():
+    section = source(TWO_TRACKS).section()
+    assert section.column("left ball/x")[0].position == 4
+    assert section.column("4 [cm]")[1] == "cm"
+    with pytest.raises(
+        InputError, match=r"2 columns 'x'; name one by its position \(2, 4\) or its track"
+    ):
+        section.column("x")
+    with pytest.raises(InputError, match="no column 'z'; it has t, right ball/x"):
+        section.column("z")
+    section = source("theta [deg];theta (rad)\n1;0.5\n2;0.6\n").section()
+    assert section.column("theta (deg)")[0].position == 1
+    assert section.column("theta [rad]")[0].position == 2
+    with pytest.raises(InputError, match="2 columns 'theta'"):
+        section.column("theta")
+    section = source("theta (x axis) (Deg);t (S)\n1;0.5\n2;0.6\n").section()
+    assert section.column("theta (x axis)")[1] == "deg"
+    assert section.column("T")[1] == "s"
+    with pytest.raises(InputError, match=r"is in \[deg\] itself, not in \[rad\]"):
+        section.column("theta (x axis) [rad]")
+
+
+@pytest.mark.parametrize(
+    "heading, name, unit, stated",
+    [
+        ("t/s", "t", "s", True),
+        ("θ / º", "θ", "deg", True),
+        ("t_s", "t", "s", False),
+        ("t in ms", "t", "ms", False),
+        ("theta (gon)", "theta", "gon", True),
+        ("x [Pixels]", "x", "px", True),
+        ("x (km/h)", "x", "km/h", True),
+        ("theta (x axis)", "theta (x axis)", "", True),
+    ],
+)
+def test_units_inside_names_are_found(heading, name, unit, stated):
+    column = source(f"{heading};u\n1.5;2\n1.6;3\n").section().columns[0]
+    assert (column.name, column.unit, not column.unit_from) == (name, unit, stated)
+
+
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp1252"]
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_encodings_and_line_ends_are_found(encoding, end):
+    text = end.join(["Zeit (s);Auslenkung (°)", "0,05;12,5", "0,10;11,5", ""])
+    section = source(text, encoding).section()
+    assert numbers(section) == {"Zeit": [0.05, 0.1], "Auslenkung": [12.5, 11.5]}
+    assert section.columns[1].unit == "deg"
+
+
+def zipped(**members):
+    memory = io.BytesIO()
+    with zipfile.ZipFile(memory, "w") as archive:
+        for name, text in members.items():
+            archive.writestr(name.replace("__", "/"), text)
+    return memory.getvalue()
+
+
+def test_archives_are_opened():
+    found = parse_source(gzip.compress(PHYPHOX.encode()), "swing.csv.gz")
+    assert numbers(found.section())["Time"] == [4.9e-3, 1.5e-2]
+    raw = zipped(
+        **{"Raw Data.csv": PHYPHOX, "Range.csv": "a,b\n1.5,2\n", "meta__time.csv": "x\n1\n"}
+    )
+    found = parse_source(raw, "phyphox.zip")
+    assert found.notes == ("read 'Raw Data.csv', not Range.csv",)
+    assert numbers(found.section())["Time"] == [4.9e-3, 1.5e-2]
+    found = parse_source(zipped(**{"a.csv": PHYPHOX, "b.csv": PHYPHOX}))
+    assert [section.name for section in found.sections] == ["a.csv", "b.csv"]
+
+
+@pytest.mark.parametrize(
+    "raw, said",
+    [
+        (
+            b'<?xml version="1.0"?>\n<object class="org.opensourcephysics.tracker">',
+            "Tracker project.*File, Export",
+        ),
+        (zipped(**{"swing.trk": "<object>"}), "Tracker project.*File, Export"),
+        (b"<KinoveaVideoAnalysis>", "Kinovea analysis"),
+        (b"<html><table>", "web page"),
+        (b'{"t": [0, 1]}', "JSON"),
+        (b"%PDF-1.7", "PDF"),
+        (b"\x89HDF\r\n", "HDF5"),
+        (b"\0\0\0\x18ftypmp42", "video"),
+        (gzip.compress(b"t,x\n0.1,2\n")[:-9], "cut off"),
+        (zipped(**{"a.png": "x"}), "archive without tables: a.png"),
+        (bytes(range(256)) * 8, "is not a text file"),
+        (b"PK\x03\x04 broken", "damaged zip"),
+    ],
+)
+def test_files_without_a_table_are_named_with_the_way_out(raw, said):
+    with pytest.raises(InputError, match=said) as caught:
+        parse_source(raw)
+    assert caught.value.way_out
+
+
+def sheet_xml(rows):
+    """Return the XML of a sheet of numbers and texts."""
+    cells = [
+        "".join(
+            f"<c><v>{cell!r}</v></c>"
+            if isinstance(cell, float)
+            else f'<c t="inlineStr"><is><t>{cell}</t></is></c>'
+            for cell in row
+        )
+        for row in rows
+    ]
+    space = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    body = "".join(f"<row>{each}</row>" for each in cells)
+    return f'<worksheet xmlns="{space}"><sheetData>{body}</sheetData></worksheet>'
+
+
+def workbook(**sheets):
+    """Return the bytes of an .xlsx with these sheets."""
+    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+    relations = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    package = "http://schemas.openxmlformats.org/package/2006/relationships"
+    listed = "".join(
+        f'<sheet name="{name}" sheetId="{i}" r:id="r{i}"/>' for i, name in enumerate(sheets, 1)
+    )
+    links = "".join(
+        f'<Relationship Id="r{i}" Type="{relations}/worksheet" Target="worksheets/s{i}.xml"/>'
+        for i in range(1, len(sheets) + 1)
+    )
+    parts = {
+        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{relations}">'
+        f"<sheets>{listed}</sheets></workbook>",
+        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}">{links}</Relationships>',
+        "_rels/.rels": f'<Relationships xmlns="{package}"><Relationship Id="r0" '
+        f'Type="{relations}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
+        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
+    }
+    parts |= {
+        f"xl/worksheets/s{i}.xml": sheet_xml(rows) for i, rows in enumerate(sheets.values(), 1)
+    }
+    return zipped(**parts)
+
+
+def test_sheets_of_a_spreadsheet_are_tables():
+    pytest.importorskip("python_calamine", reason="needs the extra 'tables'")
+    rows = [["Time (s)", "Angle (deg)"], [0.0, 12.125], [0.1 + 0.2, 1234.0]]
+    raw = workbook(**{"Raw Data": rows, "Metadata": [["version", "1.1"], ["phone", "mine"]]})
+    found = parse_source(raw, "swing.xlsx")
+    assert numbers(found.section()) == {"Time": [0.0, 0.1 + 0.2], "Angle": [12.125, 1234.0]}
+    assert found.section().lines.tolist() == [2, 3]
+    # Numbers of a sheet have no decimal sign that could be in doubt.
+    whole = parse_source(workbook(Sheet1=[["t", "x"], [1.125, 2.25], [1.126, 5.125]]))
+    assert numbers(whole.section())["t"] == [1.125, 1.126]
+
+
+def test_a_missing_reader_of_spreadsheets_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "python_calamine", None)
+    with pytest.raises(InputError, match=r"a spreadsheet needs the package.*\[tables\].*as CSV"):
+        parse_source(workbook(Sheet1=[["t", "x"], [1.0, 2.0]]))
+
+
+def test_the_result_is_plain_values_for_a_page():
+    shown = json.loads(json.dumps(source(TWO_TRACKS).to_dict(rows=1)))
+    assert shown["about"] == "Tracker export, two tracks: right ball, left ball"
+    (section,) = shown["sections"]
+    assert section["tracks"] == ["right ball", "left ball"]
+    assert (section["rows"], section["first_line"], section["last_line"]) == (2, 4, 5)
+    assert section["first_rows"] == [["0.000", "12.5", "-34.1", "-11.0", "-33.9"]]
+    assert section["line_numbers"] == [4]
+    column = section["columns"][1]
+    assert (column["path"], column["unit"], column["position"]) == ("right ball/x", "m", 2)
+    assert column["unit_from"] == "the kind of file (Tracker export)"
