@@ -116,7 +116,7 @@ def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
     ok = np.isfinite(heights)
     if ok.sum() < 16:
         return None
-    frequency, weights, rest = _harmonic(times[ok], heights[ok])
+    frequency, weights, rest = fitted_harmonic(times[ok], heights[ok])
     amplitude = math.hypot(weights[1], weights[2])
     if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
         return None
@@ -129,7 +129,7 @@ def _waves(times: np.ndarray, frequency: float) -> np.ndarray:
     return np.column_stack([np.ones_like(times), np.cos(phase), np.sin(phase)])
 
 
-def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, np.ndarray, float]:
+def fitted_harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, np.ndarray, float]:
     """Return angular frequency, weights of `_waves` and residual of the best harmonic."""
     from scipy.optimize import minimize_scalar
 
