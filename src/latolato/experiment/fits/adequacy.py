@@ -18,11 +18,12 @@ import numpy as np
 
 from latolato.experiment.fits.least_squares import OUTLIER, Data, Floats, Solution
 from latolato.experiment.fits.result import Adequacy
+from latolato.experiment.fits.samples import noise_of
 
 # By how much minus twice the log likelihood must fall for a change to count, for each of the
 # parameters that may change and for its instant; see benchmarks/fit_doubt.py for what chance does.
 _GAIN = 6.0
-# A misfit below this share of the swing is what trackers bend angles by, and no break.
+# A misfit below this share of the scatter of the values is what trackers bend angles by.
 _BENT = 3e-4
 # Instants at which a change is looked for, and those about the best one, twice as fine each time.
 _PLACES, _FINER = 24, 5
@@ -30,6 +31,9 @@ _PLACES, _FINER = 24, 5
 _FEWEST = 3
 # Outliers beyond this share are not mistakes of a tracker.
 _MOST_OUTLIERS = 0.05
+# Residuals beyond so many times the noise of the samples are no correlated noise: with neighbours
+# correlated by 0.95 it scatters by six times what differences show.
+_MOST_SCATTER = 10.0
 # Deviations of a part's numbers, as a share of those stated: they know of the scatter only.
 _MORE = 2.0
 # What one more change must gain to be part of an explanation.
@@ -87,7 +91,7 @@ def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
     return total * math.log(max(variance, 1e-300)) + lost * OUTLIER**2
 
 
-def place_of_change(data: Data, whole: Solution, shortest: float) -> int | None:
+def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 0.0) -> int | None:
     """Return the sample from which on the parameters of a model are others, None if they are not.
 
     Parameters
@@ -96,6 +100,8 @@ def place_of_change(data: Data, whole: Solution, shortest: float) -> int | None:
         The samples of one series, and their fit.
     shortest : float
         Duration on either side [s].
+    bent : float
+        What a track may bend the values by, besides 0.03 % of their scatter.
 
     Notes
     -----
@@ -110,8 +116,8 @@ def place_of_change(data: Data, whole: Solution, shortest: float) -> int | None:
     slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
     count, free = slopes.shape
     fewest = _FEWEST * free
-    swing = float(np.std(data.values)) / float(np.median(data.sigmas))
-    floor = (_BENT * swing) ** 2
+    bent = math.hypot(bent, _BENT * float(np.std(data.values)))
+    floor = (bent / float(np.median(data.sigmas))) ** 2
     near = np.append(np.diff(times) < 1.6 * float(np.median(np.diff(times))), False)
     together = _likelihood(errors, slopes, near, floor)
 
@@ -252,12 +258,19 @@ def misfit_of(
     return float(off @ inverse @ off) + _PENALTY * len(kind.changed)
 
 
-def outliers_doubt(whole: Solution, data: Data) -> Adequacy | None:
-    """Return the doubt if too many samples lie far from the model, None otherwise."""
+def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
+    """Return the doubt if samples scatter too much about a model or too many lie far from it."""
     lost = ~whole.kept
     share = float(np.mean(lost))
     if share <= _MOST_OUTLIERS:
-        return None
+        noise = max(noise_of(data.values), _BENT * float(np.std(data.values)))
+        if whole.scatter <= _MOST_SCATTER * noise:
+            return None
+        return Adequacy(
+            "The model does not describe this record: the samples scatter about it by "
+            f"{whole.scatter / noise:.2g} times their noise.",
+            "scatter",
+        )
     at = float(data.times[np.flatnonzero(lost)[0]])
     off = float(np.median(np.abs(whole.residuals[lost])))
     words = f"{100 * share:.2g} % of its samples, the first at {at:.4g} s, lie far from it"

@@ -376,7 +376,9 @@ def _release(data: Data) -> float:
     """Return the instant from which a ball swings freely [s]; few samples show no hand."""
     if samples_per_swing(data.times, data.values) < SPARSE:
         return float(data.times[0])
-    return free_start(data.times, data.values - np.median(data.values))
+    # Half-way between both sides: a hand that holds the ball for long moves the median.
+    low, high = np.quantile(data.values, [0.01, 0.99])
+    return free_start(data.times, data.values - 0.5 * (low + high))
 
 
 def _seen(data: Data) -> _Seen:
@@ -585,8 +587,8 @@ class _Body:
                 ratio = estimates["damping"].sigma / rate.sigma
                 words += f", C below {limit * ratio:.2g} kg m/s"
             return [f"{words})"]
-        words = [f"decay rate {rate}"]
-        return [f"C = {estimates['damping']}", *words] if "damping" in estimates else words
+        parts = [f"decay rate {rate}"]
+        return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
 
     def _length(self, rate: Estimate) -> Estimate:
         """Return g over the squared frequency."""

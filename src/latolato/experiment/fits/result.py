@@ -69,6 +69,10 @@ class Estimate:
             text = f"{self.value:.{digits}g} ± {self.sigma:.2g}"
         return text if self.unit in ("", "1") else f"{text} {self.unit.replace('*', ' ')}"
 
+    def shifted(self, by: float) -> Estimate:
+        """Return the estimate of this quantity plus a known number."""
+        return Estimate(self.value + by, self.sigma, self.unit, self.low + by, self.high + by)
+
     def reciprocal(self, factor: float, unit: str) -> Estimate:
         """Return the estimate of a known factor over this quantity, which is not 0."""
         value = factor / self.value

@@ -14,8 +14,8 @@ from latolato.experiment.fits.adequacy import (
     changes,
     deviance,
     first_cut,
+    misfit_doubt,
     misfit_of,
-    outliers_doubt,
     place_of_change,
 )
 from latolato.experiment.fits.free_swing import fit_best, part_fitter, portrait
@@ -33,8 +33,21 @@ _CLEAR = 10.0
 _MOST_PERIODS = 1000
 # An offset within this of a turn is one, and a factor within this of that of degrees.
 _NEAR = 0.02
-# A swing in other units that would be as small as this shows no effect of its amplitude [rad].
-_SMALLEST = 0.1
+# Factors to other units, and what is wrong if angles times that are those of a pendulum.
+_UNITS = (
+    (
+        180.0 / math.pi,
+        "its period changes with the size of the swing as if the angles were degrees: radians seem "
+        "to have been taken for degrees",
+    ),
+    (
+        math.pi / 180.0,
+        "its period does not change with the size of the swing as a pendulum's does. Were degrees "
+        "taken for radians, or is it no pendulum",
+    ),
+)
+# Standard deviations from which a growth is seen.
+_GROWS = 3.0
 # Scatter over noise that is worth telling.
 _FAR_OFF = 1.5
 _FULLEST = ("linear", "quadratic", "coulomb")
@@ -49,8 +62,8 @@ _KINDS = [
     Kind(
         "change of pace",
         frozenset({"frequency"}),
-        "from there on everything happens {pace:.3g} times as {quick}: slow motion, or another "
-        "frame rate",
+        "from there on everything happens {pace}: slow motion, another frame rate, or another "
+        "length",
     ),
     Kind(
         "change of drag",
@@ -68,7 +81,8 @@ _KINDS = [
         "another motion",
         _ALL,
         "another motion begins there, with a period of {period_after:.4g} s instead of "
-        "{period_before:.4g} s: two films were joined, or the pendulum was changed",
+        "{period_before:.4g} s: two films were joined, the film's pace changes, or the pendulum "
+        "was changed",
     ),
 ]
 
@@ -110,7 +124,7 @@ def doubt_of(
                 "times the uncertainty that the table states.",
                 "pivot",
             )
-    few = outliers_doubt(whole, data)
+    few = misfit_doubt(whole, data)
     fit_part = part_fitter(whole, terms, aside)
     period = math.tau / whole.values["natural_frequency"]
     ratio = whole.scatter / max(noise_of(data.values), 1e-300)
@@ -144,12 +158,9 @@ def _of_whole(
     bar = deviance([whole]) - cut.gain
     found: list[tuple[float, str, str]] = []
     first = {**dict.fromkeys(_FULLEST, 1e-3), **whole.values}
-    for factor, name in (
-        (180.0 / math.pi, "radians seem to have been taken for degrees"),
-        (math.pi / 180.0, "degrees seem to have been taken for radians"),
-    ):
+    for factor, name in _UNITS:
         other = Data(data.times, factor * data.values, factor * data.sigmas, data.series)
-        if np.ptp(other.values) > math.tau or np.ptp(other.values) < _SMALLEST:
+        if np.ptp(other.values) > math.tau:
             continue
         scaled = {n: factor * first[n] for n in
                   ("initial_angle", "initial_angular_velocity", "angle_offset")}  # fmt: skip
@@ -180,7 +191,20 @@ def _tried(
     period = math.tau / solution.values["natural_frequency"]
     if place_of_change(data, solution, _SHORTEST * period) is not None:
         return []
+    rate, sigma = 0.5 * solution.values.get("linear", 0.0), 0.0
+    if rate < 0.0:
+        sigma = 0.5 * solution.sigma("linear")
+    if rate < -_GROWS * sigma:
+        words += f"; the swing grows by {-rate:.3g} 1/s"
     return [(deviance([solution]), kind, words)]
+
+
+def _pace_words(pace: float) -> str:
+    """Return how much faster or slower things happen, in words."""
+    quick, ratio = ("fast", pace) if pace > 1.0 else ("slowly", 1.0 / pace)
+    if ratio > 1.2:
+        return f"{ratio:.3g} times as {quick}"
+    return f"{100.0 * (ratio - 1.0):.2g} % {'faster' if quick == 'fast' else 'more slowly'}"
 
 
 def _of_cut(cut: Cut) -> tuple[str, str]:
@@ -210,8 +234,7 @@ def _of_cut(cut: Cut) -> tuple[str, str]:
         if abs(abs(turn) - one) < _NEAR * one:
             offset = name
     numbers = {
-        "share": share, "lost": seconds, "pace": pace if pace > 1.0 else 1.0 / pace,
-        "quick": "fast" if pace > 1.0 else "slowly", "offset": offset,
+        "share": share, "lost": seconds, "pace": _pace_words(pace), "offset": offset,
         "drag_before": before["drag"], "drag_after": after["drag"],
         "size_before": size, "size_after": math.exp(after["amplitude"]),
         "period_before": math.tau / math.exp(before["frequency"]),

@@ -141,7 +141,10 @@ def free_start(times: Floats, angles: Floats) -> float:
     """
     zeros = crossings(times, angles)
     if len(zeros) < 3:
-        raise InputError("no free swing was found: the angle crosses zero fewer than three times")
+        raise InputError(
+            "no free swing was found: the angle passes its middle fewer than three times",
+            way_out="use a longer part; of turning points give those of both sides",
+        )
     period = 2.0 * float(np.median(np.diff(zeros)))
     largest = float(np.max(np.abs(angles)))
     first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
