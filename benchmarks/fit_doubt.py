@@ -46,7 +46,7 @@ def judge(kind: str, seed: int) -> dict[str, object]:
     return row
 
 
-def main(records: int = 20, first: int = 0, kinds: str = "") -> None:
+def main(records: int = 19, first: int = 0, kinds: str = "") -> None:
     warnings.simplefilter("ignore")
     rows = []
     print(f"{'kind':18} {'records':>7} {'doubted':>8} {'wrong':>6} {'seconds':>8}  named")

@@ -31,9 +31,9 @@ class _Maker:
         self.rate = np.exp(random.uniform(np.log(0.004), np.log(0.06)))
         self.mass = 0.1
         self.angle = np.exp(random.uniform(np.log(0.1), np.log(1.2)))
-        self.fps = float(random.choice([15.0, 24.0, 30.0, 60.0]))
+        self.fps = float(random.choice([15.0, 24.0, 30.0, 30.0, 60.0]))
         period = 2.0 * np.pi * np.sqrt(self.length / 9.8)
-        self.duration = period * random.uniform(12.0, 40.0)
+        self.duration = period * random.uniform(10.0, 30.0)
         self.noise = np.exp(random.uniform(np.log(2e-4), np.log(3e-3)))
         self.correlation = float(random.choice([0.0, 0.0, 0.5, 0.8]))
         self.systematic = float(random.choice([0.0, 1e-4]))

@@ -29,12 +29,14 @@ _BENT = 3e-4
 _PLACES, _FINER = 24, 5
 # Samples in a part for each parameter.
 _FEWEST = 3
+# What is left out on either side of a change, as a share of the shortest part.
+_CLEAR = 0.1
 # Outliers beyond this share are not mistakes of a tracker.
 _MOST_OUTLIERS = 0.05
 # Residuals beyond so many times the noise of the samples are no correlated noise: with neighbours
 # correlated by 0.95 it scatters by six times what differences show.
 _MOST_SCATTER = 10.0
-# Deviations of a part's numbers, as a share of those stated: they know of the scatter only.
+# Deviations of a part's numbers, as a share of those stated, which follow from the scatter only.
 _MORE = 2.0
 # What one more change must gain to be part of an explanation.
 _PENALTY = 9.0
@@ -45,9 +47,11 @@ FitPart = Callable[[Data], Solution]
 
 @dataclass(frozen=True)
 class Cut:
-    """An instant between two parts [s], with the fits of both."""
+    """An instant between two parts [s], with the samples and the fits of both."""
 
     instant: float
+    early: Data
+    late: Data
     before: Solution
     after: Solution
     gain: float
@@ -55,7 +59,7 @@ class Cut:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of break: which numbers of the motion it changes, and how it is told.
+    """A kind of break: which numbers of the motion it changes, and the words for it.
 
     `words` may hold names of `changes` in braces.
     """
@@ -188,9 +192,14 @@ def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> C
     place = place_of_change(data, whole, shortest)
     if place is None:
         return None
-    before, after = fit_part(data[:place]), fit_part(data[place:])
-    gain = deviance([whole]) - deviance([before, after])
-    return Cut(float(data.times[place]), before, after, gain)
+    at = float(data.times[place])
+    # The instant is not sure to a sample, and a part must not hold any of the other one.
+    clear = _CLEAR * shortest
+    early, late = data[data.times < at - clear], data[data.times > at + clear]
+    before, after = fit_part(early), fit_part(late)
+    same = replace(whole, kept=whole.kept[np.abs(data.times - at) > clear])
+    gain = deviance([same]) - deviance([before, after])
+    return Cut(at, early, late, before, after, gain)
 
 
 def first_cut(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
@@ -198,15 +207,13 @@ def first_cut(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -
     cut = cut_of(data, whole, fit_part, shortest)
     if cut is None:
         return None
-    late = data[data.times >= cut.instant]
     while True:
-        early = data[data.times < cut.instant]
-        earlier = cut_of(early, cut.before, fit_part, shortest)
+        earlier = cut_of(cut.early, cut.before, fit_part, shortest)
         if earlier is None:
             break
-        late, cut = early[early.times >= earlier.instant], earlier
-    later = cut_of(late, cut.after, fit_part, shortest)
-    return cut if later is None else replace(cut, after=later.before)
+        cut = earlier
+    later = cut_of(cut.late, cut.after, fit_part, shortest)
+    return cut if later is None else replace(cut, late=later.early, after=later.before)
 
 
 def changes(

@@ -620,8 +620,8 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
         f"the samples): it fails from {at:.4g} s on"
     )
     try:
-        before, after = fit_part(data[:place]), fit_part(data[place:])
-        cut = Cut(float(data.times[place]), before, after, 0.0)
+        early, late = data[:place], data[place:]
+        cut = Cut(float(data.times[place]), early, late, fit_part(early), fit_part(late), 0.0)
         one, other, names, covariance = changes(cut, portrait)
     except InputError:
         return Adequacy(f"{start}.", "unknown", at)

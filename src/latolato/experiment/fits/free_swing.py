@@ -172,14 +172,18 @@ def portrait(solution: Solution, p: Mapping[str, float], instant: float) -> dict
 
     Its logarithmic amplitude and frequency, phase [rad], offset [rad] and decay rate [1/s].
     """
-    angle, velocity = state_at(p, instant - solution.origin)
-    frequency = p["natural_frequency"]
+    late = instant - solution.origin
+    angle, velocity = state_at(p, late)
+    frequency, drag = p["natural_frequency"], 0.5 * p.get("linear", 0.0)
+    size = amplitude_at(angle, velocity, frequency)
+    # A part that begins shortly after the instant is followed back at an even pace.
+    back = min(late, 0.0)
     return {
-        "amplitude": math.log(max(amplitude_at(angle, velocity, frequency), 1e-12)),
-        "phase": phase_at(angle, velocity, frequency),
+        "amplitude": math.log(max(size, 1e-12)) - drag * back,
+        "phase": phase_at(angle, velocity, frequency) + frequency / period_factor(size) * back,
         "frequency": math.log(frequency),
         "offset": p["angle_offset"],
-        "drag": 0.5 * p.get("linear", 0.0),
+        "drag": drag,
     }
 
 

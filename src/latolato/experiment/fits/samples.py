@@ -166,11 +166,11 @@ def without_repeats(data: Data) -> tuple[Data, int]:
 
     A frame that a film shows twice is the same to the last digit while its neighbours move on.
     """
-    noise = noise_of(data.values)
     same = np.append(False, np.diff(data.values) == 0.0)
-    moves = np.zeros(len(data), dtype=bool)
-    moves[1:-1] = np.abs(data.values[2:] - data.values[:-2]) > _MOVES * noise
-    repeats = same & moves
+    fresh = data.values[~same]
+    moves = np.zeros(len(fresh), dtype=bool)
+    moves[1:-1] = np.abs(fresh[2:] - fresh[:-2]) > _MOVES * noise_of(fresh)
+    repeats = same & moves[np.cumsum(~same) - 1]
     return data[~repeats], int(repeats.sum())
 
 

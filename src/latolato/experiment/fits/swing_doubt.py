@@ -18,8 +18,8 @@ from latolato.experiment.fits.adequacy import (
     misfit_of,
     place_of_change,
 )
-from latolato.experiment.fits.free_swing import fit_best, part_fitter, portrait
-from latolato.experiment.fits.least_squares import ConvergenceError, Data, Guess, Solution
+from latolato.experiment.fits.free_swing import amplitude_at, fit_equation, part_fitter, portrait
+from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.sight import ABOVE, ASIDE
@@ -27,12 +27,17 @@ from latolato.experiment.fits.swings import period_factor
 
 # Periods in the shortest part of a record.
 _SHORTEST = 2.0
-# By how much another explanation of the whole record must beat two parts.
-_CLEAR = 10.0
+# Samples that explanations of a whole record are fitted to, in so many trials, and what they must
+# gain, as a share of what two parts do.
+_ENOUGH, _TRIES, _MOST = 600, 300, 0.5
+# How uncertain the instant of a cut is, in periods.
+_UNSURE = 0.1
 # Periods that a cut may have taken out of a clock.
 _MOST_PERIODS = 1000
 # An offset within this of a turn is one, and a factor within this of that of degrees.
 _NEAR = 0.02
+# Breaks that nothing which lasts can look like.
+_SUDDEN = ("phase jump", "two films", "shifted angle")
 # Factors to other units, and what is wrong if angles times that are those of a pendulum.
 _UNITS = (
     (
@@ -50,7 +55,9 @@ _UNITS = (
 _GROWS = 3.0
 # Scatter over noise that is worth telling.
 _FAR_OFF = 1.5
-_FULLEST = ("linear", "quadratic", "coulomb")
+_TERMS = ("linear", "quadratic", "coulomb")
+# Laws of drag that may explain what another one does not.
+_LAWS = (("linear",), ("quadratic",), ("coulomb",), ("linear", "quadratic"))
 _ALL = frozenset({"amplitude", "phase", "frequency", "offset", "drag"})
 _KINDS = [
     Kind(
@@ -135,10 +142,11 @@ def doubt_of(
         return Adequacy(f"The equation does not describe this record{size}.", "unknown")
     if cut is None:
         return few or Adequacy()
-    words = _of_whole(data, whole, cut, terms, aside)
-    if words is not None:
-        return Adequacy(f"The equation does not describe this record: {words[1]}.", words[0])
     kind, told = _of_cut(cut)
+    if kind not in _SUDDEN:
+        other = _of_whole(data, whole, cut, terms, aside)
+        if other is not None:
+            return Adequacy(f"The equation does not describe this record: {other[1]}.", other[0])
     return Adequacy(
         f"The equation does not describe this record{size}: it fails from {cut.instant:.4g} s on, "
         f"and it looks as if {told}.",
@@ -148,55 +156,54 @@ def doubt_of(
 
 
 def _of_whole(
-    data: Data,
-    whole: Solution,
-    cut: Cut,
-    terms: Sequence[str],
-    aside: Mapping[str, Guess],
+    data: Data, whole: Solution, cut: Cut, terms: Sequence[str], aside: Mapping[str, Guess]
 ) -> tuple[str, str] | None:
-    """Return what explains the whole record better than two parts do: a kind, and words."""
-    bar = deviance([whole]) - cut.gain
-    found: list[tuple[float, str, str]] = []
-    first = {**dict.fromkeys(_FULLEST, 1e-3), **whole.values}
-    for factor, name in _UNITS:
-        other = Data(data.times, factor * data.values, factor * data.sigmas, data.series)
-        if np.ptp(other.values) > math.tau:
-            continue
-        scaled = {n: factor * first[n] for n in
-                  ("initial_angle", "initial_angular_velocity", "angle_offset")}  # fmt: skip
-        found += _tried(other, {**first, **scaled}, terms, aside, "unit", name)
-    if set(terms) != set(_FULLEST):
-        name = f"the drag is not {'+'.join(terms)}: compare the laws of drag, or use law 'best'"
-        shared = {term: max(first[term], 1e-3) for term in _FULLEST}
-        found += _tried(data, {**first, **shared}, _FULLEST, aside, "drag law", name)
-    if not found:
-        return None
-    best, kind, words = min(found)
-    return (kind, words) if best < bar + _CLEAR else None
+    """Return what explains the whole record with other units or another drag: a kind, and words.
 
-
-def _tried(
-    data: Data,
-    first: Mapping[str, float],
-    terms: Sequence[str],
-    aside: Mapping[str, Guess],
-    kind: str,
-    words: str,
-) -> list[tuple[float, str, str]]:
-    """Return what another model of the whole record gives, nothing where that fails."""
+    It must gain most of what two parts do, and its numbers may not change within the record.
+    """
+    few = data[:: max(1, len(data) // _ENOUGH)]
+    p = {**dict.fromkeys(_TERMS, 1e-3), **whole.values}
+    size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
+    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, str]] = []
+    for factor, words in _UNITS:
+        other = Data(few.times, factor * few.values, factor * few.sigmas, few.series)
+        if np.ptp(other.values) < math.tau:
+            slower = period_factor(factor * size) / period_factor(size)
+            scaled = {n: factor * p[n] for n in ("initial_angle", "angle_offset")}
+            scaled["initial_angular_velocity"] = factor * p["initial_angular_velocity"] * slower
+            scaled["natural_frequency"] = p["natural_frequency"] * slower
+            tries.append((other, {**p, **scaled}, terms, "unit", words))
+    drag, rate = max(abs(p["linear"]), 1e-3), p["natural_frequency"]
+    starts = {
+        "linear": 0.5 * drag,
+        "quadratic": drag / (rate * size),
+        "coulomb": drag * rate * size,
+    }
+    for laws in _LAWS:
+        if laws != tuple(terms):
+            words = f"its drag is not {'+'.join(terms)} but rather {'+'.join(laws)}: use law 'best'"
+            tries.append((few, {**p, **starts}, laws, "drag law", words))
     try:
-        solution, _ = fit_best(data, first, terms, aside)
+        plain = deviance([fit_equation(few, whole.values, terms, aside, limit=_TRIES)])
     except InputError:
-        return []
-    period = math.tau / solution.values["natural_frequency"]
-    if place_of_change(data, solution, _SHORTEST * period) is not None:
-        return []
-    rate, sigma = 0.5 * solution.values.get("linear", 0.0), 0.0
-    if rate < 0.0:
-        sigma = 0.5 * solution.sigma("linear")
-    if rate < -_GROWS * sigma:
-        words += f"; the swing grows by {-rate:.3g} 1/s"
-    return [(deviance([solution]), kind, words)]
+        return None
+    found = []
+    for samples, start, drags, kind, words in tries:
+        try:
+            solution = fit_equation(samples, start, drags, aside, limit=_TRIES)
+        except InputError:
+            continue
+        shortest = _SHORTEST * math.tau / solution.values["natural_frequency"]
+        gain = plain - deviance([solution])
+        if gain < _MOST * cut.gain * len(few) / len(data):
+            continue
+        if place_of_change(samples, solution, shortest) is None:
+            rate = 0.5 * solution.values.get("linear", 0.0)
+            if rate < 0.0 and rate < -0.5 * _GROWS * solution.sigma("linear"):
+                words = f"{words}; the swing grows by {-rate:.3g} 1/s"
+            found.append((gain, kind, words))
+    return max(found)[1:] if found else None
 
 
 def _pace_words(pace: float) -> str:
@@ -207,11 +214,26 @@ def _pace_words(pace: float) -> str:
     return f"{100.0 * (ratio - 1.0):.2g} % {'faster' if quick == 'fast' else 'more slowly'}"
 
 
+def _by_instant(
+    before: Mapping[str, float], after: Mapping[str, float], names: Sequence[str]
+) -> Floats:
+    """Return the covariance of differences because the instant of a cut is uncertain."""
+    rates = [
+        {"phase": math.exp(each["frequency"]) / period_factor(math.exp(each["amplitude"])),
+         "amplitude": -each["drag"]}
+        for each in (before, after)
+    ]  # fmt: skip
+    period = math.tau / min(rate["phase"] for rate in rates)
+    moved = [rates[1].get(name, 0.0) - rates[0].get(name, 0.0) for name in names]
+    return (_UNSURE * period) ** 2 * np.outer(moved, moved)
+
+
 def _of_cut(cut: Cut) -> tuple[str, str]:
     """Return the kind of break at a cut, and what it looks like."""
     before, after, names, covariance = changes(cut, portrait)
     off = {name: after[name] - before[name] for name in names}
     off["phase"] = math.remainder(off["phase"], math.tau)
+    covariance = covariance + _by_instant(before, after, names)
     size = math.exp(before["amplitude"])
     period = math.tau * period_factor(size) / math.exp(before["frequency"])
     # What a break that explains one number leaves of the others.
