@@ -2,13 +2,13 @@
 
 Records of random pendulums, cameras and noises, without a break (also with gaps, few samples and
 absolute clocks) and with one that was planted. Of each kind: how many were doubted, and how many
-numbers were given that are off by more than four of their deviations. Run
-``PYTHONPATH=tests/shared python benchmarks/fit_doubt.py [records of a kind] [first seed]``.
+numbers were given that are off by more than four of their deviations. Prints a table and writes the
+figure of docs/how-to/fits.md. Run
+``PYTHONPATH=tests/shared python benchmarks/fit_doubt.py [records of a kind] [first seed] [kinds]``.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import time
@@ -46,6 +46,26 @@ def judge(kind: str, seed: int) -> dict[str, object]:
     return row
 
 
+def draw(rows: list[dict[str, object]]) -> None:
+    """Write the shares of records of each kind that were doubted or refused."""
+    from latolato.figures import style
+
+    figure, axes = style.new_figure(1, 1, height=3.4)
+    axis = axes[0, 0]
+    names = list(dict.fromkeys(str(row["name"]) for row in rows))
+    for place, name in enumerate(reversed(names)):
+        own = [row for row in rows if row["name"] == name]
+        share = 100.0 * sum(bool(row["doubted"]) for row in own) / len(own)
+        colour = style.BLUE if name in WHOLE else style.RED
+        axis.barh(place, share, color=colour, height=0.7)
+        style.note(axis, f"{share:.0f} %", (share, float(place)), (4.0, 0.0))
+    labels = [str(next(r["kind"] for r in rows if r["name"] == name)) for name in names]
+    axis.set_yticks(range(len(names)), labels[::-1])
+    axis.set_xlim(0.0, 112.0)
+    axis.set_xlabel("records that were doubted [%]; blue: without a break, red: with one")
+    figure.savefig(Path("docs/images/fit-doubt.png"))
+
+
 def main(records: int = 19, first: int = 0, kinds: str = "") -> None:
     warnings.simplefilter("ignore")
     rows = []
@@ -63,7 +83,12 @@ def main(records: int = 19, first: int = 0, kinds: str = "") -> None:
             f"{sum(float(str(r['seconds'])) for r in several) / records:8.2f}  {names}",
             flush=True,
         )
-    Path("fit_doubt.json").write_text(json.dumps(rows, default=str))
+    whole = [row for row in rows if row["name"] in WHOLE]
+    broken = [row for row in rows if row["name"] in BROKEN]
+    for words, part in (("without a break", whole), ("with a break", broken)):
+        doubted, wrong = (sum(bool(row[key]) for row in part) for key in ("doubted", "wrong"))
+        print(f"{len(part)} records {words}: {doubted} doubted, {wrong} wrong numbers given")
+    draw(rows)
 
 
 if __name__ == "__main__":

@@ -177,13 +177,13 @@ def fit_decay(
     if has_own_pivots(table):
         table, ball = table_of_ball(table, ball), 1
     data = samples_of(table, ball, start=start, end=end)
+    check_turns(data)
     piece = table.isel(frame=within(table["time"].values, start, end))
     if declared is not None:  # before a driven swing is taken for one that somebody holds
         _check_rest(piece, declared)
     if start is None:
         data = data[data.times >= _release(data)]
     begin = float(data.times[0])
-    check_turns(data)
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
         raise InputError(

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 # A pivot that moves by less than this share of the length is at rest (its track is noisy).
 _STILL = 0.004
-# A sample whose neighbours are so many times the noise apart lies in a motion.
-_MOVES = 6.0
+# Share of samples that are distinct if angles are not rounded.
+_DISTINCT = 0.95
 # The highest differences that noise is seen from, and by how much a scatter may exceed another one.
 _HIGHEST, _SMALLER = 10, 1.3
 
@@ -164,14 +164,14 @@ def noise_of(values: Floats) -> float:
 def without_repeats(data: Data) -> tuple[Data, int]:
     """Return samples without those that repeat the one before, and how many these are.
 
-    A frame that a film shows twice is the same to the last digit while its neighbours move on.
+    A frame that a film shows twice gives the same angle to the last digit. Where other samples are
+    equal as well, angles were rounded, and equal neighbours are no repeats.
     """
     same = np.append(False, np.diff(data.values) == 0.0)
     fresh = data.values[~same]
-    moves = np.zeros(len(fresh), dtype=bool)
-    moves[1:-1] = np.abs(fresh[2:] - fresh[:-2]) > _MOVES * noise_of(fresh)
-    repeats = same & moves[np.cumsum(~same) - 1]
-    return data[~repeats], int(repeats.sum())
+    if len(np.unique(fresh)) < _DISTINCT * len(fresh):
+        return data, 0
+    return data[~same], int(same.sum())
 
 
 def check_turns(data: Data) -> None:
