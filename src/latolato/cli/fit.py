@@ -96,11 +96,6 @@ def lines_of(fit: Fit) -> dict[str, str]:
     """Return a fit as names and texts for reading."""
     lines = {"fit": f"{fit.kind}: {fit.verdict}"}
     for name, estimate in fit.estimates.items():
-        lines[name] = f"{estimate} (95 %: {estimate.low:.6g} to {estimate.high:.6g})"
-    about = fit.dataset.attrs
-    if "autocorrelation" in about:
-        lines["residuals"] = (
-            f"scatter {about['scatter']:.3g}, neighbours correlated by "
-            f"{about['autocorrelation']:.2f}, {about['effective_samples']:.0f} effective samples"
-        )
+        text = f"{estimate} (95 %: {estimate.low:.6g} to {estimate.high:.6g})"
+        lines[name] = text if fit.describes else f"not a result: {text}"
     return lines

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from math import isfinite
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -216,6 +217,7 @@ def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
     from latolato.experiment.quality import flag_shares, pivot_harmonic, typical_sigma
     from latolato.experiment.track_table import balls_of
+    from latolato.experiment.tracking.wander import period_of_ball
 
     attrs = table.attrs
     numbers: dict[str, Any] = {
@@ -244,11 +246,14 @@ def summarise(table: Any) -> dict[str, Any]:
         "angle_scale_sigma",
         "origin_u",
         "origin_v",
-        "period",
-        "period_sigma",
     ):
         if name in attrs:
             numbers[name] = attrs[name]
+    for ball in range(1, balls_of(table) + 1):
+        ending = "" if ball == 1 else f"_{ball}"
+        period, sigma = period_of_ball(table, ball)
+        numbers[f"period{ending}"] = period if isfinite(period) else None
+        numbers[f"period{ending}_sigma"] = sigma if isfinite(sigma) else None
     numbers["warnings"] = attrs["warnings"].split("; ") if attrs.get("warnings") else []
     return numbers
 
@@ -278,8 +283,13 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         length, sigma = (1e2 * summary[name] for name in ("length", "length_sigma"))
         by = f"by the scale of the {summary['scale_source']}"
         lines["length"] = f"{length:.5g} cm, sigma {sigma:.2g} cm, {by}"
-    if "period" in summary:
-        lines["period"] = f"{summary['period']:.6g} s, sigma {summary['period_sigma']:.2g} s"
+    for ball in range(1, summary["balls"] + 1):
+        ending = "" if ball == 1 else f"_{ball}"
+        name = "period" if summary["balls"] == 1 else f"period of ball {ball}"
+        period, sigma = summary[f"period{ending}"], summary[f"period{ending}_sigma"]
+        lines[name] = "none: fewer than three swings were seen"
+        if period is not None:
+            lines[name] = f"{period:.6g} s, sigma {sigma:.2g} s"
     if summary["drive_amplitude"] is not None:
         from math import tau
 

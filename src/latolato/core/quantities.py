@@ -167,6 +167,7 @@ QUANTITIES: dict[str, Quantity] = {
     "restitution": Quantity("1", "e", "coefficient of restitution"),
     "string_restitution": Quantity("1", "e_s", "coefficient of restitution of a string"),
     "rod_mass": Quantity("kg", "m_{rod}", "mass of a uniform rod"),
+    "period": Quantity("s", "T_0", "period of small swings"),
     "natural_frequency": Quantity("rad/s", r"\omega_0", "natural angular frequency"),
     "decay_rate": Quantity("1/s", "k", "amplitude decay rate C/(2ml)"),
     "contact_angle_low": Quantity("rad", r"\theta_{low}", "contact angle at the bottom"),

@@ -94,8 +94,10 @@ def system_of(fit: Fit) -> tuple[System, dict[str, float]]:
     Raises
     ------
     InputError
-        If the fit does not define a complete system.
+        If the fit does not describe its record, or does not define a complete system.
     """
+    if not fit.describes:
+        raise InputError(fit.doubt, way_out="compare with a fit that describes its record")
     system = fit.system
     if system is None:
         raise InputError(

@@ -116,7 +116,7 @@ def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
     ok = np.isfinite(heights)
     if ok.sum() < 16:
         return None
-    frequency, weights, rest = _harmonic(times[ok], heights[ok])
+    frequency, weights, rest = fitted_harmonic(times[ok], heights[ok])
     amplitude = math.hypot(weights[1], weights[2])
     if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
         return None
@@ -129,12 +129,18 @@ def _waves(times: np.ndarray, frequency: float) -> np.ndarray:
     return np.column_stack([np.ones_like(times), np.cos(phase), np.sin(phase)])
 
 
-def _harmonic(times: np.ndarray, heights: np.ndarray) -> tuple[float, np.ndarray, float]:
-    """Return angular frequency, weights of `_waves` and residual of the best harmonic."""
+def fitted_harmonic(
+    times: np.ndarray, heights: np.ndarray, fastest: float | None = None
+) -> tuple[float, np.ndarray, float]:
+    """Return angular frequency, weights of `_waves` and residual of the best harmonic.
+
+    Frequencies up to `fastest` [rad/s] are tried, by default half the rate of the samples.
+    """
     from scipy.optimize import minimize_scalar
 
     span = float(times[-1] - times[0])
-    fastest = math.pi / float(np.median(np.diff(times)))
+    if fastest is None:
+        fastest = math.pi / float(np.median(np.diff(times)))
     count = int(min(4 * span * fastest / math.pi, 20_000))
     trials = np.linspace(2.0 * math.pi * _TURNS / span, fastest, max(count, 16))
     centred = heights - heights.mean()

@@ -108,6 +108,8 @@ def trial_of(
                 value=float(transient),
             )
     drive = fit_drive(table, profile=False)
+    if not drive.describes:
+        raise InputError(drive.doubt, way_out="give start and end of a part without a break")
     frequency = drive["drive_frequency"]
     notes = []
     if "drive_frequency_final" in drive:
@@ -115,6 +117,7 @@ def trial_of(
         notes.append(f"frequency stepped at {drive['step_time'].value:.4g} s")
     if "It is not steady" in drive.verdict:
         notes.append("drive not steady")
+    _check_hanging(table)
     angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
     steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
@@ -138,6 +141,18 @@ def trial_of(
         "length": length,
         "note": "; ".join(notes),
     }
+
+
+def _check_hanging(table: xr.Dataset) -> None:
+    """Raise InputError if a ball swings about an angle beyond a quarter of a turn."""
+    for ball in range(1, balls_of(table) + 1):
+        middle = float(np.nanmedian(table[f"angle_{ball}"].values))
+        if abs(middle) > 0.5 * math.pi:
+            raise InputError(
+                f"ball {ball} moves about {math.degrees(middle):.4g} degrees, but a ball that "
+                "hangs is at 0: its angles are counted from elsewhere, or are off by a turn",
+                way_out="import them with --angle-from, or take the turn off",
+            )
 
 
 def collect_trials(

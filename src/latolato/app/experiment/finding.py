@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
-from latolato.experiment.tracking.wander import period_of
+from latolato.experiment.tracking.wander import period_of_ball
 from latolato.figures.analyses.sentences import degrees, percent, plus_minus
 from latolato.physics.pendulum import equivalent_pendulum
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
+# Standard deviations from which a decay or a growth is seen.
+_SURE = 3.0
 # Standard uncertainty of a length that somebody measured: one mark of a ruler [m].
 _RULER = 1e-3
 
@@ -170,7 +172,7 @@ def _of_ball(centre: float, equivalent: float, apparatus: Apparatus) -> dict[str
 def _half_life(decay: Mapping[str, Any]) -> tuple[float, float] | None:
     """Return the time in which half of a swing is lost [s], None if it was not seen to fade."""
     rate = decay.get("decay_rate") or decay.get("decay_rate_envelope")
-    if rate is None or not rate["value"] > 0.0:
+    if rate is None or not rate["value"] > _SURE * (rate["sigma"] or 0.0):
         return None
     half = math.log(2.0) / rate["value"]
     return half, half * (rate["sigma"] or 0.0) / rate["value"]
@@ -201,6 +203,9 @@ def _free(decay: Mapping[str, Any]) -> str:
     """Return how often a free pendulum swings, and how fast its swing fades."""
     text = f"It swings {_text(decay['natural_frequency'], 1.0 / math.tau)} times a second"
     half = _half_life(decay)
+    rate, sigma = _value(decay.get("decay_rate") or decay["decay_rate_envelope"])
+    if rate < -_SURE * sigma:
+        return f"{text}, and its swing grows by {plus_minus(-rate, sigma)} 1/s."
     if half is None:
         return f"{text}; no decay of its swing was found: film for longer."
     return f"{text} and loses half of its swing every {plus_minus(*half)} s."
@@ -208,11 +213,7 @@ def _free(decay: Mapping[str, Any]) -> str:
 
 def _period(table: xr.Dataset) -> tuple[float, float]:
     """Return the period of the swing and its standard deviation [s], NaN if none is seen."""
-    if "angle_1" in table.variables and np.isfinite(table["angle_1"].values).any():
-        angle = table["angle_1"].values
-        return period_of(table["time"].values, np.column_stack([angle, 0.0 * angle]))
-    period, sigma = (float(table.attrs.get(n) or math.nan) for n in ("period", "period_sigma"))
-    return period, sigma
+    return period_of_ball(table, 1)
 
 
 def _plain(table: xr.Dataset) -> str:

@@ -65,6 +65,8 @@ def fit_of(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         fit = kind.fit(table, apparatus)
+        if not fit.describes:
+            return {"kind": name, "error": fit.verdict}
         system = kind.system(fit, apparatus, table)
         motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
     card = card_of(fit)

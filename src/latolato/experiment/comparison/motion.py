@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 _MATCHED = 4.0
 # The computed motion has left the measured one where residuals exceed this share of the angle.
 _LEFT = 0.3
+# Differences so many times the noise of the samples are no noise.
+_MORE = 3.0
 
 
 def compare_motion(
@@ -131,6 +133,7 @@ def compare_motion(
         phase[own], likeness[own] = phases(data.times[own], data.values[own], computed[own], period)
     late = data.times >= last - (last - first) / 3.0
     followed = _followed(data, residual, 2.0 * period)
+    noise = noise_of(data.values[data.series == data.series[0]])
     numbers = {
         "residual_rms": (_rms(residual), "root mean square of the residual", "rad"),
         "residual_rms_late": (_rms(residual[late]), "the same in the last third", "rad"),
@@ -158,7 +161,7 @@ def compare_motion(
         **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
     }
     attributes = {
-        "comparison": "motion", "verdict": _verdict(numbers, first, last),
+        "comparison": "motion", "verdict": _verdict(numbers, first, last, noise),
         "system": systems.name_of(system),
         "system_description": json.dumps(systems.described(system)),
         "pivot": moving.words, "match": span, "source": str(table.attrs.get("source", "")),
@@ -292,7 +295,9 @@ def _top(values: Floats) -> float:
     return float(np.max(np.abs(values)))
 
 
-def _verdict(numbers: Mapping[str, tuple[float, str, str]], first: float, last: float) -> str:
+def _verdict(
+    numbers: Mapping[str, tuple[float, str, str]], first: float, last: float, noise: float
+) -> str:
     """Return how computation and measurement compare in plain words."""
     value = {name: each[0] for name, each in numbers.items()}
     one, other = (math.degrees(value[name]) for name in (LATE, f"{LATE}_computed"))
@@ -301,6 +306,8 @@ def _verdict(numbers: Mapping[str, tuple[float, str, str]], first: float, last: 
             f"The computed motion follows the measured one for all {last - first:.4g} s: they "
             f"differ by {1e3 * value['residual_rms']:.3g} mrad (rms)"
         )
+        if value["residual_rms"] > _MORE * noise > 0.0:
+            words += f", {value['residual_rms'] / noise:.2g} times the noise of the samples"
         if math.isfinite(value["phase_rms_late"]):
             words += f", in phase by {value['phase_rms_late']:.2g} rad in the last third"
     else:

@@ -298,6 +298,8 @@ def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
         )
         apart += abs(one.place - other.place) > 3.0 * math.hypot(one.sigma, other.sigma)
     words = f"The response peaks of {', '.join(parts)}."
+    if any(one.sigma > one.place for one in seen):
+        return f"{words} A peak that is less certain than its place is large agrees with anything."
     if apart:
         return f"{words} {apart} of {len(names)} differ by more than 3 standard deviations."
     return f"{words} All agree within 3 standard deviations."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -15,29 +15,46 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
+from latolato.experiment.fits.free_swing import COEFFICIENTS, fit_best, fit_equation, guess_of
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
-    Floats,
     Guess,
     Solution,
     lmfit_module,
-    solve,
 )
-from latolato.experiment.fits.motion import angles_at, step_of
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.result import (
+    TWO_SIDED,
+    Adequacy,
+    Estimate,
+    Fit,
+    make_fit,
+    quantity_of,
+    size_question,
+)
 from latolato.experiment.fits.samples import (
+    check_turns,
     is_driven,
     length_of,
     pivot_swing,
     samples_of,
     within,
+    without_repeats,
 )
-from latolato.experiment.fits.sight import ABOVE, ASIDE, Sight, sight_guesses
-from latolato.experiment.fits.swings import Swings, free_start, period_factor, swings_of
+from latolato.experiment.fits.sight import ABOVE, ASIDE, sight_guesses
+from latolato.experiment.fits.swing_doubt import doubt_of
+from latolato.experiment.fits.swings import (
+    SPARSE,
+    Swings,
+    are_turning_points,
+    free_start,
+    period_factor,
+    samples_per_swing,
+    swings_of,
+    swings_of_turning_points,
+)
 from latolato.experiment.track_table import checked_table, has_own_pivots, table_of_ball
-from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import GRAVITY, Pendulum
 
 if TYPE_CHECKING:
@@ -55,17 +72,12 @@ LAWS: dict[str, tuple[str, ...]] = {
 }
 _FULLEST_FIRST = sorted(LAWS, key=lambda name: -len(LAWS[name]))
 METHODS = ("both", "equation", "envelope")
-# Angle of trials that end early, and beyond which nothing swings (half a turn, off its middle).
-_WILD = 10.0
+# Angle beyond which nothing swings (half a turn, off its middle).
 _HALF_TURN = 1.2 * math.pi
-# The coefficient of each term as a parameter of `Pendulum`.
-_COEFFICIENTS = {
-    "linear": "damping",
-    "quadratic": "quadratic_damping",
-    "coulomb": "coulomb_damping",
-}
 # Differences of the criterion below the first say nothing, beyond the second they are strong.
 _WEAK, _STRONG = 2.0, 10.0
+# Standard deviations from which drag is seen.
+_SURE = 3.0
 # Samples from which laws are compared, and trials that a start may take there.
 _ENOUGH, _TRIES = 1500, 600
 
@@ -165,11 +177,13 @@ def fit_decay(
     if has_own_pivots(table):
         table, ball = table_of_ball(table, ball), 1
     data = samples_of(table, ball, start=start, end=end)
+    check_turns(data)
     piece = table.isel(frame=within(table["time"].values, start, end))
     if declared is not None:  # before a driven swing is taken for one that somebody holds
         _check_rest(piece, declared)
-    begin = free_start(data.times, data.values) if start is None else float(data.times[0])
-    data = data[data.times >= begin]
+    if start is None:
+        data = data[data.times >= _release(data)]
+    begin = float(data.times[0])
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
         raise InputError(
@@ -177,22 +191,25 @@ def fit_decay(
             "swing does: are the angles in degrees? If not, set start to the time when it begins "
             "to swing"
         )
-    swings = swings_of(data.times, data.values - np.median(data.values))
-    swings = Swings(
-        swings.times, swings.angles + np.median(data.values), swings.sigmas, swings.halves
-    )
-    first = _first_guess(data, swings)
+    data, repeats = without_repeats(data)
+    seen = _seen(data)
     if declared is None:
-        _check_rest(piece, gravity / first["natural_frequency"] ** 2)
+        _check_rest(piece, gravity / seen.first["natural_frequency"] ** 2)
     body = _Body(declared, mass, radius, gravity)
     aside = sight_guesses(table, data)
     parts = []
-    if method != "envelope":
+    if method != "envelope" and seen.has_motion:
         compare = compare or law == "best"
-        parts.append(_by_equation(data, first, aside, body, law, compare=compare, profile=profile))
-    if method != "equation":
+        parts.append(
+            _by_equation(data, seen.first, aside, body, law, compare=compare, profile=profile)
+        )
+    elif method == "equation":
+        raise InputError(seen.words, way_out="use method 'envelope'")
+    if method != "equation" and seen.swings is not None:
         equation = parts[0].estimates if parts else None
-        parts.append(_by_envelope(swings, first, aside, body, equation, profile=profile))
+        parts.append(_by_envelope(seen.swings, seen.first, aside, body, equation, profile=profile))
+    elif method == "envelope":
+        raise InputError(seen.words, way_out="use method 'equation'")
     estimates = {name: each for part in parts for name, each in part.estimates.items()}
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
@@ -203,7 +220,14 @@ def fit_decay(
     for part in parts:
         about |= part.attributes
     verdict = " ".join(sentence for part in parts for sentence in part.sentences)
-    return make_fit("decay", estimates, verdict, curves, about, system=body.system(estimates))
+    if method == "both" and seen.words:
+        verdict = f"{verdict} {seen.words[0].upper()}{seen.words[1:]}."
+    if repeats:
+        verdict += f" {repeats} samples that repeat the one before were left out."
+    adequacy = next((part.adequacy for part in parts if not part.adequacy.describes), Adequacy())
+    return make_fit(
+        "decay", estimates, verdict, curves, about, system=body.system(estimates), adequacy=adequacy
+    )
 
 
 def _swinging(fit: Fit, apparatus: Apparatus, table: xr.Dataset) -> Pendulum:
@@ -223,7 +247,7 @@ fits.register("decay")(
     FitKind(
         function=fit_decay,
         title="Decay",
-        headline=("damping", "decay_rate", "length", "natural_frequency"),
+        headline=("period", "damping", "decay_rate", "length", "natural_frequency"),
         system=_swinging,
     )
 )
@@ -237,6 +261,7 @@ class _Part:
     curves: dict[str, tuple[str, Any]]
     attributes: dict[str, Any]
     sentences: list[str]
+    adequacy: Adequacy = field(default_factory=Adequacy)
 
 
 def _by_equation(
@@ -253,7 +278,8 @@ def _by_equation(
     laws = _compared(data, first, aside) if compare else {}
     if law == "best":
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
-    chosen, solution = _converged(data, first, laws, law, aside, profile=profile)
+    chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
+    adequacy = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
     estimates = body.estimates(solution, LAWS[chosen])
     sentences = [body.verdict(estimates, solution, chosen)]
     if compare:
@@ -277,7 +303,7 @@ def _by_equation(
         "is_outlier": ("sample", ~solution.kept),
     }
     attributes = solution.quality | {"chi_square": solution.chi_square, "law": chosen}
-    return _Part(estimates, curves, attributes, sentences)
+    return _Part(estimates, curves, attributes, sentences, adequacy)
 
 
 def _by_envelope(
@@ -324,22 +350,77 @@ def _check_rest(piece: xr.Dataset, length: float) -> None:
         )
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """What is seen of a swing before any fit.
+
+    Attributes
+    ----------
+    first : dict
+        A first guess of all parameters.
+    swings : Swings or None
+        Turning points, None where too few samples show them.
+    has_motion : bool
+        Whether there are samples between turning points.
+    words : str
+        Why there are no turning points, or no motion; "" where there are both.
+    """
+
+    first: dict[str, float]
+    swings: Swings | None
+    has_motion: bool = True
+    words: str = ""
+
+
+def _release(data: Data) -> float:
+    """Return the instant from which a ball swings freely [s]; few samples show no hand."""
+    if samples_per_swing(data.times, data.values) < SPARSE:
+        return float(data.times[0])
+    # Half-way between both sides: a hand that holds the ball for long moves the median.
+    low, high = np.quantile(data.values, [0.01, 0.99])
+    return free_start(data.times, data.values - 0.5 * (low + high))
+
+
+def _seen(data: Data) -> _Seen:
+    """Return turning points and first guesses.
+
+    Raises
+    ------
+    InputError
+        Without a swing.
+    """
+    middle = float(np.median(data.values))
+    if are_turning_points(data.values - middle):
+        swings = swings_of_turning_points(data.times, data.values)
+        return _Seen(
+            _first_guess(data, swings), swings, has_motion=False,
+            words="the samples are turning points only, and the equation needs those between them",
+        )  # fmt: skip
+    count = samples_per_swing(data.times, data.values)
+    if count < SPARSE:
+        drags = {"linear": 0.02, "quadratic": 0.02, "coulomb": 0.02}
+        first = guess_of(data[: 8 * SPARSE], drags)
+        words = f"{count:.2g} samples in a swing are too few to see its turning points"
+        return _Seen(first, None, words=words)
+    swings = swings_of(data.times, data.values - middle)
+    swings = Swings(swings.times, swings.angles + middle, swings.sigmas, swings.halves)
+    return _Seen(_first_guess(data, swings), swings)
+
+
 def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
     """Return a guess of all parameters from the turning points and the first swing."""
-    sizes = np.abs(swings.angles)
     # Turning points either side lie the offset above and below the envelope.
     pairs = 0.5 * (swings.angles[1:-1] + 0.5 * (swings.angles[:-2] + swings.angles[2:]))
     offset = float(np.median(pairs)) if len(pairs) else 0.0
+    sizes = np.abs(swings.angles - offset)
     factors = np.array([period_factor(size) for size in sizes])
-    weights = sizes**2
-    frequency = math.pi / float(np.sum(weights * swings.halves / factors) / np.sum(weights))
+    # Half periods across a gap are too long.
+    frequency = math.pi / float(np.median(swings.halves / factors))
+    effective = effective_amplitude(sizes)
     rate = 0.02
     if len(sizes) > 3:
-        effective = effective_amplitude(np.abs(swings.angles - offset))
-        slope = np.polyfit(swings.times, np.log(effective), 1, w=effective)[0]
-        rate = max(-2.0 * float(slope), 1e-4)
-    else:
-        effective = effective_amplitude(sizes)
+        rate = -2.0 * float(np.polyfit(swings.times, np.log(effective), 1, w=effective)[0])
+    drag = max(abs(rate), 1e-4)
     begin = float(data.times[0])
     swing = effective[0] * math.exp(0.5 * rate * (swings.times[0] - begin))
     amplitude = float(amplitude_of(np.array(min(swing, 3.0))))
@@ -347,12 +428,12 @@ def _first_guess(data: Data, swings: Swings) -> dict[str, float]:
         "natural_frequency": frequency,
         "linear": rate,
         "angle_offset": offset,
-        "quadratic": rate / max(frequency * float(np.mean(sizes)), 1e-6),
-        "coulomb": rate * frequency * float(np.mean(sizes)),
+        "quadratic": drag / max(frequency * float(np.mean(sizes)), 1e-6),
+        "coulomb": drag * frequency * float(np.mean(sizes)),
     }
     # The start: the first swing turned back by the phase from its turning point.
     phase = frequency / period_factor(amplitude) * (begin - swings.times[0])
-    sign = float(np.sign(swings.angles[0]))
+    sign = float(np.sign(swings.angles[0] - offset))
     angle = sign * amplitude * math.cos(phase)
     lift = 2.0 * max(math.cos(angle) - math.cos(amplitude), 0.0)
     speed = -sign * math.copysign(frequency * math.sqrt(lift), math.sin(phase))
@@ -384,7 +465,7 @@ def _compared(
         tries = []
         for start in starts:
             with suppress(ConvergenceError):
-                tries.append(_fit_equation(data, start, terms, aside, limit=_TRIES, like=fullest))
+                tries.append(fit_equation(data, start, terms, aside, limit=_TRIES, like=fullest))
         if tries:
             solutions[name] = min(tries, key=lambda each: each.chi_square)
             fullest = fullest or solutions[name]
@@ -399,19 +480,25 @@ def _converged(
     aside: Mapping[str, Guess],
     *,
     profile: bool,
-) -> tuple[str, Solution]:
+) -> tuple[str, Solution, bool]:
     """Return a law and its fit, or those of the best part of it that converges.
 
-    Parts are taken in the order of the comparison `laws`, without one the fullest first.
+    The third is whether no other solution is nearly as good. Parts are taken in the order of the
+    comparison `laws`, without one the fullest first.
     """
     parts = [name for name in _FULLEST_FIRST if set(LAWS[name]) < set(LAWS[law])]
     parts.sort(key=lambda name: laws[name].bayes if name in laws else math.inf)
     error: ConvergenceError | None = None
     for name in (law, *parts):
         profiles = [*LAWS[name], "natural_frequency"] if profile else []
-        start = laws[name].values if name in laws else _shared(first, LAWS[name])
+        start = _shared(first, LAWS[name])
+        if name in laws:
+            start |= laws[name].values
         try:
-            return name, _fit_equation(data, start, LAWS[name], aside, profiles=profiles)
+            best, alone = fit_best(data, start, LAWS[name], aside)
+            if profile:
+                best = fit_equation(data, best.values, LAWS[name], aside, profiles=profiles)
+            return name, best, alone
         except ConvergenceError as caught:
             error = error or caught
     assert error is not None
@@ -421,48 +508,8 @@ def _converged(
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
     """Return a first guess whose drag is shared by some terms."""
     shares = {term: first[term] * (1.0 / len(terms) if term in terms else 1e-3)
-              for term in ("linear", "quadratic", "coulomb")}  # fmt: skip
+              for term in COEFFICIENTS}  # fmt: skip
     return {**first, **shares}
-
-
-def _fit_equation(
-    data: Data,
-    first: Mapping[str, float],
-    terms: Sequence[str],
-    aside: Mapping[str, Guess],
-    **options: Any,
-) -> Solution:
-    """Return the least-squares solution of the equation with these drags."""
-    times = data.times - data.times[0]
-    guesses = {
-        "natural_frequency": Guess(first["natural_frequency"], 1e-3),
-        "angle_offset": Guess(first["angle_offset"]),
-        "initial_angle": Guess(first["initial_angle"]),
-        "initial_angular_velocity": Guess(first["initial_angular_velocity"]),
-    }
-    for term in terms:
-        guesses[term] = Guess(max(first[term], 1e-6), 0.0)
-    guesses |= {name: replace(each, value=first.get(name, 0.0)) for name, each in aside.items()}
-    largest = float(np.max(np.abs(data.values)))
-    speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
-    about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
-    step = step_of(about, FixedPivot(), speed)
-    sight = Sight.of(data)
-
-    def model(p: Mapping[str, float]) -> Floats:
-        system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
-        start = (p["initial_angle"],), (p["initial_angular_velocity"],)
-        angles: Floats = angles_at(system, FixedPivot(), *start, times, step=step)[0]
-        # A trial too wild to be followed to the end is a bad fit, not an error.
-        return np.where(np.isfinite(angles), sight.seen(angles, p), _WILD)
-
-    return solve(model, guesses, data, **options)
-
-
-def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:
-    """Return the pendulum of length 1 m and mass 1 kg with this frequency and these drags."""
-    coefficients: dict[str, Any] = {_COEFFICIENTS[term]: value for term, value in drags.items()}
-    return Pendulum(length=1.0, mass=1.0, gravity=frequency**2, **coefficients)
 
 
 @dataclass(frozen=True)
@@ -477,9 +524,10 @@ class _Body:
     def system(self, estimates: Mapping[str, Estimate]) -> Pendulum | None:
         """Return the pendulum that swings, None if its mass or its drag is unknown."""
         drags: dict[str, Any] = {
-            name: estimates[name].value for name in _COEFFICIENTS.values() if name in estimates
+            name: estimates[name].value for name in COEFFICIENTS.values() if name in estimates
         }
-        if self.mass is None or not drags:
+        # A swing that grows is driven by something that no pendulum has.
+        if self.mass is None or not drags or min(drags.values()) < 0.0:
             return None
         length = estimates["length"].value
         return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
@@ -494,10 +542,11 @@ class _Body:
             raw = solution.estimate(term, "1/s")
             unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
             if self.mass is not None:
-                estimates[_COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
+                estimates[COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
             if term == "linear":
                 estimates["decay_rate"] = raw.scaled(0.5, "1/s")
-        estimates |= {"natural_frequency": rate, "length": length}
+        period = rate.reciprocal(math.tau, "s")
+        estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
         if self.radius is not None:
             estimates["centre_length"] = self._centre(length)
         for name, unit in (
@@ -522,6 +571,24 @@ class _Body:
             rate = estimates["decay_rate_envelope"]
             estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
         return estimates
+
+    def drag_words(self, estimates: Mapping[str, Estimate], law: str) -> list[str]:
+        """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
+        rate = estimates.get("decay_rate")
+        if law != "linear" or rate is None:
+            return [f"{quantity_of(n).long_name} {estimates[n]}" for n in COEFFICIENTS.values()
+                    if n in estimates and n != "damping"]  # fmt: skip
+        if rate.value < -_SURE * rate.sigma:
+            return [f"a swing that grows by {rate.scaled(-1.0, '1/s')}"]
+        if rate.value < _SURE * rate.sigma:
+            limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
+            words = f"no drag within its error (decay rate below {limit:.2g} 1/s"
+            if "damping" in estimates:
+                ratio = estimates["damping"].sigma / rate.sigma
+                words += f", C below {limit * ratio:.2g} kg m/s"
+            return [f"{words})"]
+        parts = [f"decay rate {rate}"]
+        return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
 
     def _length(self, rate: Estimate) -> Estimate:
         """Return g over the squared frequency."""
@@ -549,11 +616,8 @@ class _Body:
 
     def verdict(self, estimates: Mapping[str, Estimate], solution: Solution, law: str) -> str:
         """Return the result of the equation in plain words."""
-        parts = []
-        if "damping" in estimates:
-            parts.append(f"C = {estimates['damping']}")
-        if "decay_rate" in estimates:
-            parts.append(f"decay rate {estimates['decay_rate']}")
+        parts = [f"a period of {estimates['period']} for small swings"]
+        parts += self.drag_words(estimates, law)
         parts.append(
             f"length from the dynamics {estimates['length']} "
             f"(of a point, with g = {self.gravity:g} m/s^2 taken as exact)"
@@ -566,8 +630,9 @@ class _Body:
                 words += (
                     f" The declared length {self.length:g} m is {abs(100 * away):.2g} % "
                     f"{'less' if away > 0 else 'more'} than the dynamics give: check the length, "
-                    "gravity, or the mass of the rod."
+                    "gravity, the clock (frame rate, slow motion), or the mass of the rod."
                 )
+        words += size_question("length", estimates["length"].value)
         if (~solution.kept).any():
             words += f" {int((~solution.kept).sum())} outliers were left out."
         return words
@@ -610,7 +675,9 @@ def _envelope_verdict(estimates: Mapping[str, Estimate]) -> str:
     words = f"The envelope gives a decay rate of {envelope}"
     if "damping_envelope" in estimates:
         words += f", C = {estimates['damping_envelope']}"
-    if "decay_rate" in estimates:
+    if "decay_rate" in estimates and envelope.sigma > abs(envelope.value):
+        words += ", which is too uncertain to compare"
+    elif "decay_rate" in estimates:
         gap = abs(envelope.value - estimates["decay_rate"].value)
         both = math.hypot(envelope.sigma, estimates["decay_rate"].sigma)
         agree = gap <= 3.0 * both

@@ -13,9 +13,18 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
+from latolato.experiment.fits.adequacy import (
+    Cut,
+    Kind,
+    changes,
+    misfit_doubt,
+    misfit_of,
+    place_of_change,
+)
 from latolato.experiment.fits.drive_across import across_of, with_across
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
 from latolato.experiment.fits.least_squares import (
+    ConvergenceError,
     Data,
     Floats,
     Guess,
@@ -24,9 +33,10 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, size_question
 from latolato.experiment.fits.samples import is_driven, noise_of, pivot_swing, within
 from latolato.experiment.fits.swings import crossings
+from latolato.experiment.quality import fitted_harmonic
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
 from latolato.physics.drives.base import Drive
@@ -46,6 +56,37 @@ _OVERTONES = (2, 3, 4)
 # Within so many seconds of a step residuals this many times as large as elsewhere ask for a ramp,
 # whose fit may take so many trials.
 _NEAR_STEP, _ROUGH, _TRIES = 2.0, 1.3, 400
+# Scatter of the times between samples, as a share, from which they are uneven.
+_UNEVEN = 0.01
+# Samples that are looked through for a drive faster than half their rate, multiples of that rate
+# which are tried, and what it must leave of the residuals of a slower one.
+_FAST_SAMPLES, _FASTEST, _FAST = 400, 4.0, 0.5
+# Periods on either side of a break.
+_SHORTEST = 2.0
+_KINDS = [
+    Kind(
+        "phase jump",
+        frozenset({"phase"}),
+        "its phase jumps ahead by {share:.2g} of a period there: a piece of the clock is missing, "
+        "or two films were joined",
+    ),
+    Kind(
+        "change of pace",
+        frozenset({"frequency"}),
+        "its frequency changes there by {pace}: another speed, or another pace of the film",
+    ),
+    Kind(
+        "change of amplitude",
+        frozenset({"amplitude"}),
+        "its amplitude changes there from {size_before:.3g} to {size_after:.3g} mm",
+    ),
+    Kind("shifted height", frozenset({"offset"}), "its middle shifts there by {offset:.3g} mm"),
+    Kind(
+        "another motion",
+        frozenset({"amplitude", "frequency", "phase", "offset"}),
+        "another motion begins there: two films were joined, or the drive was changed",
+    ),
+]
 # Drifts over the record below these shares are of no account, however surely they are seen.
 _AMPLITUDE_DRIFT, _FREQUENCY_DRIFT = 5e-3, 2e-4
 
@@ -79,10 +120,11 @@ def fit_drive(
     Returns
     -------
     Fit
-        With `drive_amplitude` [m], `drive_frequency` [rad/s], `drive_phase` (at time zero of the
-        table), `crank_ratio` and, for one stage, `amplitude_drift` and `frequency_drift`. With
-        steps `drive_frequency` is the first stage's, `drive_frequency_final` the last one's and
-        `step_time` the last step; ``dataset`` has all of them on ``stage``. Where `pivot_x` is
+        With `drive_amplitude` [m], `drive_frequency` [rad/s], `drive_phase` (at the first frame of
+        the table, which is time zero of ``drive``), `crank_ratio` and, for one stage,
+        `amplitude_drift` and `frequency_drift`. With steps `drive_frequency` is the first stage's,
+        `drive_frequency_final` the last one's and `step_time` the last step; ``dataset`` has all of
+        them on ``stage``. Where `pivot_x` is
         known and not one value, `horizontal_amplitude` [m] and `horizontal_phase` too. ``drive``
         is a `Harmonic`, a `PlanarHarmonic` where a horizontal motion is seen, a `CrankSlider` where
         the second harmonic is that of a crank, or a `FrequencySchedule`.
@@ -112,9 +154,16 @@ def fit_drive(
     checked_table(table, "pivot_y")
     if stages is not None:
         stages = checked_count("stages", stages, Range(1, MOST_STAGES))
+    origin = float(table["time"].values[0])
     data, zeros = _samples(table, start, end)
+    even = _rate_of(data)
+    data = replace(data, times=data.times - origin)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
-    shape, solution = _chosen(data, zeros, stages, least)
+    if isinstance(zeros, dict):
+        shape = Shape(1)
+        solution = _fit(data, shape, zeros)
+    else:
+        shape, solution = _chosen(data, zeros - origin, stages, least)
     if profile:
         names = [n for n in ("drive_amplitude", "drive_frequency") if n in solution.names]
         solution = _fit(data, shape, _guesses_of(solution), profiles=names)
@@ -126,17 +175,19 @@ def fit_drive(
         unsteady = _unsteady(drift, other, float(np.ptp(data.times)))
         if unsteady:
             shape, solution = drifting, other
-    estimates = _estimates(solution, shape) | drift
+    _check_cycles(solution, float(np.ptp(data.times)))
+    adequacy = _doubt(data, shape, solution, origin, least)
+    estimates = _estimates(solution, shape, origin) | drift
     overtones = _overtones(data, shape, solution, least)
     drive, drive_words = _drive(solution, shape, overtones)
-    across = across_of(table, data.times, shape, solution, least)
+    across = across_of(table, data.times, origin, shape, solution, least)
     if across is not None:
         drive, more = with_across(drive, across)
         drive_words += f" {more}"
         estimates |= {
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
-    words = [_main_words(estimates, solution, shape), drive_words]
+    words = [_main_words(estimates, solution, shape, origin), drive_words]
     if unsteady:
         span = float(np.ptp(data.times))
         words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
@@ -145,8 +196,10 @@ def fit_drive(
     words.append(
         f"The uncertainty of the amplitude does not include that of {_scale_words(table)}."
     )
+    if even is not None:
+        words.append(_alias_words(solution.values["drive_frequency"] / math.tau, even))
     curves = {
-        "time": ("sample", data.times),
+        "time": ("sample", origin + data.times),
         "pivot_height": ("sample", data.values),
         "pivot_height_fit": ("sample", solution.curve),
         "pivot_height_residual": ("sample", solution.residuals),
@@ -154,7 +207,10 @@ def fit_drive(
         "harmonic": ("harmonic", np.array(_OVERTONES)),
         "harmonic_amplitude": ("harmonic", np.array([o.amplitude for o in overtones])),
         "harmonic_amplitude_sigma": ("harmonic", np.array([o.sigma for o in overtones])),
-        "stage_start": ("stage", np.array([0.0, *(solution.values[n] for n in shape.times)])),
+        "stage_start": (
+            "stage",
+            origin + np.array([0.0, *(solution.values[n] for n in shape.times)]),
+        ),
         "drive_frequencies": ("stage", np.array([solution.values[n] for n in shape.frequencies])),
         "drive_frequencies_sigma": (
             "stage",
@@ -165,10 +221,11 @@ def fit_drive(
         curves["pivot_across"] = ("sample", across.samples)
         curves["pivot_across_fit"] = ("sample", across.curve)
     about = {
-        "start": float(data.times[0]), "end": float(data.times[-1]), "samples": len(data),
-        "stages": shape.stages, **solution.quality, "source": table.attrs.get("source"),
+        "start": origin + float(data.times[0]), "end": origin + float(data.times[-1]),
+        "origin": origin, "samples": len(data), "stages": shape.stages, **solution.quality,
+        "source": table.attrs.get("source"),
     }  # fmt: skip
-    return make_fit("drive", estimates, " ".join(words), curves, about, drive)
+    return make_fit("drive", estimates, " ".join(words), curves, about, drive, adequacy=adequacy)
 
 
 fits.register("drive")(
@@ -202,13 +259,22 @@ class _Overtone:
         return math.hypot(self.cosine, self.sine)
 
 
-def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple[Data, Floats]:
-    """Return the heights between the first and the last passage, and the passages."""
+def _samples(
+    table: xr.Dataset, start: float | None, end: float | None
+) -> tuple[Data, Floats | dict[str, Guess]]:
+    """Return the heights between the first and the last passage, and the passages.
+
+    Of a drive that is faster than half the rate of uneven samples all heights, and a guess.
+    """
     time, height = table["time"].values, table["pivot_y"].values
     good = np.isfinite(height) & within(time, start, end)
     if good.sum() < 16:
         raise InputError(f"the pivot is known in {good.sum()} samples, but a fit needs at least 16")
     time, height = time[good], height[good]
+    fast = _fast(time, height, float(table["time"].values[0]))
+    if fast is not None:
+        ones = np.ones(len(time))
+        return Data(time, height, ones, np.zeros(len(time), dtype=np.int64)), fast
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
     if high == low or 0.5 * (high - low) < _CLEAR * noise:
@@ -223,6 +289,26 @@ def _samples(table: xr.Dataset, start: float | None, end: float | None) -> tuple
     ones = np.ones(count)
     data = Data(time[chosen], height[chosen], ones, np.zeros(count, dtype=np.int64))
     return data, zeros
+
+
+def _fast(time: Floats, height: Floats, origin: float) -> dict[str, Guess] | None:
+    """Return a guess of a drive faster than half the rate of uneven samples, None without one."""
+    steps = np.diff(time)
+    pause = float(np.median(steps))
+    if float(np.std(steps[steps < 1.5 * pause])) < _UNEVEN * pause:
+        return None
+    late, few = time[:_FAST_SAMPLES] - origin, height[:_FAST_SAMPLES]
+    *_, slow = fitted_harmonic(late, few)
+    rate, weights, rest = fitted_harmonic(late, few, _FASTEST * math.pi / pause)
+    if rate < math.pi / pause or rest > _FAST * slow:
+        return None
+    mean, cosine, sine = map(float, weights)
+    return {
+        "mean_height": Guess(mean),
+        "drive_amplitude": Guess(math.hypot(cosine, sine), 0.0),
+        "drive_phase": Guess(math.atan2(-sine, cosine)),
+        "drive_frequency": Guess(rate),
+    }
 
 
 def _scale_words(table: xr.Dataset) -> str:
@@ -353,7 +439,7 @@ def _guesses_of(solution: Solution) -> dict[str, Guess]:
     }
 
 
-def _estimates(solution: Solution, shape: Shape) -> dict[str, Estimate]:
+def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Estimate]:
     """Return the estimates under their public names."""
     estimates = {
         "drive_amplitude": solution.estimate("drive_amplitude", "m"),
@@ -361,7 +447,7 @@ def _estimates(solution: Solution, shape: Shape) -> dict[str, Estimate]:
     }
     if shape.stages > 1:
         estimates["drive_frequency_final"] = solution.estimate(shape.frequencies[-1], "rad/s")
-        estimates["step_time"] = solution.estimate(shape.times[-1], "s")
+        estimates["step_time"] = solution.estimate(shape.times[-1], "s").shifted(origin)
     phase = solution.estimate("drive_phase", "rad")
     value = math.remainder(phase.value, math.tau)
     estimates["drive_phase"] = Estimate(value, phase.sigma, "rad")
@@ -457,17 +543,100 @@ def _drive(solution: Solution, shape: Shape, overtones: list[_Overtone]) -> tupl
     ), words
 
 
-def _main_words(estimates: Mapping[str, Estimate], solution: Solution, shape: Shape) -> str:
+def _main_words(
+    estimates: Mapping[str, Estimate], solution: Solution, shape: Shape, origin: float
+) -> str:
     """Return amplitude and frequencies in plain words."""
     turns = 1.0 / math.tau
     words = f"The pivot moves with A0 = {estimates['drive_amplitude'].scaled(1e3, 'mm')} at "
     words += f"{estimates['drive_frequency']} ({estimates['drive_frequency'].scaled(turns, 'Hz')})"
     for name, before in zip(shape.frequencies[1:], shape.times, strict=True):
         rate, instant = solution.estimate(name, "rad/s"), solution.estimate(before, "s")
+        instant = instant.shifted(origin)
         words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
     if shape.ramp:
         words += f", each reached within {estimates['ramp']}"
-    return f"{words}."
+    words += f".{size_question('drive_amplitude', estimates['drive_amplitude'].value)}"
+    return words
+
+
+def _rate_of(data: Data) -> float | None:
+    """Return the rate of evenly spaced samples [Hz], None for uneven ones."""
+    steps = np.diff(data.times)
+    pause = float(np.median(steps))
+    near = steps[steps < 1.5 * pause]
+    return 1.0 / pause if float(np.std(near)) < _UNEVEN * pause else None
+
+
+def _alias_words(rate: float, even: float) -> str:
+    """Return which other frequencies [Hz] would look the same at an even rate of samples [Hz]."""
+    others = f"{even - rate:.4g}, {even + rate:.4g} or {2.0 * even - rate:.4g} Hz"
+    return f"At {even:.4g} evenly spaced frames a second, a pivot at {others} would look the same."
+
+
+def _check_cycles(solution: Solution, duration: float) -> None:
+    """Raise InputError unless there are two cycles, of a frequency that is known."""
+    rate = solution.values["drive_frequency"]
+    if abs(rate) * duration < 2.0 * math.tau or solution.sigma("drive_frequency") > abs(rate):
+        raise InputError(
+            f"the pivot moves through {abs(rate) * duration / math.tau:.2g} cycles in this record: "
+            "a drive needs at least 2",
+            way_out="use a longer record",
+        )
+
+
+def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: float) -> Adequacy:
+    """Return whether the model describes the height."""
+    few = misfit_doubt(solution, replace(data, times=data.times + origin))
+    shortest = _SHORTEST * math.tau / abs(solution.values["drive_frequency"])
+    simple = Shape(1, crank=shape.crank)
+
+    def fit_part(part: Data) -> Solution:
+        middle = part.values - np.mean(part.values)
+        zeros = crossings(part.times, middle)
+        if len(zeros) < 3:
+            raise ConvergenceError("this part is too short")
+        guesses = guesses_of_passages(part, zeros, Shape(1))
+        if shape.crank:
+            guesses["crank_ratio"] = _guesses_of(solution)["crank_ratio"]
+        return _fit(part, simple, guesses)
+
+    def portrait(_: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
+        return {
+            "amplitude": math.log(max(p["drive_amplitude"], 1e-300)),
+            "frequency": math.log(max(abs(p["drive_frequency"]), 1e-300)),
+            "phase": math.remainder(p["drive_phase"] + p["drive_frequency"] * instant, math.tau),
+            "offset": p["mean_height"],
+        }
+
+    place = place_of_change(data, solution, shortest, 0.5 * least)
+    if place is None:
+        return few or Adequacy()
+    at = origin + float(data.times[place])
+    noise = max(noise_of(data.values), 1e-300)
+    start = (
+        f"A drive of {'one frequency' if shape.stages == 1 else f'{shape.stages} stages'} does not "
+        f"describe the pivot's motion (scatter {solution.scatter / noise:.2g} times the noise of "
+        f"the samples): it fails from {at:.4g} s on"
+    )
+    try:
+        early, late = data[:place], data[place:]
+        cut = Cut(float(data.times[place]), early, late, fit_part(early), fit_part(late), 0.0)
+        one, other, names, covariance = changes(cut, portrait)
+    except InputError:
+        return Adequacy(f"{start}.", "unknown", at)
+    off = {name: other[name] - one[name] for name in names}
+    off["phase"] = math.remainder(off["phase"], math.tau)
+    kind = min(_KINDS, key=lambda each: misfit_of(each, off, names, covariance))
+    numbers = {
+        "share": (off["phase"] / math.tau) % 1.0,
+        "pace": f"{100.0 * (math.exp(off['frequency']) - 1.0):+.2g} %",
+        "size_before": 1e3 * math.exp(one["amplitude"]),
+        "size_after": 1e3 * math.exp(other["amplitude"]),
+        "offset": 1e3 * off["offset"],
+    }
+    words = f"{start}, and it looks as if {kind.words.format(**numbers)}."
+    return Adequacy(words, kind.name, at)
 
 
 def _unsteady(drift: Mapping[str, Estimate], solution: Solution, duration: float) -> list[str]:

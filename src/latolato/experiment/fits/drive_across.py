@@ -47,7 +47,12 @@ class Across:
 
 
 def across_of(
-    table: xr.Dataset, times: Floats, shape: Shape, solution: Solution, least: float
+    table: xr.Dataset,
+    times: Floats,
+    origin: float,
+    shape: Shape,
+    solution: Solution,
+    least: float,
 ) -> Across | None:
     """Return the horizontal motion, None where the table does not have it.
 
@@ -56,7 +61,9 @@ def across_of(
     table : xarray.Dataset
         A track table.
     times : ndarray, shape (sample,)
-        Those of its instants that the height was fitted at [s].
+        Those of its instants that the height was fitted at [s], from its first frame on.
+    origin : float
+        Instant of its first frame [s].
     shape, solution : Shape, Solution
         Of the height.
     least : float
@@ -70,7 +77,8 @@ def across_of(
     """
     if "pivot_x" not in table.variables:
         return None
-    positions = table["pivot_x"].values[np.searchsorted(table["time"].values, times)]
+    since = table["time"].values - origin
+    positions = table["pivot_x"].values[np.searchsorted(since, times)]
     known = np.isfinite(positions)
     # A column of one value is no measurement.
     if known.sum() < _FEWEST or np.ptp(positions[known]) == 0.0:

@@ -78,12 +78,12 @@ def fit_envelope(
             way_out="use a longer part or method 'equation'",
         )
     times = swings.times - swings.times[0]
-    signs = np.sign(swings.angles)
+    signs = np.sign(swings.angles - offset)
     sigmas = np.maximum(swings.sigmas, 1e-9)
     sizes = effective_amplitude(np.abs(swings.angles - offset))
     slope, height = np.polyfit(times, np.log(np.maximum(sizes, 1e-9)), 1)
     # The largest speed of a swing goes as the sine of half its angle.
-    speeds = np.abs(np.sin(0.5 * swings.angles))
+    speeds = np.abs(np.sin(0.5 * (swings.angles - offset)))
     sight = Sight(speeds / np.max(speeds), drop_of(swings.angles))
     guesses = {
         "effective": Guess(math.exp(height), 0.0),

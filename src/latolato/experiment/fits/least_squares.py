@@ -25,9 +25,11 @@ Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
 
 # Residuals beyond this many robust standard deviations are taken for mistakes of the tracker.
-_OUTLIER = 6.0
+OUTLIER = 6.0
 # Correlations up to this size are kept; beyond, a series is a random walk.
 _MOST_CORRELATION = 0.99
+# Standard deviations of a prior within which a value is believed.
+_FAR = 3.0
 # Relative step of derivatives, squared.
 _STEP = 1e-12
 _ROUNDS = 2
@@ -105,6 +107,14 @@ class Solution:
         Reduced, of the whitened residuals over their sigmas.
     effective_samples : float
         Number of independent samples that would determine a mean equally well.
+    slopes : ndarray, shape (sample, parameter)
+        Derivatives of `curve`.
+    origin : float
+        Instant of the first sample [s].
+    prior_misfit : float
+        Sum of the squares of the parameters with priors over their deviations.
+    beyond_priors : dict
+        Those of them that are beyond three of these deviations, in deviations, by name.
     """
 
     names: tuple[str, ...]
@@ -118,6 +128,10 @@ class Solution:
     chi_square: float
     effective_samples: float
     log_likelihood: float
+    slopes: Floats = field(default_factory=lambda: np.empty((0, 0)), repr=False)
+    origin: float = 0.0
+    prior_misfit: float = 0.0
+    beyond_priors: dict[str, float] = field(default_factory=dict)
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
@@ -237,6 +251,11 @@ def solve(
     stiffness = np.array([known.get(name, 0.0) ** 2 for name in names])
     covariance, widening = _covariance(scores, errors, spread, stiffness)
     count = len(errors)
+    off = {
+        name: values[name] / guess.prior
+        for name, guess in guesses.items()
+        if math.isfinite(guess.prior)
+    }
     solution = Solution(
         names=names,
         values=dict(values),
@@ -249,6 +268,10 @@ def solve(
         chi_square=spread,
         effective_samples=max(count * (1.0 - rho) / (1.0 + rho), len(names) + 2.0),
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
+        slopes=slopes,
+        origin=float(data.times[0]),
+        prior_misfit=sum(size**2 for size in off.values()),
+        beyond_priors={name: size for name, size in off.items() if abs(size) > _FAR},
     )
     if profiles:
         solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
@@ -367,7 +390,7 @@ def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> floa
 def _without_outliers(errors: Floats) -> NDArray[np.bool_]:
     """Return which errors are within six robust standard deviations."""
     scale = 1.4826 * float(np.median(np.abs(errors)))
-    kept: NDArray[np.bool_] = np.abs(errors) <= max(_OUTLIER * scale, 1e-300)
+    kept: NDArray[np.bool_] = np.abs(errors) <= max(OUTLIER * scale, 1e-300)
     return kept
 
 

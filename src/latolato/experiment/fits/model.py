@@ -12,9 +12,11 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
+from latolato.experiment.fits.adequacy import misfit_doubt, place_of_change
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
+    Floats,
     Guess,
     Solution,
     lmfit_module,
@@ -22,7 +24,7 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Estimate, Fit, make_fit, quantity_of
+from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
@@ -41,6 +43,8 @@ _GROWTH = 1.15
 # More samples left out than this share: the model does not follow.
 _MOST_OUTLIERS = 0.05
 _SIDES = ("right", "left")
+# Natural periods on either side of a break.
+_SHORTEST = 2.0
 # What a camera may be turned by beyond what the table allows for [rad].
 _TILT = 0.5
 
@@ -69,9 +73,9 @@ def fit_model(
     system : Pendulum, LatoLato or BallPair
         What moves; its values are first guesses of what varies, and held otherwise.
     drive : Drive or "measured", optional
-        How the pivot moves, in the table's time. By default as it was measured: at rest, or as
-        `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves more than 2
-        percent of the amplitude; "measured" takes the spline always.
+        How the pivot moves, from the table's first frame on. By default as it was measured: at
+        rest, or as `fit_drive` describes it, or by a spline (`MeasuredPivot`) where that leaves
+        more than 2 percent of the amplitude; "measured" takes the spline always.
     vary : sequence of str, optional
         Parameters to fit: of the system, of the drive, and ``angle_offset``; by default
         `length`, `damping` and, with contacts, `restitution`. Of a `BallPair` ``right_length`` and
@@ -139,7 +143,7 @@ def fit_model(
             model, {n: replace(model.guesses()[n], value=v) for n, v in solution.values.items()},
             data, jacobian=model.jacobian, profiles=names,
         )  # fmt: skip
-    widening, unknown = _by_pivots(data, system, moving, names, solution, model)
+    widening, bent, unknown = _by_pivots(data, system, moving, names, solution, model)
     estimates = {name: _estimate(solution, name, widening[name]) for name in names}
     best, best_drive = laws(solution.values)
     curves = {
@@ -159,7 +163,8 @@ def fit_model(
     }  # fmt: skip
     kept_drive = None if isinstance(best_drive, (MeasuredPivot, FixedPivot)) else best_drive
     verdict = _verdict(estimates, solution, model, lost, unknown)
-    return make_fit("model", estimates, verdict, curves, about, kept_drive, best)
+    adequacy = _doubt(data, solution, model, period, bent)
+    return make_fit("model", estimates, verdict, curves, about, kept_drive, best, adequacy=adequacy)
 
 
 fits.register("model")(
@@ -313,12 +318,14 @@ def _by_pivots(
     names: Sequence[str],
     solution: Solution,
     model: WindowedModel,
-) -> tuple[dict[str, float], int]:
+) -> tuple[dict[str, float], list[Floats], int]:
     """Return the standard deviations that the uncertainty of the pivot's motion alone makes.
 
-    The second is how many fits of them did not converge, and are left out.
+    The second are the changes of the fitted angles [rad], the third is how many fits of them did
+    not converge, and are left out.
     """
     squares = dict.fromkeys(names, 0.0)
+    bent: list[Floats] = []
     lost = 0
     begins = np.array([window.begin for window in model.windows])
     for other, weight in moving.others:
@@ -336,7 +343,8 @@ def _by_pivots(
             continue
         for name in names:
             squares[name] += weight * (trial.values[name] - solution.values[name]) ** 2
-    return {name: math.sqrt(square) for name, square in squares.items()}, lost
+        bent.append(trial.curve - solution.curve)
+    return {name: math.sqrt(square) for name, square in squares.items()}, bent, lost
 
 
 def _estimate(solution: Solution, name: str, further: float) -> Estimate:
@@ -347,6 +355,33 @@ def _estimate(solution: Solution, name: str, further: float) -> Estimate:
     wider = sigma / own if own > 0.0 else 1.0
     ends = value - wider * (value - low), value + wider * (high - value)
     return Estimate(value, sigma, quantity_of(name).unit, *ends)
+
+
+def _doubt(
+    data: Data,
+    solution: Solution,
+    model: WindowedModel,
+    period: float,
+    bent: Sequence[Floats],
+) -> Adequacy:
+    """Return whether the model describes the record, with what other pivots bend it by [rad].
+
+    A motion in several pieces, each with its own start, may change at any of these: only its
+    scatter is judged.
+    """
+    few = misfit_doubt(solution, data)
+    if few is None and len(model.windows) == 1 and model.angles == 1:
+        whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
+        place = place_of_change(data, whole, _SHORTEST * period)
+        if place is not None:
+            at = float(data.times[place])
+            return Adequacy(
+                f"The model does not describe this record: it fails from {at:.4g} s on, where "
+                "other numbers describe it better.",
+                "change",
+                at,
+            )
+    return few or Adequacy()
 
 
 def _verdict(
@@ -370,9 +405,6 @@ def _verdict(
             f" {unknown} of the fits that propagate the pivot's uncertainty did not "
             "converge: the standard deviations are too small."
         )
-    share = float(np.mean(~solution.kept))
-    if share > _MOST_OUTLIERS:
-        words += f" The model does not follow {100 * share:.2g} % of the samples: do not trust it."
-    elif share > 0.0:
+    if not solution.kept.all():
         words += f" {int((~solution.kept).sum())} outliers were left out."
     return words

@@ -63,9 +63,9 @@ def pivot_for(
     Parameters
     ----------
     drive : Drive, "measured" or None
-        A drive that is known; or, as it was measured, a smoothing spline of the heights
-        ("measured") or the simplest of three (None): at rest, what `fit_drive` finds where that
-        leaves less than 2 percent of the amplitude, the spline.
+        A drive that is known, from the table's first frame on; or, as it was measured, a smoothing
+        spline of the heights ("measured") or the simplest of three (None): at rest, what
+        `fit_drive` finds where that leaves less than 2 percent of the amplitude, the spline.
     table : xarray.Dataset
         A track table.
     length : float
@@ -75,8 +75,9 @@ def pivot_for(
     across : bool
         Whether the pivot may move sideways; without, its measured horizontal motion is left out.
     """
+    origin = float(table["time"].values[0])
     if isinstance(drive, Drive):
-        return Pivot(drive, 0.0, [], "the given drive")
+        return Pivot(drive, origin, [], "the given drive")
     if drive not in (None, "measured"):
         raise InputError("must be a drive, 'measured' or None", parameter="drive", value=drive)
     swings = across and "pivot_x" in table.variables and is_driven(table, length, "pivot_x")
@@ -94,14 +95,14 @@ def pivot_for(
             words = "the pivot's fitted drive"
             if moving != fit.drive:
                 words += " without its horizontal part"
-            return Pivot(moving, 0.0, _neighbours(fit, moving, error), words)
+            return Pivot(moving, origin, _neighbours(fit, moving, error), words)
     return _spline(table, length, (first, last), swings)
 
 
 def _is_good(fit: Fit, swings: bool) -> bool:
     """Return whether a fitted drive stands for the track, in both directions if it `swings`."""
     limit = _GOOD * fit["drive_amplitude"].value
-    if not fit.dataset.attrs["scatter"] < limit:
+    if not (fit.describes and fit.dataset.attrs["scatter"] < limit):
         return False
     if not swings:
         return True
@@ -124,7 +125,8 @@ def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float
             moved: Any = {name: getattr(drive, name) + sigma}
             if name == "drive_frequency":
                 # About the middle of the record, where frequency and phase are independent.
-                middle = 0.5 * (fit.dataset.attrs["start"] + fit.dataset.attrs["end"])
+                about_table = fit.dataset.attrs
+                middle = 0.5 * (about_table["start"] + about_table["end"]) - about_table["origin"]
                 moved |= {phase: getattr(about, phase) - sigma * middle for phase in phases}
             # The phase's own deviation at time zero holds the frequency's: half of it is left.
             weight = 0.25 if name in phases and hasattr(drive, "drive_frequency") else 1.0

@@ -26,7 +26,7 @@ from latolato.experiment.fits.flights import (
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Estimate, Fit, make_fit
+from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
 from latolato.experiment.track_table import balls_of, checked_table, has_own_pivots
 from latolato.physics.drives import Drive
@@ -42,6 +42,8 @@ _REACH = 0.25
 _SURE, _SLOWEST, _SURE_SPEED = 6.0, 0.2, 12.0
 # A gap at contact may differ from geometry by this share beside its own uncertainty.
 _OFF = 0.15
+# Impacts in a half of the record that another coefficient is seen from.
+_HALF = 5
 # Impacts of two evaluations this close are the same [s].
 _SAME = 0.01
 
@@ -161,7 +163,10 @@ def fit_restitution(
     verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
     if unseen:
         verdict += f" {unseen} further reversals show no measurable impact."
-    return make_fit("restitution", {"restitution": pooled}, verdict, curves, about)
+    adequacy = _doubt(impacts, words)
+    return make_fit(
+        "restitution", {"restitution": pooled}, verdict, curves, about, adequacy=adequacy
+    )
 
 
 fits.register("restitution")(FitKind(function=fit_restitution, title="Restitution", fewest_balls=2))
@@ -359,6 +364,29 @@ def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:
         if away < _OFF * contact + 5.0 * impact.gap_sigma:
             kept.append(impact)
     return kept
+
+
+def _doubt(impacts: Sequence[_Impact], words: str) -> Adequacy:
+    """Return whether one coefficient describes all impacts: that of both halves of the record."""
+    half = len(impacts) // 2
+    if half < _HALF or "rad/s" in words:
+        return Adequacy()
+    values = np.array([impact.restitution for impact in impacts])
+    sigmas = np.array([impact.sigma for impact in impacts])
+    means, errors = [], []
+    for part in (slice(None, half), slice(half, None)):
+        mean, _ = _pooled(values[part], sigmas[part], np.zeros(len(values[part])))
+        means.append(mean.value)
+        errors.append(max(mean.sigma, float(np.std(values[part])) / math.sqrt(half)))
+    if abs(means[1] - means[0]) <= _SURE * math.hypot(*errors):
+        return Adequacy()
+    at = impacts[half].time
+    return Adequacy(
+        "One coefficient of restitution does not describe these impacts: it is "
+        f"{means[0]:.3f} before {at:.4g} s and {means[1]:.3f} after it.",
+        "change",
+        at,
+    )
 
 
 def _excess(each: Floats, sigmas: Floats) -> float:

@@ -21,6 +21,16 @@ if TYPE_CHECKING:
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
+# What a verdict says after a doubt.
+_WITHHELD = (
+    "No number of this fit is a result. Its values are kept for inspection; give start and end to "
+    "fit a part that the model describes."
+)
+# The least and the largest value that an experiment is likely to have, and what else it may be.
+_USUAL = {
+    "length": (5e-3, 70.0, "is the clock in seconds, not in frames or milliseconds"),
+    "drive_amplitude": (1e-5, 1.0, "is the height in metres, not in millimetres or pixels"),
+}
 # Endings of the variables that go with an estimate.
 _PARTS = {
     "sigma": "standard deviation of",
@@ -59,10 +69,58 @@ class Estimate:
             text = f"{self.value:.{digits}g} ± {self.sigma:.2g}"
         return text if self.unit in ("", "1") else f"{text} {self.unit.replace('*', ' ')}"
 
+    def shifted(self, by: float) -> Estimate:
+        """Return the estimate of this quantity plus a known number."""
+        return Estimate(self.value + by, self.sigma, self.unit, self.low + by, self.high + by)
+
+    def reciprocal(self, factor: float, unit: str) -> Estimate:
+        """Return the estimate of a known factor over this quantity, which is not 0."""
+        value = factor / self.value
+        sigma = abs(value) * self.sigma / abs(self.value)
+        ends = sorted(
+            factor / end if end * self.value > 0.0 else value for end in (self.low, self.high)
+        )
+        return Estimate(value, sigma, unit, *ends)
+
     def scaled(self, factor: float, unit: str) -> Estimate:
         """Return the estimate of this quantity times a known factor."""
         ends = sorted((self.low * factor, self.high * factor))
         return Estimate(self.value * factor, self.sigma * abs(factor), unit, *ends)
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """Whether a model describes a record.
+
+    Attributes
+    ----------
+    doubt : str
+        Why not, as the first sentences of a verdict; "" if it does.
+    kind : str
+        What kind of break it looks like, "" without one.
+    fails_at : float
+        Where the model begins to fail [s], NaN if it does not or nowhere in particular.
+    """
+
+    doubt: str = ""
+    kind: str = ""
+    fails_at: float = math.nan
+
+    @property
+    def describes(self) -> bool:
+        """Whether the model describes the record."""
+        return not self.doubt
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a fit's dataset holds of it."""
+        known = None if math.isnan(self.fails_at) else self.fails_at
+        return {
+            "describes": self.describes,
+            "doubt": self.doubt or None,
+            "break": self.kind or None,
+            "fails_at": known,
+        }
 
 
 @dataclass(frozen=True)
@@ -86,6 +144,16 @@ class Fit:
     def verdict(self) -> str:
         """The result in plain words."""
         return str(self.dataset.attrs["verdict"])
+
+    @property
+    def describes(self) -> bool:
+        """Whether the model describes the record; if not, no number of the fit is a result."""
+        return bool(self.dataset.attrs.get("describes", True))
+
+    @property
+    def doubt(self) -> str:
+        """Why the model does not describe the record, "" if it does."""
+        return str(self.dataset.attrs.get("doubt", ""))
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -133,6 +201,7 @@ class Fit:
         return {
             "fit": self.kind,
             "verdict": self.verdict,
+            "describes": self.describes,
             "values": {
                 name: {
                     "value": _plain(estimate.value),
@@ -187,8 +256,11 @@ def make_fit(
     attributes: Mapping[str, Any],
     drive: Drive | None = None,
     system: System | None = None,
+    adequacy: Adequacy = Adequacy(),
 ) -> Fit:
     """Return a fit made of its parts.
+
+    Where the model does not describe the record, the verdict is why, and nothing else.
 
     Parameters
     ----------
@@ -204,6 +276,8 @@ def make_fit(
         Numbers and texts; None is left out.
     drive, system : Drive, System, optional
         The fitted laws of the pivot and of what swings.
+    adequacy : Adequacy
+        Whether the model describes the record.
     """
     import xarray as xr
 
@@ -227,7 +301,21 @@ def make_fit(
         from latolato.physics.pendulum import systems
 
         kept["system_description"] = json.dumps(systems.described(system))
+    for key, value in adequacy.attributes.items():
+        if value is not None:
+            kept[key] = int(value) if isinstance(value, bool) else value
+    if not adequacy.describes:
+        verdict = f"{adequacy.doubt} {_WITHHELD}"
     return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
+
+
+def size_question(name: str, value: float) -> str:
+    """Return a question about a number that no experiment has, "" for any other, in SI units."""
+    low, high, cause = _USUAL.get(name, (-math.inf, math.inf, ""))
+    if low <= abs(value) <= high:
+        return ""
+    quantity = quantity_of(name)
+    return f" A {quantity.long_name} of {value:.4g} {quantity.unit} is unusual: {cause}?"
 
 
 def _plain(value: Any) -> Any:

@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 
 # A pivot that moves by less than this share of the length is at rest (its track is noisy).
 _STILL = 0.004
+# Share of samples that are distinct if angles are not rounded.
+_DISTINCT = 0.95
+# The highest differences that noise is seen from, and by how much a scatter may exceed another one.
+_HIGHEST, _SMALLER = 10, 1.3
 
 
 def samples_of(
@@ -141,11 +145,47 @@ def length_of(table: xr.Dataset, length: Any) -> float | None:
 
 
 def noise_of(values: Floats) -> float:
-    """Return the scatter of neighbours about a smooth curve, from third differences."""
+    """Return the scatter of neighbours about a smooth curve, from differences of high order.
+
+    Of the orders 3 to 10, the first after which none gives a clearly smaller scatter: few samples
+    in a swing need more than three, as lower differences still show the swing itself.
+    """
     if len(values) < 8:
         return 0.0
-    third = np.abs(np.diff(values, 3))
-    return float(np.median(third)) * 1.4826 / math.sqrt(20.0)
+    orders = range(3, min(_HIGHEST, len(values) - 4) + 1)
+    scatters = [
+        1.4826 * float(np.median(np.abs(np.diff(values, n)))) / math.sqrt(math.comb(2 * n, n))
+        for n in orders
+    ]
+    least = min(scatters)
+    return next(each for each in scatters if each <= _SMALLER * least)
+
+
+def without_repeats(data: Data) -> tuple[Data, int]:
+    """Return samples without those that repeat the one before, and how many these are.
+
+    A frame that a film shows twice gives the same angle to the last digit. Where other samples are
+    equal as well, angles were rounded, and equal neighbours are no repeats.
+    """
+    same = np.append(False, np.diff(data.values) == 0.0)
+    fresh = data.values[~same]
+    if len(np.unique(fresh)) < _DISTINCT * len(fresh):
+        return data, 0
+    return data[~same], int(same.sum())
+
+
+def check_turns(data: Data) -> None:
+    """Raise InputError if an angle jumps by a turn or half a turn between neighbouring samples."""
+    steps = np.diff(data.values)
+    usual = float(np.quantile(np.abs(steps), 0.9))
+    for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
+        jumps = np.flatnonzero(np.abs(np.abs(steps) - turn) < min(3.0 * usual + 0.02, 0.5))
+        if len(jumps) and usual < 0.2 * turn:
+            raise InputError(
+                f"the angle jumps by {name} at {data.times[jumps[0] + 1]:.4g} s, which no ball "
+                "does between two samples",
+                way_out="take the turn off the angles from there on",
+            )
 
 
 def pivot_swing(table: xr.Dataset, column: str = "pivot_y") -> float:

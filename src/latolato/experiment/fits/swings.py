@@ -19,6 +19,15 @@ _SHARE = 0.02
 _HELD = 0.4
 
 
+# Samples in a swing below which its turning points and a hand that holds the ball are not seen.
+SPARSE = 12
+# Share of neighbours on other sides of the middle, and how smoothly their sizes change, if samples
+# are turning points.
+_ALTERNATE, _SMOOTH = 0.95, 0.2
+# What a sine may leave of a swing, as a share of its scatter.
+_SINE = 0.7
+
+
 @dataclass(frozen=True)
 class Swings:
     """Turning points of a decaying swing.
@@ -97,6 +106,33 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
     return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
 
 
+def samples_per_swing(times: Floats, values: Floats) -> float:
+    """Return how many samples there are in a swing, infinity where no sine is seen."""
+    from latolato.experiment.quality import fitted_harmonic
+
+    pause = float(np.median(np.diff(times)))
+    few = slice(0, 12 * SPARSE)
+    centred = values[few] - np.median(values[few])
+    rate, _, rest = fitted_harmonic(times[few] - times[0], centred)
+    return math.tau / rate / pause if rest < _SINE * float(np.std(centred)) else math.inf
+
+
+def are_turning_points(centred: Floats) -> bool:
+    """Return whether samples lie right and left of the middle by turns, with steady sizes."""
+    signs = np.sign(centred)
+    if not np.mean(signs[1:] != signs[:-1]) > _ALTERNATE:
+        return False
+    sizes = np.log(np.maximum(np.abs(centred), 1e-300))
+    return bool(np.median(np.abs(np.diff(sizes, 2))) < _SMOOTH)
+
+
+def swings_of_turning_points(times: Floats, angles: Floats) -> Swings:
+    """Return the swings of samples that are turning points themselves."""
+    ones = np.full(len(times), max(noise_of(np.abs(angles - np.median(angles))), 1e-9))
+    halves = np.gradient(times)
+    return Swings(times, angles, ones, halves)
+
+
 def free_start(times: Floats, angles: Floats) -> float:
     """Return the instant from which a ball swings freely [s]: after the hand that held it let go.
 
@@ -105,13 +141,18 @@ def free_start(times: Floats, angles: Floats) -> float:
     """
     zeros = crossings(times, angles)
     if len(zeros) < 3:
-        raise InputError("no free swing was found: the angle crosses zero fewer than three times")
+        raise InputError(
+            "no free swing was found: the angle passes its middle fewer than three times",
+            way_out="use a longer part; of turning points give those of both sides",
+        )
     period = 2.0 * float(np.median(np.diff(zeros)))
     largest = float(np.max(np.abs(angles)))
     first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
     away = np.flatnonzero(np.abs(angles[first:]) < 0.9 * largest)
     left = first + int(away[0]) if away.size else len(angles) - 1
-    if times[left] - times[0] < _HELD * period:
+    # A ball that has passed the middle before was swinging, and grows.
+    swung = np.count_nonzero(zeros < times[first]) > 2
+    if swung or times[left] - times[0] < _HELD * period:
         return float(times[0])
     later = zeros[zeros > times[left]]
     if len(later) < 3:

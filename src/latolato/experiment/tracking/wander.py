@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from latolato.experiment.tracking.follow import Corrections
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 # How far from where it is expected a ball may be, in radii, and by how much its radius may differ.
 _NEAR, _SIZE = 2.5, 1.8
@@ -173,8 +177,8 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     ----------
     times : numpy.ndarray, shape (frame,)
         Time stamps [s].
-    places : numpy.ndarray, shape (frame, 2)
-        Column and row [pixels]; NaN where unknown.
+    places : numpy.ndarray, shape (frame, 2) or (frame, 1)
+        Column and row [pixels], or angle [rad]; NaN where unknown.
 
     Notes
     -----
@@ -188,6 +192,20 @@ def period_of(times: np.ndarray, places: np.ndarray) -> tuple[float, float]:
     if apart is not None:
         sigma = math.hypot(sigma, 0.5 * abs(apart[1] - apart[0]))
     return period, sigma
+
+
+def period_of_ball(table: xr.Dataset, ball: int) -> tuple[float, float]:
+    """Return the period of a ball's swing and its standard deviation [s], NaN for none.
+
+    By its angle, or by its place in the picture in a table without angles.
+    """
+    names = [f"angle_{ball}"]
+    if names[0] not in table.variables or not np.isfinite(table[names[0]].values).any():
+        names = [f"ball_{ball}_u", f"ball_{ball}_v"]
+    if not all(name in table.variables for name in names):
+        return math.nan, math.nan
+    places = np.column_stack([table[name].values for name in names])
+    return period_of(table["time"].values, places)
 
 
 def halves_apart(times: np.ndarray, places: np.ndarray) -> tuple[float, float] | None:

@@ -39,11 +39,13 @@ def draw_curve(
 def draw_residual(
     axes: Axes, dataset: xr.Dataset, name: str, scale: float = 1e3, unit: str = "mrad"
 ) -> None:
-    """Draw residuals, and outliers at the edge."""
+    """Draw residuals, outliers at the edge, and where the model begins to fail."""
     out = dataset.is_outlier.values.astype(bool)
     time, values = dataset.time.values, scale * dataset[name].values
     axes.axhline(0.0, color=style.GREY, lw=style.THIN)
     axes.plot(time[~out], values[~out], ".", ms=1.5, color=style.INK)
+    if "fails_at" in dataset.attrs:
+        axes.axvline(dataset.attrs["fails_at"], color=style.RED, lw=style.LINE, ls="--")
     reach = 1.15 * float(np.max(np.abs(values[~out]), initial=1e-9))
     axes.set_ylim(-reach, reach)
     if out.any():

@@ -1,0 +1,287 @@
+"""Goodness of fit: whether one model describes a whole record, and what breaks it if not.
+
+A model that describes a record gives the same numbers for each part of it. So its parameters may
+change at an instant, at each of many in turn. If that describes the samples so much better that
+noise cannot be the reason, the model does not describe the record. How the motions before and after
+differ where they meet tells what happened there: a jump of the phase alone is a piece cut out of
+the clock, another frequency is a change of pace, and so on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from latolato.experiment.fits.least_squares import OUTLIER, Data, Floats, Solution
+from latolato.experiment.fits.result import Adequacy
+from latolato.experiment.fits.samples import noise_of
+
+# By how much minus twice the log likelihood must fall for a change to count, for each of the
+# parameters that may change and for its instant; see benchmarks/fit_doubt.py for what chance does.
+_GAIN = 6.0
+# A misfit below this share of the scatter of the values is what trackers bend angles by.
+_BENT = 3e-4
+# Instants at which a change is looked for, and those about the best one, twice as fine each time.
+_PLACES, _FINER = 24, 5
+# Samples in a part for each parameter.
+_FEWEST = 3
+# What is left out on either side of a change, as a share of the shortest part.
+_CLEAR = 0.1
+# Outliers beyond this share are not mistakes of a tracker.
+_MOST_OUTLIERS = 0.05
+# Residuals beyond so many times the noise of the samples are no correlated noise: with neighbours
+# correlated by 0.95 it scatters by six times what differences show.
+_MOST_SCATTER = 10.0
+# Deviations of a part's numbers, as a share of those stated, which follow from the scatter only.
+_MORE = 2.0
+# What one more change must gain to be part of an explanation.
+_PENALTY = 9.0
+
+Portrait = Callable[[Solution, Mapping[str, float], float], dict[str, float]]
+FitPart = Callable[[Data], Solution]
+
+
+@dataclass(frozen=True)
+class Cut:
+    """An instant between two parts [s], with the samples and the fits of both."""
+
+    instant: float
+    early: Data
+    late: Data
+    before: Solution
+    after: Solution
+    gain: float
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of break: which numbers of the motion it changes, and the words for it.
+
+    `words` may hold names of `changes` in braces.
+    """
+
+    name: str
+    changed: frozenset[str]
+    words: str
+
+
+def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
+    """Return minus twice the log likelihood of samples in parts, up to a constant.
+
+    Parameters
+    ----------
+    solutions : list of Solution
+        Of each part. All parts have one scatter, so that a change of the noise is no break.
+    floor : float
+        Variance that is added to that of the noise.
+
+    Notes
+    -----
+    The likelihood is that of a first-order autoregression, whose fresh errors have the variance
+    ``s^2 (1 - rho^2)``. A sample that was left out counts as one at the limit.
+    """
+    total = lost = 0
+    fresh = 0.0
+    for each in solutions:
+        count = int(each.kept.sum())
+        fresh += count * each.chi_square * (1.0 - each.correlation**2)
+        total += len(each.kept)
+        lost += len(each.kept) - count
+    variance = fresh / max(total - lost, 1) + floor
+    return total * math.log(max(variance, 1e-300)) + lost * OUTLIER**2
+
+
+def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 0.0) -> int | None:
+    """Return the sample from which on the parameters of a model are others, None if they are not.
+
+    Parameters
+    ----------
+    data, whole : Data, Solution
+        The samples of one series, and their fit.
+    shortest : float
+        Duration on either side [s].
+    bent : float
+        What a track may bend the values by, besides 0.03 % of their scatter.
+
+    Notes
+    -----
+    A score test (Chow, Econometrica 28 (1960) 591, with an unknown instant): about the solution the
+    model is linear, so a change is the residuals' regression on its derivatives after the instant,
+    besides those of all samples.
+    """
+    kept = np.flatnonzero(whole.kept)
+    times, sigmas = data.times[kept], data.sigmas[kept]
+    errors = whole.residuals[kept] / sigmas
+    slopes = whole.slopes[kept] / sigmas[:, None]
+    slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
+    count, free = slopes.shape
+    fewest = _FEWEST * free
+    bent = math.hypot(bent, _BENT * float(np.std(data.values)))
+    floor = (bent / float(np.median(data.sigmas))) ** 2
+    near = np.append(np.diff(times) < 1.6 * float(np.median(np.diff(times))), False)
+    together = _likelihood(errors, slopes, near, floor)
+
+    def gain(place: int) -> float:
+        if min(place, count - place) < fewest:
+            return -math.inf
+        if min(times[place - 1] - times[0], times[-1] - times[place]) < shortest:
+            return -math.inf
+        late = np.where(np.arange(count)[:, None] < place, 0.0, slopes)
+        return together - _likelihood(errors, np.hstack([slopes, late]), near, floor)
+
+    places = {round(k * count / _PLACES) for k in range(1, _PLACES)}
+    places.add(int(np.argmax(np.diff(times))) + 1)
+    gains = {place: gain(place) for place in sorted(places)}
+    best = max(gains, key=lambda place: gains[place])
+    if not gains[best] > _GAIN * (free + 1):
+        return None
+    step = count / (2 * _PLACES)
+    for _ in range(_FINER):
+        for place in (round(best - step), round(best + step)):
+            if 0 < place < count:
+                gains.setdefault(place, gain(place))
+        best = max(gains, key=lambda place: gains[place])
+        step *= 0.5
+    return int(kept[best])
+
+
+def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> float:
+    """Return minus twice the log likelihood of errors after regression, up to a constant.
+
+    Errors are a first-order autoregression; `near` says which have their neighbour next to them.
+    """
+    count = len(errors)
+
+    def rest(e: Floats, s: Floats) -> Floats:
+        values, *_ = np.linalg.lstsq(s, e, rcond=1e-10)
+        out: Floats = e - s @ values
+        return out
+
+    left = rest(errors, slopes)
+    a, b = left[1:][near[:-1]], left[:-1][near[:-1]]
+    size = math.sqrt(float(a @ a) * float(b @ b))
+    rho = min(max(float(a @ b) / size, 0.0), 0.99) if size > 0.0 else 0.0
+    factor = np.where(near[:-1], rho, 0.0)
+    scale = np.sqrt(1.0 - factor**2)
+
+    def white(x: Floats) -> Floats:
+        out = x.copy()
+        out[1:] = ((x[1:].T - factor * x[:-1].T) / scale).T
+        return out
+
+    left = rest(white(errors), white(slopes))
+    fresh = float(left @ left) / count * (1.0 - rho**2) + floor
+    return count * math.log(max(fresh, 1e-300))
+
+
+def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
+    """Return where a record falls into two parts with the fits of both, None where it is one.
+
+    `fit_part` fits the same model to some of the samples; other arguments are those of
+    `place_of_change`.
+
+    Raises
+    ------
+    ConvergenceError
+        If there is a change, but no fit of a part converges.
+    """
+    place = place_of_change(data, whole, shortest)
+    if place is None:
+        return None
+    at = float(data.times[place])
+    # The instant is not sure to a sample, and a part must not hold any of the other one.
+    clear = _CLEAR * shortest
+    early, late = data[data.times < at - clear], data[data.times > at + clear]
+    before, after = fit_part(early), fit_part(late)
+    same = replace(whole, kept=whole.kept[np.abs(data.times - at) > clear])
+    gain = deviance([same]) - deviance([before, after])
+    return Cut(at, early, late, before, after, gain)
+
+
+def first_cut(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
+    """Return the earliest cut of a record, with the fits of the parts on either side of it."""
+    cut = cut_of(data, whole, fit_part, shortest)
+    if cut is None:
+        return None
+    while True:
+        earlier = cut_of(cut.early, cut.before, fit_part, shortest)
+        if earlier is None:
+            break
+        cut = earlier
+    later = cut_of(cut.late, cut.after, fit_part, shortest)
+    return cut if later is None else replace(cut, late=later.early, after=later.before)
+
+
+def changes(
+    cut: Cut, portrait: Portrait
+) -> tuple[dict[str, float], dict[str, float], tuple[str, ...], Floats]:
+    """Return how the motion before a cut differs from the one after it, and how surely.
+
+    Returns
+    -------
+    before, after : dict
+        The numbers of the motion at the cut.
+    names : tuple of str
+        Of the rows of the covariance.
+    covariance : ndarray
+        Of the differences.
+    """
+    sides, covariances = [], []
+    for solution in (cut.before, cut.after):
+        middle = portrait(solution, solution.values, cut.instant)
+        names = tuple(middle)
+        slopes = np.zeros((len(names), len(solution.names)))
+        for i, name in enumerate(solution.names):
+            step = max(0.1 * solution.sigma(name), 1e-9)
+            moved = {**solution.values, name: solution.values[name] + step}
+            there = portrait(solution, moved, cut.instant)
+            for j, what in enumerate(names):
+                away = there[what] - middle[what]
+                if what == "phase":
+                    away = math.remainder(away, math.tau)
+                slopes[j, i] = away / step
+        sides.append(middle)
+        covariances.append(slopes @ solution.covariance @ slopes.T)
+    return sides[0], sides[1], names, _MORE**2 * (covariances[0] + covariances[1])
+
+
+def misfit_of(
+    kind: Kind, differences: Mapping[str, float], names: tuple[str, ...], covariance: Floats
+) -> float:
+    """Return how badly a kind of break explains differences.
+
+    What it does not change must agree: these differences over their deviations, squared, and a
+    penalty for each change.
+    """
+    same = [i for i, name in enumerate(names) if name not in kind.changed]
+    if not same:
+        return _PENALTY * len(kind.changed)
+    off = np.array([differences[names[i]] for i in same])
+    inverse = np.linalg.pinv(covariance[np.ix_(same, same)], hermitian=True)
+    return float(off @ inverse @ off) + _PENALTY * len(kind.changed)
+
+
+def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
+    """Return the doubt if samples scatter too much about a model or too many lie far from it."""
+    lost = ~whole.kept
+    share = float(np.mean(lost))
+    if share <= _MOST_OUTLIERS:
+        noise = max(noise_of(data.values), _BENT * float(np.std(data.values)))
+        if whole.scatter <= _MOST_SCATTER * noise:
+            return None
+        return Adequacy(
+            "The model does not describe this record: the samples scatter about it by "
+            f"{whole.scatter / noise:.2g} times their noise.",
+            "scatter",
+        )
+    at = float(data.times[np.flatnonzero(lost)[0]])
+    off = float(np.median(np.abs(whole.residuals[lost])))
+    words = f"{100 * share:.2g} % of its samples, the first at {at:.4g} s, lie far from it"
+    for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
+        if abs(off - turn) < 0.02 * turn:
+            words += f", by {name}"
+    return Adequacy(f"The model does not describe this record: {words}.", "outliers", at)
