@@ -42,33 +42,37 @@ def cut_out(seconds, at=10.0, duration=30.0):
     return table_of(times, swing(np.where(times > at, times + seconds, times)))
 
 
+# All of them are in benchmarks/fit_doubt.py.
+SEEDS = pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
+
+
+@SEEDS
 @pytest.mark.parametrize("kind", WHOLE)
-def test_a_record_without_a_break_is_not_doubted_and_its_numbers_are_right(kind):
-    for seed in (1, 2):
-        record = make_record(kind, seed)
-        fit = ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
-        assert fit.describes
-        assert fit.doubt == ""
-        for name in ("length", "decay_rate"):
-            truth = getattr(record, name)
-            # Four deviations, or what nobody minds.
-            limit = max(4.0 * fit[name].sigma, 1e-4 * abs(truth))
-            assert abs(fit[name].value - truth) < limit, (name, seed)
+def test_a_record_without_a_break_is_not_doubted_and_its_numbers_are_right(kind, seed):
+    record = make_record(kind, seed)
+    fit = ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
+    assert fit.describes
+    assert fit.doubt == ""
+    for name in ("length", "decay_rate"):
+        truth = getattr(record, name)
+        # Four deviations, or what nobody minds.
+        limit = max(4.0 * fit[name].sigma, 1e-4 * abs(truth))
+        assert abs(fit[name].value - truth) < limit, name
 
 
+@SEEDS
 @pytest.mark.parametrize("kind", BROKEN)
-def test_a_break_is_noticed_and_nothing_agrees(kind):
-    for seed in (1, 2):
-        record = make_record(kind, seed)
-        if kind == "turn":  # the one break that a swing is refused for
-            with pytest.raises(InputError, match="turn"):
-                ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
-            continue
-        fit = ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
-        assert not fit.describes
-        assert fit.verdict.startswith(fit.doubt)
-        assert "agrees" not in fit.verdict
-        assert f"{fit['length'].value:.4g} m" not in fit.verdict
+def test_a_break_is_noticed_and_nothing_agrees(kind, seed):
+    record = make_record(kind, seed)
+    if kind == "turn":  # the one break that a swing is refused for
+        with pytest.raises(InputError, match="turn"):
+            ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
+        return
+    fit = ll.fit_decay(record.table, mass=record.mass, compare=False, profile=False)
+    assert not fit.describes
+    assert fit.verdict.startswith(fit.doubt)
+    assert "agrees" not in fit.verdict
+    assert f"{fit['length'].value:.4g} m" not in fit.verdict
 
 
 def test_a_piece_cut_out_of_the_clock_is_named_with_its_time_and_length():
