@@ -161,7 +161,7 @@ def pivot_of(text: str) -> Any:
     """
     from latolato.scenario.units import to_si_list
 
-    in_pixels = re.sub(r"\b(?:px|pixels?)\b", "pixel", text)
+    in_pixels = re.sub(r"(?<![a-z])(?:px|pixels?)\b", "pixel", text)
     return to_si_list("pivot", in_pixels, "pixel" if "pixel" in in_pixels else "m")
 
 

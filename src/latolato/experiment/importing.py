@@ -223,6 +223,11 @@ def _is_called(column: SourceColumn, names: Sequence[str]) -> bool:
     return any(each.lower() in names for each in (column.name, *column.aliases))
 
 
+def _may_be(column: SourceColumn, unit: str) -> bool:
+    """Return whether a column's unit, if it has one, converts to another unit."""
+    return column.kind == "numbers" and column.unit in ("", *units_like(unit))
+
+
 def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
     """Return the columns that are called as usual: of one ball, or of two tracks.
 
@@ -273,10 +278,15 @@ def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
                 f"it has no names above its {len(section.columns)} columns",
                 way_out="name them by position, as in time = '1 [s]'",
             )
-        raise InputError(
-            f"it is not clear which columns are meant; it has {listed}",
-            way_out="name its columns, as in time = 't [s]'",
-        )
+        wanted = {"time": "s"} if time is None else {"angle_1": "rad", _RATE: "rad/s"}
+        what, way_out = next(iter(wanted)), "name it, as in time = 't [s]'"
+        for target, unit in wanted.items():
+            fitting = [c for c in section.columns if _may_be(c, unit) and c is not time]
+            if fitting:
+                stated = fitting[0].unit or unit
+                way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
+                break
+        raise InputError(f"it is not clear which column is {what}; it has {listed}", way_out=way_out)
     return mapping
 
 

@@ -111,7 +111,7 @@ class Harmonic:
 
 
 def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
-    """Return the pivot's harmonic, None for a pivot that is at rest or unknown."""
+    """Return the pivot's harmonic, None for one at rest, unknown, or with less than two cycles."""
     heights, times = pivot_heights(table), table["time"].values
     ok = np.isfinite(heights)
     if ok.sum() < 16:
@@ -119,6 +119,8 @@ def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
     frequency, weights, rest = fitted_harmonic(times[ok], heights[ok])
     amplitude = math.hypot(weights[1], weights[2])
     if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
+        return None
+    if frequency * float(np.ptp(times[ok])) < 2.0 * math.tau:  # a drift looks like less
         return None
     return Harmonic(amplitude, frequency, _waves(times, frequency) @ weights)
 
