@@ -20,6 +20,8 @@ from broken_records import BROKEN, WHOLE, make_record
 
 # Deviations beyond which a number is wrong, and shares of it that nobody minds.
 WRONG, SMALL = 4.0, {"length": 3e-4, "decay_rate": 0.02}
+# Deviations by which a break that must be noticed moves a number.
+MOVED = 3.0
 
 
 def judge(kind: str, seed: int) -> dict[str, object]:
@@ -88,6 +90,9 @@ def main(records: int = 19, first: int = 0, kinds: str = "") -> None:
     for words, part in (("without a break", whole), ("with a break", broken)):
         doubted, wrong = (sum(bool(row[key]) for row in part) for key in ("doubted", "wrong"))
         print(f"{len(part)} records {words}: {doubted} doubted, {wrong} wrong numbers given")
+    moved = [row for row in broken if any(size > MOVED for size in row.get("off", {}).values())]
+    noticed = sum(bool(row["doubted"]) for row in moved)
+    print(f"{len(moved)} of them moved a number by over {MOVED:g} deviations: {noticed} noticed")
     draw(rows)
 
 

@@ -239,7 +239,7 @@ def test_times_that_fall_are_named_with_their_line_in_the_file(tmp_path):
             {"time": "t [s]", "ball_1_x": "x [m]", "ball_1_y": "y [m]"},
             "need the pivot",
         ),
-        ("a,b\n0,1\n1,2\n", None, "name its columns"),
+        ("a,b\n0,1\n1,2\n", None, "name it, as in time = 'a"),
     ],
 )  # fmt: skip
 def test_what_is_missing_is_named_in_one_line(tmp_path, text, columns, said):

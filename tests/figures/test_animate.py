@@ -195,7 +195,7 @@ def test_a_run_that_ends_early_is_shown_up_to_its_end(tmp_path):
     [
         ({"speed": 0.0}, r"speed must lie in \(0, 1e\+06\], got 0"),
         ({"speed": math.nan}, "speed must be a number, got nan"),
-        ({"fps": 0.5}, r"fps must lie in \[1, 100\] frames per second, got 0.5"),
+        ({"fps": 0.5}, r"fps must lie in \[1, 100\] Hz, got 0.5"),
         ({"fps": 1000.0}, r"fps must lie in \[1, 100\]"),
         ({"speed": 1e-4}, f"may have {MOST_FRAMES} frames, got .*; raise speed"),
     ],

@@ -89,8 +89,8 @@ def map_boundary(grid: xr.Dataset, observable: str, level: float) -> xr.Dataset:
     """
     import xarray as xr
 
-    level = checked_number("level", level, ANY, "the observable's unit")
     values = _checked(grid, observable)
+    level = checked_number("level", level, ANY, values.attrs.get("units", "1"))
     x_name, y_name = str(values.dims[1]), str(values.dims[0])
     x, y, z = values[x_name].values, values[y_name].values, values.values.astype(np.float64)
     result = np.array([_edges(x, row, level) for row in z])

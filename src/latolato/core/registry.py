@@ -164,7 +164,7 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
     -----
     To pint an angle has no dimension, so it would take 1 Hz for 1 rad/s. Here a hertz is one turn
     per second, and the powers of the radian must agree. Only for an angle itself may the radian be
-    missing, as in the ratio of an arc and its radius.
+    missing, as in the ratio of an arc and its radius, and for a rate in Hz, such as that of frames.
     """
     if hasattr(value, "to_numpy") and is_quantity(getattr(value, "data", None)):
         value = value.data  # of an xarray variable, whose `to_numpy` would drop the unit
@@ -175,12 +175,15 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
                 dict(value.to_root_units().unit_items()),
                 dict(wanted.to_root_units().unit_items()),
             )
-            turns = sum(power for each, power in value.unit_items() if each.endswith("hertz"))
+            turns, asked = (
+                sum(power for each, power in units.unit_items() if each.endswith("hertz"))
+                for units in (value, wanted)
+            )
             angle = given.pop("radian", 0) + turns
-            is_bare = angle == 0 and not given and unit == "rad"
-            if angle == needed.pop("radian", 0) or is_bare:
+            is_bare = angle == 0 and ((not given and unit == "rad") or unit == "Hz")
+            if angle == needed.pop("radian", 0) + asked or is_bare:
                 number = value.to(wanted.units).magnitude
-                return number * math.tau**turns if turns else number
+                return number if is_bare or turns == asked else number * math.tau ** (turns - asked)
         # Those of pint: of another dimension, of an offset unit, of a unit that it does not know.
         except (ArithmeticError, AttributeError, TypeError, ValueError):
             pass
@@ -218,13 +221,17 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     kind = "a number" if unit == "1" else f"a number in {unit}"
     if type(value) is not float:  # as most are
         value = in_unit(name, value, unit)
-        is_odd = getattr(getattr(value, "dtype", None), "kind", "f") not in _REAL
-        if is_odd or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
-            raise InputError(f"must be {kind}", parameter=name, value=value)
+        dtype = getattr(getattr(value, "dtype", None), "kind", "f")
+        if dtype not in _REAL or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
+            raise InputError(
+                f"must be {kind}", parameter=name, value=value, way_out=_way_out(value)
+            )
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(f"must be {kind}", parameter=name, value=value) from None
+        raise InputError(
+            f"must be {kind}", parameter=name, value=value, way_out=_way_out(value)
+        ) from None
     except OverflowError:
         raise InputError(
             f"must be {kind}, got an integer too large for a float", parameter=name
@@ -232,6 +239,17 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
     if not math.isfinite(number):
         raise InputError(f"must be {kind}", parameter=name, value=number)
     return _within(name, number, allowed, unit)
+
+
+def _way_out(value: Any) -> str | None:
+    """Return the way from a value that is no number to the number that was meant."""
+    if isinstance(value, str) and value[:1].isdigit():
+        return "give a plain number, or a quantity of pint; texts with units are for files"
+    if hasattr(value, "total_seconds"):  # of the standard library and of pandas
+        return "give its total_seconds()"
+    if getattr(getattr(value, "dtype", None), "kind", "") == "m":
+        return "divide it by np.timedelta64(1, 's')"
+    return None
 
 
 def checked_array(

@@ -286,7 +286,9 @@ def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
                 stated = fitting[0].unit or unit
                 way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
                 break
-        raise InputError(f"it is not clear which column is {what}; it has {listed}", way_out=way_out)
+        raise InputError(
+            f"it is not clear which column is {what}; it has {listed}", way_out=way_out
+        )
     return mapping
 
 

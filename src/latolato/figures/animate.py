@@ -13,7 +13,7 @@ import numpy as np
 from latolato.core.atomic import atomic_path, check_folder, checked_path
 from latolato.core.errors import InputError, import_extra
 from latolato.core.quantities import Range
-from latolato.core.registry import checked_number
+from latolato.core.registry import checked_number, in_unit
 from latolato.figures import style
 from latolato.figures.run import ball_angles
 from latolato.io.files import check_suffix
@@ -77,7 +77,7 @@ def animate(
     path = checked_path("path", path)
     check_target(path, speed, fps)
     suffix = path.suffix.lower()
-    pause = 1 / Fraction(fps)
+    pause = 1 / Fraction(in_unit("fps", fps, "Hz"))
     if suffix == ".gif":
         pause = Fraction(max(2, round(100 * pause)), 100)  # s; most viewers slow down below 20 ms
     write = _write_gif if suffix == ".gif" else _write_mp4
@@ -90,7 +90,7 @@ def animate(
 def check_target(path: str | Path, speed: float, fps: float) -> None:
     """Raise unless `animate` can do this: a known suffix, its extra, a folder, numbers in range."""
     checked_number("speed", speed, SPEEDS, "1")
-    checked_number("fps", fps, FRAME_RATES, "frames per second")
+    checked_number("fps", fps, FRAME_RATES, "Hz")
     if check_suffix(path, SUFFIXES, "the name of an animation") == ".mp4":
         _av()
     check_folder(Path(path))

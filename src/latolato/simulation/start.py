@@ -279,11 +279,17 @@ def checked_start(
             check_apart(system, angles, distances)
         return Start(angles, velocities, distances)
     if not low - ON_WALL <= gap <= high + ON_WALL:
+        name, value, least, most = "initial_angle", float(gap), low, high
+        if offset is not None:
+            name, value, least, most = "initial_offset", float(above), 0.0, high - low
+        way_out = "give one at which the balls do not overlap"
+        if least <= math.radians(value) <= most and value > math.pi:
+            way_out = f"angles are in rad: {value:g} degrees are {math.radians(value):.6g}"
         raise InputError(
-            f"{what} must lie between the contact angles [{low:.9g}, {high:.9g}] rad",
-            parameter="initial_angle",
-            value=float(gap),
-            way_out="give one at which the balls do not overlap",
+            f"{what} must lie between the contact angles [{least:.9g}, {most:.9g}] rad",
+            parameter=name,
+            value=value,
+            way_out=way_out,
         )
     shift = 0.0
     if abs(gap - low) <= ON_WALL:

@@ -31,9 +31,10 @@ _COPIED = (
 def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     """Return a run's largest angle, contacts by kind, energy residual, compression time and status.
 
-    On strings the first time and the share of time of slackness and the largest impulse take the
-    place of compression. Values are as JSON knows them: None for a compression time that never
-    came, lists for two balls.
+    The largest angle and energy are those of the samples and of top contacts of a `LatoLato`; a
+    sweep's `largest_angle` includes turning points between samples. On strings the first time and
+    the share of time of slackness and the largest impulse take the place of compression. Values are
+    as JSON knows them: None for a compression time that never came, lists for two balls.
 
     Examples
     --------
@@ -45,9 +46,12 @@ def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
     import numpy as np
 
     kinds, counts = np.unique(np.asarray(run["contact_kind"]), return_counts=True)
+    largest = np.nanmax(np.abs(np.asarray(run["angle"])), initial=-np.inf)
+    if "top" in kinds and "contact_angle_high" in run.attrs:
+        largest = max(largest, run.attrs["contact_angle_high"])  # samples lie beside it
     result = {name: plain(run.attrs[name]) for name in _COPIED if name in run.attrs}
     return result | {
-        "largest_angle": plain(np.nanmax(np.abs(np.asarray(run["angle"])), initial=-np.inf)),
+        "largest_angle": plain(largest),
         "largest_energy": plain(np.nanmax(np.asarray(run["total_energy"]), initial=-np.inf)),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
         "samples": len(run["time"]),
