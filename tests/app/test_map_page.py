@@ -448,6 +448,40 @@ def test_classes_have_a_legend_instead_of_a_bar(page):
     assert page.get_by_role("img", name="Colour bar").count() == 0
 
 
+# What does not vary over a map: the frequency does, as its ratio to the natural one.
+FIXED = """() => {
+  const { drive_frequency, ...fixed } = window.latolato.views.map.question.options;
+  return fixed;
+}"""
+
+
+@pytest.mark.parametrize(
+    "label, typed, option, value",
+    [("mass", "700", "mass", 0.7), ("coefficient of restitution", "0.8", "restitution", 0.8),
+     ("gravitational acceleration", "5", "gravity", 5.0)],
+)  # fmt: skip
+def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(
+    page, label, typed, option, value
+):
+    few = "&map.duration=2&map.size=8"
+    open_map(page, few)
+    source = page.get_by_label("Map of")
+    before = source.input_value(), page.evaluate(FIXED)
+    page.get_by_text("Parameters that do not vary").click()
+    field = page.locator(".form").get_by_label(label, exact=False).first
+    field.fill(typed)
+    field.press("Enter")
+    wait_done(page, 2)
+    after = source.input_value(), page.evaluate(FIXED)
+    assert after == (before[0], {**before[1], option: pytest.approx(value)})
+    assert "map.scenario=fig05_push" in page.url
+    assert field.evaluate("(input) => input === document.activeElement")
+    # The link leads to the same map.
+    page.goto(page.url)
+    wait_done(page, 1)
+    assert page.evaluate(FIXED) == after[1]
+
+
 def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
     open_map(page)
     upper = page.get_by_label("to", exact=True).nth(1)

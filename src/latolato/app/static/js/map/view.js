@@ -9,7 +9,7 @@ import { followKeys, KeyList } from "../shared/keys.js";
 import { spanText } from "../shared/left.js";
 import { leaveOut, sentence, waysOn } from "../shared/reading.js";
 import { t } from "../strings.js";
-import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE } from "./address.js";
+import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE, withMapNamed } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { ColourBar } from "./bar.js";
 import { MapChart } from "./chart.js";
@@ -66,7 +66,7 @@ export class MapView {
     });
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
-    this.form = new Form(form, page.registry, page.store);
+    this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
     this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
     const back = () => this.travel.back();
     const scale = (/** @type {number} */ by) => this.travel.scale(by);

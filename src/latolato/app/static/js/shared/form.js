@@ -20,11 +20,13 @@ export class Form {
    * @param {HTMLElement} root
    * @param {any} registry
    * @param {Store} store
+   * @param {() => Partial<import("./state.js").State>} [beside] what changes in the same step as an option
    */
-  constructor(root, registry, store) {
+  constructor(root, registry, store, beside = () => ({})) {
     this.root = root;
     this.registry = registry;
     this.store = store;
+    this.beside = beside;
     /** @type {Record<string, any>} */
     this.resolved = {};
     /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void,
@@ -121,7 +123,12 @@ export class Form {
     const others = groups.flat().filter((/** @type {string} */ name) => !(name in changed));
     const kept = Object.entries({ ...this.store.state.options, ...changed })
       .filter(([name, value]) => !others.includes(name) && value !== null);
-    this.store.set({ options: /** @type {Record<string, string>} */ (Object.fromEntries(kept)) });
+    this.set(/** @type {Record<string, string>} */ (Object.fromEntries(kept)));
+  }
+
+  /** Put these options into the state. @param {Record<string, string>} options */
+  set(options) {
+    this.store.set({ ...this.beside(), options });
   }
 
   build() {
@@ -181,9 +188,8 @@ export class Form {
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
-      this.store.set({ options: withLaws(this.registry, heldOptions(this.registry,
-        this.store.state.options, this.resolved, this.kinds, kinds), this.resolved, kinds.system,
-      kinds.drive) });
+      this.set(withLaws(this.registry, heldOptions(this.registry, this.store.state.options, this.resolved,
+        this.kinds, kinds), this.resolved, kinds.system, kinds.drive));
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
         tr(/** @type {any} */ (law).title))));
@@ -257,7 +263,7 @@ export class Form {
   switchField(name, option) {
     const id = freshId();
     const box = el("input", { id, type: "checkbox", on: { change: () =>
-      this.store.option(name, box.checked ? "true" : "false") } });
+      this.give(name, box.checked ? "true" : "false") } });
     this.fields.set(name, { read: (text) => { box.checked = text === "true"; }, error: () => {} });
     box.checked = this.text(name) === "true";
     return el("div", { class: "field choice" }, el("label", { for: id }, option.description), box);
