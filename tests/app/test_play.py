@@ -619,6 +619,27 @@ def test_a_stage_that_is_no_number_is_told(page):
     assert "drive_frequencies" not in page.url
 
 
+def test_a_start_in_the_wall_is_refused_in_the_unit_of_its_field(page):
+    open_form(page)
+    field = page.locator(".form").get_by_label("initial angle", exact=False).first
+    page.get_by_label("unit of initial angle").select_option("deg")
+    field.fill("0.5")
+    field.press("Enter")
+    beyond = re.compile(
+        "must lie between the contact angles, 5.16.* and 174.8.*°, got 0.5; give one"
+    )
+    page.locator(".form .error").filter(has_text=beyond).wait_for()
+    page.locator(".stage-messages").filter(has_text=beyond).wait_for()
+    page.get_by_label("unit of initial angle").select_option("rad")
+    field.fill("0.01")
+    field.press("Enter")
+    beyond = re.compile(
+        "must lie between the contact angles, 0.0901.* and 3.05.* rad, got 0.01; give one"
+    )
+    page.locator(".form .error").filter(has_text=beyond).wait_for()
+    page.locator(".stage-messages").filter(has_text=beyond).wait_for()
+
+
 def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
     open_form(page, "&scenario=fig02&duration=2%20s")
     page.get_by_label("unit of angular driving frequency").select_option("Hz")

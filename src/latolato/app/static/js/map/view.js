@@ -290,9 +290,10 @@ export class MapView {
 
   /** @param {Error} error */
   refuse(error) {
-    const [text, field] = inPagesWords(this.page.registry, error);
-    this.page.messages.say("map", sentence(this.page.registry, error),
-      { stays: true, isBad: true, actions: waysOn(this.page, error) });
+    const registry = this.form.registryInWords;
+    const [text, field] = inPagesWords(registry, error);
+    this.page.messages.say("map", sentence(registry, error),
+      { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
     this.wanted = "";
     if (field && this.form.fields.has(field)) this.form.error(text, field);

@@ -30,7 +30,7 @@ export class Form {
     /** @type {Record<string, any>} */
     this.resolved = {};
     /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void,
-     *   forget?: () => void, isRefused?: () => boolean}>} */
+     *   forget?: () => void, isRefused?: () => boolean, unit?: () => import("./units.js").Unit}>} */
     this.fields = new Map();
     this.shape = "";
     /** Options that have no one value here, as they vary over a map. */
@@ -59,6 +59,14 @@ export class Form {
     this.error(null);
     this.build();
     this.read();
+  }
+
+  /** The registry, in which options have the units that their fields show. */
+  get registryInWords() {
+    const options = { ...this.registry.options };
+    for (const [name, { unit }] of this.fields)
+      if (unit && name in options) options[name] = { ...options[name], units: [unit()] };
+    return { ...this.registry, options };
   }
 
   /** Show what the options are now. */
@@ -241,7 +249,7 @@ export class Form {
     const read = (/** @type {string | null} */ text) =>
       knob.read(text, this.store.state.options[name] !== undefined);
     this.fields.set(name, { read, error: (text) => knob.error(text), forget: () => knob.forget(),
-      isRefused: () => knob.isRefused });
+      isRefused: () => knob.isRefused, unit: () => knob.unit });
     read(this.text(name));
     return knob.root;
   }
