@@ -652,6 +652,34 @@ def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
     assert float(field.input_value()) == 60.0
 
 
+def test_a_field_keeps_its_unit_when_another_knob_changes_its_value(page):
+    open_form(page)
+    unit = page.get_by_label("unit of angular driving frequency")
+    field = page.get_by_label("angular driving frequency ω", exact=True)
+    assert unit.input_value() == "rad/s"
+    often = page.get_by_role("textbox", name="How often")
+    often.fill("2.5")
+    often.press("Enter")
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 1")
+    assert unit.input_value() == "rad/s"
+    assert float(field.input_value()) == pytest.approx(5.0 * math.pi, rel=1e-5)
+    # Neither other fields nor fields made anew for another drive change it.
+    page.get_by_label("Drive", exact=True).select_option("crank_slider")
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 2")
+    assert unit.input_value() == "rad/s"
+    field.fill("16")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=16+rad%2Fs')")
+    # A unit that is typed is chosen.
+    field.fill("60 rpm")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=60+rpm')")
+    assert unit.input_value() == "rpm"
+    field.fill("90")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=90+rpm')")
+
+
 @pytest.mark.parametrize("kept", ["{", "3", '{"drive_frequency": "parsec"}', "null"])
 def test_spoiled_choices_of_units_are_left_aside(page, kept):
     page.add_init_script(f"localStorage.setItem('latolato.scenario.units', {json.dumps(kept)})")

@@ -33,6 +33,8 @@ export class Form {
      *   forget?: () => void, isRefused?: () => boolean, unit?: () => import("./units.js").Unit}>} */
     this.fields = new Map();
     this.shape = "";
+    /** The units that fields have shown, by option. @type {Record<string, string>} */
+    this.units = {};
     /** Options that have no one value here, as they vary over a map. */
     this.varied = /** @type {Set<string>} */ (new Set());
     this.openGroups = new Set(["system", "drive", "start"]);
@@ -146,6 +148,8 @@ export class Form {
     const shape = JSON.stringify([system, drive, offset, isString, [...this.varied]]);
     if (shape === this.shape) return;
     this.shape = shape;
+    // New fields keep the units of those that they replace.
+    for (const [name, { unit }] of this.fields) if (unit) this.units[name] = unit().name;
     this.fields.clear();
     const laws = { system, drive };
     const isShown = (/** @type {string} */ name) => isString || !OF_STRINGS.includes(name);
@@ -246,6 +250,7 @@ export class Form {
     const knob = new Knob(name, option, { label: this.label(name, option),
       isList: this.isList(name, option), mayBeEmpty, registry: this.registry, unitChosen: () => this.read(),
       take: (text) => this.give(name, text || null) });
+    knob.chosen = this.units[name] ?? "";
     const read = (/** @type {string | null} */ text) =>
       knob.read(text, this.store.state.options[name] !== undefined);
     this.fields.set(name, { read, error: (text) => knob.error(text), forget: () => knob.forget(),
