@@ -660,6 +660,26 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     steps.wait_for()
 
 
+@pytest.mark.parametrize(
+    "typed, problem",
+    [("1e300", "“From” must lie between -1e+30 and 1e+30"), ("", "A number belongs here, such as")],
+)
+def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, problem):
+    page.goto("/?view=analyse&analyse.what=bifurcation_diagram")
+    page.wait_for_selector("[data-form]")
+    page.locator(".settings-of > summary").click()
+    field = page.locator(".settings").get_by_label("From", exact=True)
+    before = field.input_value()
+    field.fill(typed)
+    field.press("Enter")
+    line = page.locator(".settings").get_by_role("alert").filter(visible=True)
+    line.get_by_text(problem).wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+    field.fill(before)
+    field.press("Enter")
+    assert line.count() == 0
+
+
 def test_fields_show_the_units_of_the_other_views(page):
     page.goto("/?view=analyse&scenario=toy&analyse.what=first_push&analyse.sustained_angle=0.5")
     page.get_by_text("Settings of this question").click()

@@ -542,6 +542,37 @@ def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(pa
     assert low.get_attribute("aria-invalid") == "false"
 
 
+@pytest.mark.parametrize(
+    "label, place, typed, problem",
+    [
+        ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 and 1e+30 s"),
+        ("each run lasts", 0, "-3", "Each run must last longer than 0 s, got -3 s."),
+        ("leave out", 0, "300", "The transient must be shorter than a run of 2 s"),
+        ("from", 1, "1e300", "the end must lie above the start, got 1e+300 mm"),
+        ("to", 1, "-1", "the end must lie above the start, got 0 mm to -1 mm"),
+    ],
+)  # fmt: skip
+def test_a_refused_setting_is_told_at_its_field_until_it_is_mended(
+    page, label, place, typed, problem
+):
+    open_map(page, "&map.duration=2&map.size=8")
+    field = page.get_by_label(label, exact=label != "leave out").nth(place)
+    before = field.input_value()
+    field.fill(typed)
+    field.press("Enter")
+    line = page.locator(".side").get_by_role("alert").filter(visible=True)
+    line.get_by_text(problem).wait_for()
+    assert line.count() == 1
+    assert field.get_attribute("aria-invalid") == "true"
+    assert field.get_attribute("aria-describedby") == line.get_attribute("id")
+    page.locator(".message").get_by_text(problem).wait_for()
+    field.fill(before)
+    field.press("Enter")
+    wait_done(page, 2)
+    assert line.count() == 0
+    assert field.get_attribute("aria-invalid") == "false"
+
+
 def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):
     open_map(page, f"{QUERY}&map.contours=colours".replace("size=24", "size=8"))
     page.get_by_text("Curves and trials").click()

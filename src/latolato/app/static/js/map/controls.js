@@ -137,6 +137,19 @@ export class MapControls {
   }
 
   /**
+   * Say at a field why the map was refused: at the one of these that was changed last. Null takes it away.
+   * @param {string | null} text
+   * @param {string[]} [names]
+   */
+  refuse(text, names = []) {
+    /** @type {Record<string, QuantityField>} */
+    const fields = { ...this.ends, duration: this.duration, transient: this.transient };
+    const own = names.filter((name) => name in fields);
+    const chosen = own.find((name) => fields[name].isNew) ?? own[0];
+    for (const [name, field] of Object.entries(fields)) field.refuse(name === chosen ? text : null);
+  }
+
+  /**
    * Show where the parameters come from.
    * @param {{scenario: string | null, stored: string | null}} from
    */

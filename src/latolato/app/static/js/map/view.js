@@ -1,5 +1,6 @@
 /** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
 
+import { InputError } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
 import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
@@ -179,6 +180,7 @@ export class MapView {
     this.wanted = sameBut(request);
     this.tools.say(t("mapBegins"), 0);
     this.page.messages.drop("map");
+    this.controls.refuse(null);
     this.veil(this.grid !== null);
     /** @type {import("./job.js").Listener} */
     const listener = {
@@ -290,9 +292,13 @@ export class MapView {
 
   /** @param {Error} error */
   refuse(error) {
-    const registry = this.form.registryInWords;
+    const { options, ...others } = this.form.registryInWords;
+    const registry = { ...others, options: { ...options, duration: { ...options.duration, label: t("mapDuration") } } };
     const [text, field] = inPagesWords(registry, error);
-    this.page.messages.say("map", sentence(registry, error),
+    const said = sentence(registry, error);
+    const own = error instanceof InputError ? error.about.fields ?? [] : [];
+    this.controls.refuse(said, field === null ? own : [...own, field]);
+    this.page.messages.say("map", said,
       { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
     this.wanted = "";
