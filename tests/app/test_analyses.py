@@ -256,11 +256,14 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
     assert "must be an object" in client.post("/api/analyses/cost", json=[]).json()["refused"]
 
 
+DISTANCE = "the distance between neighbouring starts"
+
+
 @pytest.mark.parametrize(
     "status, words",
     [
-        ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
-        ("regular", "No: neighbouring starts come together e-fold every 2 s."),
+        ("chaotic", f"Yes: {DISTANCE} grows by a factor of e every 2 s: chaos."),
+        ("regular", f"No: {DISTANCE} shrinks by a factor of e every 2 s."),
         ("marginal", "The run is too short to tell"),
         ("failed", "There is no answer: the computation failed."),
     ],
@@ -273,7 +276,7 @@ def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
 
 
 @pytest.mark.parametrize(
-    "rests, words", [(3, "Between such rests neighbouring starts drift apart e-fold every 2 s"),
+    "rests, words", [(3, f"Between such rests {DISTANCE} grows by a factor of e every 2 s"),
                      (100, "No: the balls come to rest on each other")],
 )  # fmt: skip
 def test_a_verdict_tells_chaos_with_rare_rests_from_lasting_rest(rests, words):
