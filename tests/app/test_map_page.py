@@ -437,6 +437,21 @@ def test_energies_have_the_logarithmic_colours_of_the_report_unless_they_are_swi
     page.wait_for_function("() => location.search.includes('map.log=0')")
 
 
+def test_the_picture_stays_in_its_place_below_the_longest_text(page):
+    page.set_viewport_size({"width": 1366, "height": 768})
+    open_map(page)
+    tops = page.evaluate(
+        """() => ["", "25 %",
+          "2500 runs in 8.1 s, 308 runs/s. Finer: 40000 in 2 min"].map((text) => {
+          window.latolato.views.map.tools.say(text);
+          return document.querySelector(".map-field").getBoundingClientRect().top;
+        })"""
+    )
+    assert tops[0] == tops[1] == tops[2]
+    name = "Stability map of the colliding pair, with a push (Fig. 5)."
+    assert page.locator(".source strong").inner_text() == name
+
+
 def test_classes_have_a_legend_instead_of_a_bar(page):
     open_map(
         page,
