@@ -256,11 +256,14 @@ def test_the_cost_of_a_question_is_told_without_asking_it(client, no_timings):
     assert "must be an object" in client.post("/api/analyses/cost", json=[]).json()["refused"]
 
 
+DISTANCE = "the distance between neighbouring starts"
+
+
 @pytest.mark.parametrize(
     "status, words",
     [
-        ("chaotic", "Yes: neighbouring starts drift apart e-fold every 2 s: chaos."),
-        ("regular", "No: neighbouring starts come together e-fold every 2 s."),
+        ("chaotic", f"Yes: {DISTANCE} grows by a factor of e every 2 s: chaos."),
+        ("regular", f"No: {DISTANCE} shrinks by a factor of e every 2 s."),
         ("marginal", "The run is too short to tell"),
         ("failed", "There is no answer: the computation failed."),
     ],
@@ -273,7 +276,7 @@ def test_a_verdict_says_what_the_status_and_the_number_mean(status, words):
 
 
 @pytest.mark.parametrize(
-    "rests, words", [(3, "Between such rests neighbouring starts drift apart e-fold every 2 s"),
+    "rests, words", [(3, f"Between such rests {DISTANCE} grows by a factor of e every 2 s"),
                      (100, "No: the balls come to rest on each other")],
 )  # fmt: skip
 def test_a_verdict_tells_chaos_with_rare_rests_from_lasting_rest(rests, words):
@@ -658,6 +661,26 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     field.fill("")
     page.get_by_role("button", name="Compute").click()
     steps.wait_for()
+
+
+@pytest.mark.parametrize(
+    "typed, problem",
+    [("1e300", "“From” must lie between -1e+30 and 1e+30"), ("", "A number belongs here, such as")],
+)
+def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, problem):
+    page.goto("/?view=analyse&analyse.what=bifurcation_diagram")
+    page.wait_for_selector("[data-form]")
+    page.locator(".settings-of > summary").click()
+    field = page.locator(".settings").get_by_label("From", exact=True)
+    before = field.input_value()
+    field.fill(typed)
+    field.press("Enter")
+    line = page.locator(".settings").get_by_role("alert").filter(visible=True)
+    line.get_by_text(problem).wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+    field.fill(before)
+    field.press("Enter")
+    assert line.count() == 0
 
 
 def test_fields_show_the_units_of_the_other_views(page):

@@ -437,6 +437,21 @@ def test_energies_have_the_logarithmic_colours_of_the_report_unless_they_are_swi
     page.wait_for_function("() => location.search.includes('map.log=0')")
 
 
+def test_the_picture_stays_in_its_place_below_the_longest_text(page):
+    page.set_viewport_size({"width": 1366, "height": 768})
+    open_map(page)
+    tops = page.evaluate(
+        """() => ["", "25 %",
+          "2500 runs in 8.1 s, 308 runs/s. Finer: 40000 in 2 min"].map((text) => {
+          window.latolato.views.map.tools.say(text);
+          return document.querySelector(".map-field").getBoundingClientRect().top;
+        })"""
+    )
+    assert tops[0] == tops[1] == tops[2]
+    name = "Stability map of the colliding pair, with a push (Fig. 5)."
+    assert page.locator(".source strong").inner_text() == name
+
+
 def test_classes_have_a_legend_instead_of_a_bar(page):
     open_map(
         page,
@@ -446,6 +461,40 @@ def test_classes_have_a_legend_instead_of_a_bar(page):
     for name in ("none", "weak", "strong"):
         page.get_by_role("listitem").get_by_text(name, exact=True).wait_for()
     assert page.get_by_role("img", name="Colour bar").count() == 0
+
+
+# What does not vary over a map: the frequency does, as its ratio to the natural one.
+FIXED = """() => {
+  const { drive_frequency, ...fixed } = window.latolato.views.map.question.options;
+  return fixed;
+}"""
+
+
+@pytest.mark.parametrize(
+    "label, typed, option, value",
+    [("mass", "700", "mass", 0.7), ("coefficient of restitution", "0.8", "restitution", 0.8),
+     ("gravitational acceleration", "5", "gravity", 5.0)],
+)  # fmt: skip
+def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(
+    page, label, typed, option, value
+):
+    few = "&map.duration=2&map.size=8"
+    open_map(page, few)
+    source = page.get_by_label("Map of")
+    before = source.input_value(), page.evaluate(FIXED)
+    page.get_by_text("Parameters that do not vary").click()
+    field = page.locator(".form").get_by_label(label, exact=False).first
+    field.fill(typed)
+    field.press("Enter")
+    wait_done(page, 2)
+    after = source.input_value(), page.evaluate(FIXED)
+    assert after == (before[0], {**before[1], option: pytest.approx(value)})
+    assert "map.scenario=fig05_push" in page.url
+    assert field.evaluate("(input) => input === document.activeElement")
+    # The link leads to the same map.
+    page.goto(page.url)
+    wait_done(page, 1)
+    assert page.evaluate(FIXED) == after[1]
 
 
 def test_a_bad_axis_is_told_and_a_better_one_goes_on(page):
@@ -506,6 +555,37 @@ def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(pa
     wait_done(page, 3)
     assert not line.is_visible()
     assert low.get_attribute("aria-invalid") == "false"
+
+
+@pytest.mark.parametrize(
+    "label, place, typed, problem",
+    [
+        ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 and 1e+30 s"),
+        ("each run lasts", 0, "-3", "Each run must last longer than 0 s, got -3 s."),
+        ("leave out", 0, "300", "The transient must be shorter than a run of 2 s"),
+        ("from", 1, "1e300", "the end must lie above the start, got 1e+300 mm"),
+        ("to", 1, "-1", "the end must lie above the start, got 0 mm to -1 mm"),
+    ],
+)  # fmt: skip
+def test_a_refused_setting_is_told_at_its_field_until_it_is_mended(
+    page, label, place, typed, problem
+):
+    open_map(page, "&map.duration=2&map.size=8")
+    field = page.get_by_label(label, exact=label != "leave out").nth(place)
+    before = field.input_value()
+    field.fill(typed)
+    field.press("Enter")
+    line = page.locator(".side").get_by_role("alert").filter(visible=True)
+    line.get_by_text(problem).wait_for()
+    assert line.count() == 1
+    assert field.get_attribute("aria-invalid") == "true"
+    assert field.get_attribute("aria-describedby") == line.get_attribute("id")
+    page.locator(".message").get_by_text(problem).wait_for()
+    field.fill(before)
+    field.press("Enter")
+    wait_done(page, 2)
+    assert line.count() == 0
+    assert field.get_attribute("aria-invalid") == "false"
 
 
 def test_bad_levels_are_told_beside_their_field_without_asking_the_server(page):

@@ -619,6 +619,27 @@ def test_a_stage_that_is_no_number_is_told(page):
     assert "drive_frequencies" not in page.url
 
 
+def test_a_start_in_the_wall_is_refused_in_the_unit_of_its_field(page):
+    open_form(page)
+    field = page.locator(".form").get_by_label("initial angle", exact=False).first
+    page.get_by_label("unit of initial angle").select_option("deg")
+    field.fill("0.5")
+    field.press("Enter")
+    beyond = re.compile(
+        "must lie between the contact angles, 5.16.* and 174.8.*°, got 0.5; give one"
+    )
+    page.locator(".form .error").filter(has_text=beyond).wait_for()
+    page.locator(".stage-messages").filter(has_text=beyond).wait_for()
+    page.get_by_label("unit of initial angle").select_option("rad")
+    field.fill("0.01")
+    field.press("Enter")
+    beyond = re.compile(
+        "must lie between the contact angles, 0.0901.* and 3.05.* rad, got 0.01; give one"
+    )
+    page.locator(".form .error").filter(has_text=beyond).wait_for()
+    page.locator(".stage-messages").filter(has_text=beyond).wait_for()
+
+
 def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
     open_form(page, "&scenario=fig02&duration=2%20s")
     page.get_by_label("unit of angular driving frequency").select_option("Hz")
@@ -629,6 +650,34 @@ def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
     assert float(field.input_value()) == in_hertz
     open_form(page, "&scenario=fig02&duration=2%20s&drive_frequency=60%20rpm")
     assert float(field.input_value()) == 60.0
+
+
+def test_a_field_keeps_its_unit_when_another_knob_changes_its_value(page):
+    open_form(page)
+    unit = page.get_by_label("unit of angular driving frequency")
+    field = page.get_by_label("angular driving frequency ω", exact=True)
+    assert unit.input_value() == "rad/s"
+    often = page.get_by_role("textbox", name="How often")
+    often.fill("2.5")
+    often.press("Enter")
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 1")
+    assert unit.input_value() == "rad/s"
+    assert float(field.input_value()) == pytest.approx(5.0 * math.pi, rel=1e-5)
+    # Neither other fields nor fields made anew for another drive change it.
+    page.get_by_label("Drive", exact=True).select_option("crank_slider")
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 2")
+    assert unit.input_value() == "rad/s"
+    field.fill("16")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=16+rad%2Fs')")
+    # A unit that is typed is chosen.
+    field.fill("60 rpm")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=60+rpm')")
+    assert unit.input_value() == "rpm"
+    field.fill("90")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('drive_frequency=90+rpm')")
 
 
 @pytest.mark.parametrize("kept", ["{", "3", '{"drive_frequency": "parsec"}', "null"])

@@ -760,6 +760,18 @@ def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
             page.get_by_role("button", name=said("storyNext", language), exact=True).click()
 
 
+@pytest.mark.parametrize("height", [664, 740])
+def test_the_button_of_a_question_covers_no_answer_on_a_low_phone(page, height):
+    page.set_viewport_size({"width": 390, "height": height})
+    page.goto("/?view=play&story.name=first_clack")
+    answers = page.locator(".story-step .check")
+    answers.last.wait_for()
+    page.wait_for_timeout(500)  # fonts and the stage
+    last = answers.last.bounding_box()
+    check = page.locator(".story-step [type=submit]").bounding_box()
+    assert last["y"] + last["height"] <= check["y"]
+
+
 def test_a_low_window_shows_the_story_beside_the_stage(page):
     page.set_viewport_size({"width": 683, "height": 384})  # a laptop at 200 % zoom
     page.goto("/?story.name=first_clack&story.step=2")

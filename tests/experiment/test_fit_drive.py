@@ -245,6 +245,9 @@ def test_a_pivot_at_rest_and_too_few_periods_are_refused():
     table = drive_table(ll.Harmonic(drive_amplitude=0.0, drive_frequency=1.0), duration=5.0)
     with pytest.raises(ValueError, match="the pivot is at rest"):
         fit_drive(table)
+    table["pivot_y"].values[:] = 0.0
+    with pytest.raises(ValueError, match=r"at rest: its height is the same in all frames$"):
+        fit_drive(table)
     with pytest.raises(ValueError, match="at least 3 periods"):
         fit_drive(drive_table(STEADY, duration=1.0))
     with pytest.raises(ValueError, match=r"stages must lie in \[1, 4\]"):

@@ -24,6 +24,14 @@ test("a refusal has the unit and the label of the screen", () => {
     wayOut: "give at most 1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
     ["“Where it starts” must lie between 0 and 90°, got 114.592", "angle"]);
+  const walls = new InputError("{parameter} must lie between the contact angles [0.3490658504, pi] rad",
+    { parameter: "angle", value: Math.PI / 360, wayOut: "give one at which the balls do not overlap" });
+  assert.equal(inPagesWords(registry, walls)[0], "“Where it starts” must lie between the contact angles, "
+    + "20 and 180°, got 0.5; give one at which the balls do not overlap");
+  const apart = new InputError("the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
+    { parameter: "angle", value: -Math.PI / 2 });
+  assert.equal(inPagesWords(registry, apart)[0], "the separation “Where it starts”[0] - “Where it starts”[1] "
+    + "must lie between 0 and 360°, got -90");
   const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
 });

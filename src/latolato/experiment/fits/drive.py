@@ -328,9 +328,11 @@ def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError
             f"scatters by {scatter:.3g} mm",
             way_out="use fit_model, which follows the pivot's track, or MeasuredPivot",
         )
+    if reach == noise == 0.0:
+        return InputError("the pivot is at rest: its height is the same in all frames")
     return InputError(
-        f"the pivot is at rest: it moves by {up:.3g} mm either way, its track scatters by "
-        f"{scatter:.3g} mm"
+        f"the pivot is at rest: it moves by {up:.3g} mm either way, and its track "
+        f"scatters by {scatter:.3g} mm"
     )
 
 

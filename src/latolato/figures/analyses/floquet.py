@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.question import DISTURBANCE, Question, is_shaken
-from latolato.figures.analyses.sentences import number, shakes
+from latolato.figures.analyses.sentences import e_folding, shakes
 from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
@@ -113,9 +113,9 @@ def verdict(dataset: xr.Dataset) -> str:
         return "No repeating motion was found from this start: change the start or the repetition."
     text = f"There is a motion that repeats {shakes(float(dataset['response_period']))}"
     if status == "unstable":
-        return f"{text}; it is unstable: disturbances grow e-fold every {number(1.0 / rate)} s."
+        return f"{text}; it is unstable: disturbances grow {e_folding(rate)}."
     if status == "stable":
-        fade = "die out" if math.isinf(rate) else f"fade e-fold every {number(-1.0 / rate)} s"
+        fade = "die out" if math.isinf(rate) else f"fade {e_folding(rate)}"
         return f"{text}; it is stable: disturbances {fade}."
     words = {
         "neutral": "disturbances neither grow nor fade",

@@ -23,6 +23,8 @@ _MEANING = {
     "rest": "the motion forgets its past",
 }
 
+# What grows or shrinks exponentially.
+_DISTANCE = "the distance between neighbouring starts"
 # Between rests a deviation must grow or shrink by so many e-folds to forget how it began.
 _RARE = 10.0
 
@@ -107,10 +109,10 @@ def verdict(dataset: xr.Dataset) -> str:
         between = _between_rare_rests(dataset)
         if between is None:
             return "No: the balls come to rest on each other, and the past is forgotten."
-        way = "drift apart" if between > 0.0 else "come together"
+        way = "grows" if between > 0.0 else "shrinks"
         return (
             "No, strictly: now and then the balls rest on each other, and the past is forgotten. "
-            f"Between such rests neighbouring starts {way} {e_folding(between)}."
+            f"Between such rests {_DISTANCE} {way} {e_folding(between)}."
         )
     if status not in ("chaotic", "regular", "marginal"):
         return no_answer(status)
@@ -118,9 +120,9 @@ def verdict(dataset: xr.Dataset) -> str:
     watched = f", followed for {number(float(span))} s" if span is not None else ""
     tail = f" The largest exponent is {number(largest)} 1/s{watched}."
     if status == "chaotic":
-        return f"Yes: neighbouring starts drift apart {e_folding(largest)}: chaos.{tail}"
+        return f"Yes: {_DISTANCE} grows {e_folding(largest)}: chaos.{tail}"
     if status == "regular":
-        return f"No: neighbouring starts come together {e_folding(largest)}.{tail}"
+        return f"No: {_DISTANCE} shrinks {e_folding(largest)}.{tail}"
     return f"The run is too short to tell: follow it longer.{tail}"
 
 

@@ -176,6 +176,6 @@ def e_folding(rate: float) -> str:
     Examples
     --------
     >>> e_folding(0.5), e_folding(-2.0)
-    ('e-fold every 2 s', 'e-fold every 0.5 s')
+    ('by a factor of e every 2 s', 'by a factor of e every 0.5 s')
     """
-    return f"e-fold every {number(1.0 / abs(rate))} s"
+    return f"by a factor of e every {number(1.0 / abs(rate))} s"

@@ -110,7 +110,7 @@ class Controls {
       const block = await this.inset.compute({ options: optionsOf(registry, { scenario: OWN, options }) });
       if (block) this.show(block.about);
     } catch (error) {
-      form.error(...inPagesWords(registry, /** @type {Error} */ (error)));
+      form.error(...inPagesWords(form.registryInWords, /** @type {Error} */ (error)));
     }
   }
 }

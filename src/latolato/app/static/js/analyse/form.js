@@ -163,11 +163,37 @@ export class AnalysisForm {
   read(name, typed) {
     const field = this.fields[name];
     const isNumber = ["float", "int"].includes(field.kind);
-    const read = isNumber ? readNumbers(typed, name, field, this.units[name], this.registry)
+    const read = isNumber ? this.readNumbers(typed, name)
       : { text: typed.trim(), problem: null };
     if (read.problem === null) delete this.problems[name];
     else this.problems[name] = read.problem;
     return read;
+  }
+
+  /**
+   * Read a number, a list of numbers, or a range such as 1.4 : 3.2 : 7, which ends with a count. The text
+   * names a unit where the field shows another one than that of SI.
+   * @param {string} typed
+   * @param {string} name
+   * @returns {{text: string, problem: string | null}}
+   */
+  readNumbers(typed, name) {
+    const field = this.fields[name];
+    const units = this.units[name];
+    const [usual = { name: "", size: 1 }] = units;
+    const parts = field.several ? typed.split(":") : [typed];
+    const isList = field.several && parts.length === 1;
+    const count = parts.splice(2);
+    // The limits of a diagram have no usual value; an empty field stands for one elsewhere.
+    const mayBeEmpty = !LIMITS.includes(name);
+    const entries = parts.map((part) => readEntry(part, { usual, units, unit: field.unit || usual.name,
+      registry: this.registry, isList, mayBeEmpty, example: shownIn(this.begun[name] ?? "", units) }));
+    const unfit = (/** @type {number} */ value) =>
+      problemWith(name, /** @type {any} */ (field), { label: field.label, unit: usual }, value);
+    const texts = usual.size === 1 ? parts.map((part) => withPoints(part, isList)) : entries.map(({ text }) => text);
+    return { text: [...texts, ...count.map((part) => part.trim())].join(" : "),
+      problem: entries.map(({ problem }) => problem).find((problem) => problem !== null)
+        ?? entries.flatMap(({ values }) => values).map(unfit).find((problem) => problem) ?? null };
   }
 
   /** Return what was typed and taken, by option; empty fields are left out. */
@@ -200,31 +226,6 @@ export class AnalysisForm {
     }
     return field !== undefined;
   }
-}
-
-/**
- * Read a number, a list of numbers, or a range such as 1.4 : 3.2 : 7, which ends with a count. The text
- * names a unit where the field shows another one than that of SI.
- * @param {string} typed
- * @param {string} name
- * @param {Field} field
- * @param {Unit[]} units
- * @param {import("../model/registry.js").Registry} registry
- * @returns {{text: string, problem: string | null}}
- */
-function readNumbers(typed, name, field, units, registry) {
-  const [usual = { name: "", size: 1 }] = units;
-  const parts = field.several ? typed.split(":") : [typed];
-  const isList = field.several && parts.length === 1;
-  const count = parts.splice(2);
-  const entries = parts.map((part) => readEntry(part,
-    { usual, units, unit: field.unit || usual.name, registry, isList, mayBeEmpty: true }));
-  const unfit = (/** @type {number} */ value) => field.units
-    && problemWith(name, /** @type {any} */ (field), { label: field.label, unit: usual }, value);
-  const texts = usual.size === 1 ? parts.map((part) => withPoints(part, isList)) : entries.map(({ text }) => text);
-  return { text: [...texts, ...count.map((part) => part.trim())].join(" : "),
-    problem: entries.map(({ problem }) => problem).find((problem) => problem !== null)
-      ?? entries.flatMap(({ values }) => values).map(unfit).find((problem) => problem) ?? null };
 }
 
 /**

@@ -94,7 +94,7 @@ export class LiveView {
     this.showShake();
     this.senses = new Senses(this.parts.canvas,
       () => [{ title: t("keysHere"), actions: this.actions() }]);
-    this.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
+    this.senses.narrator.nameOf = (name) => this.knobs.inWords().options[name]?.label;
     this.root = layOut(this.parts, this.keeper, this.preset, this.knobs.root, this.senses);
     this.scene = new Scene(this.parts.canvas);
     this.watch = new Watch(this.parts.angle, this.parts.energy);
@@ -428,9 +428,9 @@ export class LiveView {
    * @param {Error} error
    */
   refuse(error) {
-    const { registryInWords } = this.knobs;
-    this.knobs.error(...inPagesWords(registryInWords, error));
-    this.say(sentence(registryInWords, error), waysOn(this.page, error), true);
+    const registry = this.knobs.inWords();
+    this.knobs.error(...inPagesWords(registry, error));
+    this.say(sentence(registry, error), waysOn(this.page, error), true);
     this.allow(false);
   }
 

@@ -43,6 +43,18 @@ export function sourceOf(registry, state) {
 }
 
 /**
+ * Return the part of the state that names the shipped sweep on show: an address without a name stands for
+ * one only as long as no option is changed.
+ * @param {any} registry
+ * @param {State} state
+ * @returns {Partial<State>}
+ */
+export function withMapNamed(registry, state) {
+  const { scenario } = sourceOf(registry, state);
+  return scenario ? { extra: { ...state.extra, "map.scenario": scenario } } : {};
+}
+
+/**
  * Return what the address asks for: see `question.js`, or a stored map.
  * @param {any} registry
  * @param {State} state
@@ -97,11 +109,8 @@ export function sameBut(request) {
  * @param {Record<string, string>} options
  */
 export function openInPlay(page, options) {
-  const { registry, store } = page;
-  const { scenario } = sourceOf(registry, store.state);
-  const extra = { ...store.state.extra };
-  if (scenario) extra["map.scenario"] = scenario;
-  openState(page, { view: "play", scenario: null, options, extra });
+  const { extra } = page.store.state;
+  openState(page, { extra, ...withMapNamed(page.registry, page.store.state), view: "play", scenario: null, options });
 }
 
 /**

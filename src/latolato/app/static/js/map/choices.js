@@ -100,7 +100,8 @@ export function spansOf(registry, origin, asked) {
     const { name = own, ...rest } = asked[k] ?? {};
     if (!known.includes(name))
       throw new InputError(`unknown parameter '${name}': ${suggest(name, known)}`);
-    return checked(registry.axes[name], { ...spanOf(registry, origin, name, rest), name });
+    return checked(registry.axes[name], { ...spanOf(registry, origin, name, rest), name },
+      k === 0 ? "x" : "y");
   });
   const [a, b] = chosen.map(({ name }) => registry.axes[name].label);
   if (setBy(chosen[0].name) === setBy(chosen[1].name))
@@ -144,19 +145,22 @@ function isGeometric(values) {
  * Return an axis, or throw in the words of the quantity along it.
  * @param {Varied} about
  * @param {Span} span
+ * @param {"x" | "y"} which
  */
-function checked(about, span) {
+function checked(about, span, which) {
   const { label } = about;
+  const [first, last] = [`${which}low`, `${which}high`];
   const words = (/** @type {number} */ value) => inWords(about, value);
   if (!(span.low < span.high))
     throw new InputError(
-      `${label}: the end must lie above the start, got ${words(span.low)} to ${words(span.high)}`);
-  for (const value of [span.low, span.high])
+      `${label}: the end must lie above the start, got ${words(span.low)} to ${words(span.high)}`,
+      { fields: [first, last] });
+  for (const [field, value] of /** @type {[string, number][]} */ ([[first, span.low], [last, span.high]]))
     if (!isAllowed(about, value))
-      throw new InputError(`${label}: values must be ${ruleOf(about)}, got ${words(value)}`);
+      throw new InputError(`${label}: values must be ${ruleOf(about)}, got ${words(value)}`, { fields: [field] });
   if (span.log && !(span.low > 0))
     throw new InputError(`${label}: a logarithmic axis must begin above zero, got `
-      + `${words(span.low)}: raise the start, or make the axis linear`);
+      + `${words(span.low)}: raise the start, or make the axis linear`, { fields: [first] });
   return span;
 }
 

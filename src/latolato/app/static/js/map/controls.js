@@ -1,6 +1,7 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
 import { el } from "../shared/dom.js";
+import { stopped } from "../shared/reading.js";
 import { plainSymbol } from "../shared/units.js";
 import { t } from "../strings.js";
 import { ended, firstStride, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
@@ -137,21 +138,35 @@ export class MapControls {
   }
 
   /**
+   * Say at a field why the map was refused: at the one of these that was changed last. Null takes it away.
+   * @param {string | null} text
+   * @param {string[]} [names]
+   */
+  refuse(text, names = []) {
+    /** @type {Record<string, QuantityField>} */
+    const fields = { ...this.ends, duration: this.duration, transient: this.transient };
+    const own = names.filter((name) => name in fields);
+    const chosen = own.find((name) => fields[name].isNew) ?? own[0];
+    for (const [name, field] of Object.entries(fields)) field.refuse(name === chosen ? text : null);
+  }
+
+  /**
    * Show where the parameters come from.
    * @param {{scenario: string | null, stored: string | null}} from
    */
   showSource({ scenario, stored }) {
     const sweeps = Object.entries(this.registry.scenarios).filter(([, s]) => s.sweep);
+    const called = (/** @type {any} */ s) => (s.figure ? t("mapFigure", { title: s.title, figure: s.figure }) : s.title);
     const entries = [
-      ...sweeps.map(([name, s]) => ({ value: `s:${name}`, title: s.description,
-        text: s.figure ? t("mapFigure", { title: s.title, figure: s.figure }) : s.title,
-        group: t("mapShipped") })),
+      ...sweeps.map(([name, s]) => ({ value: `s:${name}`, title: s.description, text: called(s), group: t("mapShipped") })),
       ...this.stored.map((name) => ({ value: `f:${name}`, text: name, group: t("mapStored") })),
       { value: PAGE, text: t("mapPage"), group: t("mapOwn") },
     ];
     this.source.show(entries, stored ? `f:${stored}` : scenario ? `s:${scenario}` : PAGE);
-    if (!stored)
-      this.about.textContent = this.registry.scenarios[scenario ?? ""]?.description ?? "";
+    if (stored) return;
+    const sweep = this.registry.scenarios[scenario ?? ""];
+    // The whole name: the box above may be too narrow for its end.
+    this.about.replaceChildren(...(sweep ? [el("strong", {}, stopped(called(sweep))), " ", sweep.description] : []));
   }
 
   /** Show how many points the address asks for, also where they are none of the usual numbers. */

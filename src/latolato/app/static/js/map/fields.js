@@ -41,6 +41,8 @@ export class QuantityField {
     this.problem = problemOf(this.input);
     this.seen = "";
     this.example = "";
+    /** Whether a value was taken that is not shown yet, and whether the map was refused for this field. */
+    this.isNew = this.isRefused = false;
     this.root = el("div", { class: "field" }, el("label", { for: id, title: hint }, label),
       el("span", { class: "entry" }, this.input, this.unit), this.problem.line);
   }
@@ -56,6 +58,7 @@ export class QuantityField {
     const now = JSON.stringify([value, units[0]?.name]);
     if (!this.problem.line.hidden && now === this.seen) return;
     this.seen = now;
+    this.isNew = this.isRefused = false;
     this.units = units;
     this.unit.textContent = shownUnit(units[0]?.name ?? "");
     const text = value === null ? "" : localShort(value / (units[0]?.size ?? 1), 4);
@@ -72,7 +75,20 @@ export class QuantityField {
     const { values: [value = null], problem } = readEntry(this.input.value,
       { usual: units[0] ?? { name: "", size: 1 }, units, mayBeEmpty, example });
     this.problem.say(problem);
-    if (problem === null) change(value);
+    this.isRefused = false;
+    if (problem !== null) return;
+    this.isNew = true;
+    change(value);
+  }
+
+  /**
+   * Say why the map of this value was refused; null takes that away, but not what is wrong with the text.
+   * @param {string | null} text
+   */
+  refuse(text) {
+    if (text === null && !this.isRefused) return;
+    this.isRefused = text !== null;
+    this.problem.say(text);
   }
 }
 

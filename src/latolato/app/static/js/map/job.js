@@ -61,7 +61,7 @@ export class PageJob {
     if (estimate.problem) await refusePoint(question, estimate.problem);
     if (estimate.longest > MOST_STEPS)
       throw new InputError(`a point of this map would take ${general(estimate.longest, 2)} steps, the limit is `
-        + `${general(MOST_STEPS)}: shorten the duration, loosen the tolerance or slow the drive`);
+        + `${general(MOST_STEPS)}: shorten the duration, loosen the tolerance or slow the drive`, { fields: ["duration"] });
     if (this.ended) return;
     this.question = question;
     this.estimate = estimate;
@@ -107,9 +107,9 @@ async function refusePoint(question, problem) {
   await specify(registry, { options: optionsOfCell(question, 0) });
   if (problem === "too many steps")
     throw new InputError("this point would take more than 1e+09 steps: shorten the duration, loosen the "
-      + "tolerance or slow the motion");
+      + "tolerance or slow the motion", { fields: ["duration"] });
   if (question.periods)
-    throw new InputError(`the transient must be shorter than the duration ${general(duration)} s`);
+    throw new InputError(`the transient must be shorter than the duration ${general(duration)} s`, { fields: ["transient", "duration"] });
   throw new InputError("the numbers of this point leave the range of floats");
 }
 

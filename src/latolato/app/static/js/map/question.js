@@ -166,12 +166,12 @@ function timesOf(registry, request, options, sweep) {
   const duration = request.duration ?? own ?? times?.at(-1) ?? USUAL_DURATION;
   const transient = request.transient ?? sweep?.transient ?? 0;
   if (!(duration > 0))
-    throw new InputError(`each run must last longer than 0 s, got ${general(duration)} s`);
+    throw new InputError(`each run must last longer than 0 s, got ${general(duration)} s`, { fields: ["duration"] });
   if (!(transient >= 0))
-    throw new InputError(`the transient must be at least 0 s, got ${general(transient)} s`);
+    throw new InputError(`the transient must be at least 0 s, got ${general(transient)} s`, { fields: ["transient"] });
   if (transient >= duration)
     throw new InputError(`the transient must be shorter than a run of ${general(duration)} s, got `
-      + `${general(transient)} s`);
+      + `${general(transient)} s`, { fields: ["transient", "duration"] });
   checkedNumber(registry.options.duration, "duration", duration);
   return { duration, transient,
     periods: request.transient === null ? sweep?.transient_periods ?? 0 : 0 };

@@ -1,5 +1,6 @@
 /** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
 
+import { InputError } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
 import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
@@ -9,7 +10,7 @@ import { followKeys, KeyList } from "../shared/keys.js";
 import { spanText } from "../shared/left.js";
 import { leaveOut, sentence, waysOn } from "../shared/reading.js";
 import { t } from "../strings.js";
-import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE } from "./address.js";
+import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE, withMapNamed } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { ColourBar } from "./bar.js";
 import { MapChart } from "./chart.js";
@@ -66,7 +67,7 @@ export class MapView {
     });
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
-    this.form = new Form(form, page.registry, page.store);
+    this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
     this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
     const back = () => this.travel.back();
     const scale = (/** @type {number} */ by) => this.travel.scale(by);
@@ -179,6 +180,7 @@ export class MapView {
     this.wanted = sameBut(request);
     this.tools.say(t("mapBegins"), 0);
     this.page.messages.drop("map");
+    this.controls.refuse(null);
     this.veil(this.grid !== null);
     /** @type {import("./job.js").Listener} */
     const listener = {
@@ -290,9 +292,14 @@ export class MapView {
 
   /** @param {Error} error */
   refuse(error) {
-    const [text, field] = inPagesWords(this.page.registry, error);
-    this.page.messages.say("map", sentence(this.page.registry, error),
-      { stays: true, isBad: true, actions: waysOn(this.page, error) });
+    const { options, ...others } = this.form.registryInWords;
+    const registry = { ...others, options: { ...options, duration: { ...options.duration, label: t("mapDuration") } } };
+    const [text, field] = inPagesWords(registry, error);
+    const said = sentence(registry, error);
+    const own = error instanceof InputError ? error.about.fields ?? [] : [];
+    this.controls.refuse(said, field === null ? own : [...own, field]);
+    this.page.messages.say("map", said,
+      { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
     this.wanted = "";
     if (field && this.form.fields.has(field)) this.form.error(text, field);

@@ -7,7 +7,8 @@ export class InputError extends Error {
   /**
    * @param {string} rule the rest of a sentence that begins with the parameter's name, or a whole
    *   one in which `{parameter}` stands for it
-   * @param {{parameter?: string, value?: any, wayOut?: string}} [about] `value` is what was given
+   * @param {{parameter?: string, value?: any, wayOut?: string, fields?: string[]}} [about] `value` is what
+   *   was given, `fields` name those of a map that hold what is wrong
    */
   constructor(rule, about = {}) {
     super(worded(rule, about, about.parameter));

@@ -12,9 +12,19 @@ export function inLanguage(error) {
   return error instanceof InputError ? error.worded(String(error.parameter), tr) : tr(error.message);
 }
 
-// A range as Python writes it, and the plain words for each kind of end.
-const RANGE = /^must lie in ([[(])(.+), (.+)([\])])(?: \S+)?$/;
+// A range as Python writes it, after what lies in it and what its ends are where they have a name; and the
+// plain words for each kind of end.
+const RANGE = /^(.*?)must lie (?:in|between (.+)) ([[(])(.+), (.+)([\])])(?: \S+)?$/;
 const ENDS = { "[": "at least", "(": "above", "]": "at most", ")": "below" };
+
+/**
+ * Return a number as rules write it, also as a multiple of pi; NaN for another text.
+ * @param {string | number} text
+ */
+function numberOf(text) {
+  const turns = /^(\d*) ?pi$/.exec(String(text));
+  return turns ? Number(turns[1] || 1) * Math.PI : Number(text);
+}
 
 /**
  * Return an error in plain words, with its numbers in the unit in which the page shows its option.
@@ -33,18 +43,19 @@ function inPlainWords({ unit, units = [] }, error) {
       { ...error.about, value });
   const range = RANGE.exec(rule);
   if (!range || typeof value !== "number") return error;
-  const number = (/** @type {string | number} */ each) => short(Number(each) / size);
+  const number = (/** @type {string | number} */ each) => short(numberOf(each) / size);
   // A range may end at another parameter: [0, length).
-  const end = (/** @type {string} */ text) => (/^[a-z_]+$/.test(text) ? `the ${text.replaceAll("_", " ")}`
-    : `${Number.isNaN(Number(text)) ? text : number(text)}${tail}`);
-  const [, open, low, high, close] = /** @type {any} */ (range);
+  const end = (/** @type {string} */ text) => (!Number.isNaN(numberOf(text)) ? `${number(text)}${tail}`
+    : /^[a-z_]+$/.test(text) ? `the ${text.replaceAll("_", " ")}` : `${text}${tail}`);
+  const [, before, named, open, low, high, close] = /** @type {any} */ (range);
   const ends = [[low, open], [high, close]].filter(([text]) => !text.endsWith("inf"));
   const isClosed = ends.length === 2 && open + close === "[]" && low !== high;
   const listed = ends.map(([text, mark]) => `${/** @type {any} */ (ENDS)[mark]} ${end(text)}`).join(" and ");
-  const plain = isClosed ? `must lie between ${number(low)} and ${end(high)}` : `must be ${listed}`;
+  const plain = isClosed ? `must lie between ${named ? `${named}, ` : ""}${number(low)} and ${end(high)}`
+    : `must be ${listed}`;
   // A way out that only repeats an end is left out.
   const isNews = wayOut && !ends.some(([text]) => wayOut.endsWith(` ${text}`));
-  return new InputError(plain, { ...about, value: Number(number(value)),
+  return new InputError(before === "{parameter} " ? plain : before + plain, { ...about, value: Number(number(value)),
     ...(isNews ? { wayOut: wayOut.replace(/(?<=(than|least|most) )[-\d.e+]+$/, number) } : {}) });
 }
 

@@ -56,7 +56,7 @@ export class PlayView {
     this.more = drawer("moreParameters", form);
     const place = el("div", { class: "player" });
     this.player = new Player(place);
-    this.player.senses.narrator.nameOf = (name) => this.knobs.registryInWords.options[name]?.label;
+    this.player.senses.narrator.nameOf = (name) => this.knobs.inWords().options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.presets.head.append(this.reset, this.makePin());
     const hangId = freshId();
@@ -263,10 +263,11 @@ export class PlayView {
    * @param {Error} error
    */
   refuse(error) {
-    const { registryInWords } = this.knobs;
-    this.form.error(...inPagesWords(this.page.registry, error));
-    this.knobs.error(...inPagesWords(registryInWords, error));
-    this.note(sentence(registryInWords, error), waysOn(this.page, error), true);
+    const ofForm = this.form.registryInWords;
+    const ofKnobs = this.knobs.inWords(ofForm);
+    this.form.error(...inPagesWords(ofForm, error));
+    this.knobs.error(...inPagesWords(ofKnobs, error));
+    this.note(sentence(ofKnobs, error), waysOn({ ...this.page, registry: ofForm }, error), true);
   }
 
   /**

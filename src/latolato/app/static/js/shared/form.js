@@ -20,17 +20,21 @@ export class Form {
    * @param {HTMLElement} root
    * @param {any} registry
    * @param {Store} store
+   * @param {() => Partial<import("./state.js").State>} [beside] what changes in the same step as an option
    */
-  constructor(root, registry, store) {
+  constructor(root, registry, store, beside = () => ({})) {
     this.root = root;
     this.registry = registry;
     this.store = store;
+    this.beside = beside;
     /** @type {Record<string, any>} */
     this.resolved = {};
     /** @type {Map<string, {read: (text: any) => void, error: (text: string | null) => void,
-     *   forget?: () => void, isRefused?: () => boolean}>} */
+     *   forget?: () => void, isRefused?: () => boolean, unit?: () => import("./units.js").Unit}>} */
     this.fields = new Map();
     this.shape = "";
+    /** The units that fields have shown, by option. @type {Record<string, string>} */
+    this.units = {};
     /** Options that have no one value here, as they vary over a map. */
     this.varied = /** @type {Set<string>} */ (new Set());
     this.openGroups = new Set(["system", "drive", "start"]);
@@ -57,6 +61,14 @@ export class Form {
     this.error(null);
     this.build();
     this.read();
+  }
+
+  /** The registry, in which options have the units that their fields show. */
+  get registryInWords() {
+    const options = { ...this.registry.options };
+    for (const [name, { unit }] of this.fields)
+      if (unit && name in options) options[name] = { ...options[name], units: [unit()] };
+    return { ...this.registry, options };
   }
 
   /** Show what the options are now. */
@@ -121,7 +133,12 @@ export class Form {
     const others = groups.flat().filter((/** @type {string} */ name) => !(name in changed));
     const kept = Object.entries({ ...this.store.state.options, ...changed })
       .filter(([name, value]) => !others.includes(name) && value !== null);
-    this.store.set({ options: /** @type {Record<string, string>} */ (Object.fromEntries(kept)) });
+    this.set(/** @type {Record<string, string>} */ (Object.fromEntries(kept)));
+  }
+
+  /** Put these options into the state. @param {Record<string, string>} options */
+  set(options) {
+    this.store.set({ ...this.beside(), options });
   }
 
   build() {
@@ -131,6 +148,8 @@ export class Form {
     const shape = JSON.stringify([system, drive, offset, isString, [...this.varied]]);
     if (shape === this.shape) return;
     this.shape = shape;
+    // New fields keep the units of those that they replace.
+    for (const [name, { unit }] of this.fields) if (unit) this.units[name] = unit().name;
     this.fields.clear();
     const laws = { system, drive };
     const isShown = (/** @type {string} */ name) => isString || !OF_STRINGS.includes(name);
@@ -181,9 +200,8 @@ export class Form {
     const id = freshId();
     const select = el("select", { id, on: { change: () => {
       const kinds = { ...this.kinds, [part]: select.value };
-      this.store.set({ options: withLaws(this.registry, heldOptions(this.registry,
-        this.store.state.options, this.resolved, this.kinds, kinds), this.resolved, kinds.system,
-      kinds.drive) });
+      this.set(withLaws(this.registry, heldOptions(this.registry, this.store.state.options, this.resolved,
+        this.kinds, kinds), this.resolved, kinds.system, kinds.drive));
     } } }, ...Object.entries(laws).map(([name, law]) =>
       el("option", { value: name, title: /** @type {any} */ (law).description },
         tr(/** @type {any} */ (law).title))));
@@ -232,10 +250,11 @@ export class Form {
     const knob = new Knob(name, option, { label: this.label(name, option),
       isList: this.isList(name, option), mayBeEmpty, registry: this.registry, unitChosen: () => this.read(),
       take: (text) => this.give(name, text || null) });
+    knob.chosen = this.units[name] ?? "";
     const read = (/** @type {string | null} */ text) =>
       knob.read(text, this.store.state.options[name] !== undefined);
     this.fields.set(name, { read, error: (text) => knob.error(text), forget: () => knob.forget(),
-      isRefused: () => knob.isRefused });
+      isRefused: () => knob.isRefused, unit: () => knob.unit });
     read(this.text(name));
     return knob.root;
   }
@@ -257,7 +276,7 @@ export class Form {
   switchField(name, option) {
     const id = freshId();
     const box = el("input", { id, type: "checkbox", on: { change: () =>
-      this.store.option(name, box.checked ? "true" : "false") } });
+      this.give(name, box.checked ? "true" : "false") } });
     this.fields.set(name, { read: (text) => { box.checked = text === "true"; }, error: () => {} });
     box.checked = this.text(name) === "true";
     return el("div", { class: "field choice" }, el("label", { for: id }, option.description), box);

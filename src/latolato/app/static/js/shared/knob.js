@@ -44,7 +44,7 @@ export class Knob {
     this.mayBeEmpty = mayBeEmpty;
     this.meaning = meaning;
     this.registry = registry;
-    /** The unit that a text came with, or that was chosen here. */
+    /** The unit that the first text came with, or that was chosen or typed here. */
     this.chosen = "";
     /** In SI units, null for a text that is no single quantity. @type {number | null} */
     this.value = null;
@@ -155,6 +155,8 @@ export class Knob {
     const isTyping = isFocused(this.input);
     // What was refused stays with its error, whatever else changes, until there is another value.
     if (this.isRefused && text === this.seen) return;
+    // Units of later texts come from elsewhere on the page: this field keeps its own.
+    const isFirst = this.seen === null;
     this.seen = text;
     this.forget();
     if (text === null) {
@@ -165,7 +167,7 @@ export class Knob {
     const { number = NaN, unit = "" } = parseQuantity(text) ?? {};
     // A number of more digits than are shown was computed: nobody chose its unit.
     const isTyped = Number(short(number, this.digits)) === number;
-    if (!this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
+    if (isFirst && !this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
     this.value = text.includes(",") ? null : this.valueOf(text);
     this.place();
@@ -231,6 +233,9 @@ export class Knob {
     if (wrong === null && (value === null || this.reaches(value))) {
       this.taken = text;
       this.forget();
+      const { unit: typed = "" } = parseQuantity(text) ?? {};
+      this.chosen = option.units.find(({ name }) => [name, shownUnit(name)].includes(typed))?.name ?? this.chosen;
+      if (this.units) this.units.value = this.unit.name;
       // A comma has become a point, or what this language writes.
       if (value !== null && this.input.value.includes(",")) this.show(value);
       this.take(this.taken, value);

@@ -116,12 +116,16 @@ export class Knobs {
     this.natural.textContent = `${t("naturalIs", { rate: short(frequency / (2 * Math.PI), 3) })} ${more}`;
   }
 
-  /** The registry, in which options have the names and units of their knobs on show. */
-  get registryInWords() {
-    const options = { ...this.registry.options };
+  /**
+   * Return a registry in which options have the names and units of their knobs on show.
+   * @param {Registry} [registry] that has the others
+   * @returns {Registry}
+   */
+  inWords(registry = this.registry) {
+    const options = { ...registry.options };
     for (const [name, { label, shownAs }] of Object.entries(this.all))
       if (name in options) options[name] = { ...options[name], label, units: [shownAs] };
-    return { ...this.registry, options };
+    return { ...registry, options };
   }
 
   /**
