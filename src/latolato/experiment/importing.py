@@ -253,7 +253,7 @@ def _may_be(column: SourceColumn, unit: str) -> bool:
 
 
 def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]:
-    """Return the columns that are called as usual, by position, as `import_table` takes them.
+    r"""Return the columns that are called as usual, by position, as `import_table` takes them.
 
     Parameters
     ----------
@@ -266,6 +266,12 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
     dict of str to str
         Incomplete where the names leave something open: no time, or more than two balls. What is
         open is the error of `usual_columns`.
+
+    Examples
+    --------
+    >>> from latolato.io.tables.source import parse_source
+    >>> proposed_columns(parse_source(b"Zeit;Masse;Winkel\n0;1;2\n1;1;3\n").section())
+    {'time': '1', 'angle_1': '3'}
     """
     usual = _FRAMES if has_rate else _USUAL["time"]
     time = next((c for c in section.columns if _is_called(c, usual)), None)
@@ -301,12 +307,19 @@ def _balls_among(tracks: Mapping[str, Any]) -> list[str]:
 
 
 def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]:
-    """Return the columns of `proposed_columns` if they are all that an import needs.
+    r"""Return the columns of `proposed_columns` if they are all that an import needs.
 
     Raises
     ------
     InputError
         If the time or everything else is missing, or there are several runs or too many tracks.
+
+    Examples
+    --------
+    >>> from latolato.io.tables.source import parse_source
+    >>> usual_columns(parse_source(b"frame,theta\n0,2\n1,3\n").section())
+    Traceback (most recent call last):
+    latolato.core.errors.InputError: it has frame numbers and no time; give frame_rate in 1/s
     """
     runs = _runs(section)
     if len(runs) > 1:

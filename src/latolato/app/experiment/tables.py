@@ -71,7 +71,7 @@ def look_at_table(job: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _proposal(section: Section) -> tuple[dict[str, int], str | None]:
-    """Return the roles that follow from the names of columns, and what is left open."""
+    """Return the roles that follow from the names of columns, and the question that remains."""
     columns = proposed_columns(section)
     if "time" not in columns:
         frames = proposed_columns(section, has_rate=True)

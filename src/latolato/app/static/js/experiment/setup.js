@@ -180,7 +180,7 @@ export class Setup {
     this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside || sheet !== null;
     this.unseen.hidden = !isSetup || sheet !== null;
     for (const part of this.ofVideo) part.hidden = sheet !== null;
-    this.showSheet(sheet);
+    this.showSheet(sheet, isSetup);
     this.outside.checked = clip.isPivotOutside;
     this.shape.value = clip.shape;
     this.hasRegion.checked = clip.hasRegion;
@@ -199,16 +199,17 @@ export class Setup {
   }
 
   /**
-   * Show what the columns of a table leave open, nothing for a video.
+   * Show what the columns of a table leave open, nothing for a video and for a result.
    * @param {import("./sheet.js").Sheet | null} sheet
+   * @param {boolean} isSetup
    */
-  showSheet(sheet) {
-    const open = sheet && openOf(sheet);
-    this.rate.hidden = !open?.frames;
-    this.pivot.hidden = !open?.pivot;
-    this.angleFrom.field.hidden = !open?.angles;
-    this.yDown.field.hidden = !open?.heights;
-    this.decimal.field.hidden = !sheet || sheet.isOwn;
+  showSheet(sheet, isSetup) {
+    const open = sheet && isSetup && openOf(sheet);
+    this.rate.hidden = !open || !open.frames;
+    this.pivot.hidden = !open || !open.pivot;
+    this.angleFrom.field.hidden = !open || !open.angles;
+    this.yDown.field.hidden = !open || !open.heights;
+    this.decimal.field.hidden = !sheet || !isSetup || sheet.isOwn;
     this.sheetScale.hidden = !sheet;
     this.angleFrom.select.value = sheet?.angleFrom ?? "down";
     this.yDown.box.checked = sheet?.yAxis === "down";
