@@ -299,7 +299,7 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         page.clip(content)
         answer = page.upload(content)
         assert answer.status_code == 413
-        assert "too many videos" in answer.json()["error"]
+        assert "too many files" in answer.json()["error"]
         page.clip(b"small")
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)

@@ -13,7 +13,7 @@ from clip_pages import one_line, opened
 from latolato.app.experiment.work import WORK
 from latolato.cli.main import app
 from latolato.experiment.track_table import read_table, track_table, write_table
-from track_tables import noise
+from track_tables import motion_table, noise
 
 LENGTH, DAMPING, MASS = 0.5, 0.004, 0.1
 TIME = np.arange(0.0, 20.0, 0.02)
@@ -127,6 +127,22 @@ def test_frame_numbers_and_runs_are_offered_as_they_are(angle, tmp_path):
     code = done("import", job, description)["code"]
     assert read_table(tmp_path / "track.csv").angle_1.values == pytest.approx(-angle, abs=1e-6)
     assert "section='Run #2'" in code[0]
+
+
+def test_a_table_with_a_driven_pivot_is_a_trial(tmp_path):
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
+    swing = ll.Pendulum(length=0.363, mass=MASS, damping=DAMPING)
+    table = motion_table(swing, drive, initial_angle=0.2)
+    columns = (table.time, np.degrees(table.angle_1), 1e3 * table.pivot_y)
+    job = job_of(tmp_path, text_of("t (s),theta (deg),hand (mm)", *columns), "driven.csv")
+    description = {
+        "columns": {"time": "1", "angle_1": "2", "pivot_y": "3"}, "length": "36.3 cm",
+    }  # fmt: skip
+    result = done("import", job, description)
+    assert result["no_trial"] is None
+    assert result["trial"]["drive_amplitude"] == pytest.approx(0.02, rel=0.01)
+    assert result["finding"].startswith("Shaken with an amplitude of")
+    assert result["code"][1].splitlines()[-1] == "latolato fit drive driven.track.csv"
 
 
 def test_a_doubted_fit_is_told_before_anything_else(angle, tmp_path):
