@@ -141,7 +141,7 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     path.write_text(path.read_text("utf-8").replace(".", ","), "utf-8")
     dropped(page, path)
     page.get_by_text(
-        "It is not clear which columns are meant; it has Nr, Zeit, Ausschlag."
+        "is not clear which column is “angle of ball 1”; it has Nr, Zeit, Ausschlag."
     ).wait_for()
     assert page.get_by_label("what Zeit is").evaluate("e => e.value") == "time"
     assert page.get_by_label("what Nr is").evaluate("e => e.value") == ""

@@ -128,12 +128,21 @@ export class SheetCard {
     this.root.replaceChildren(el("h2", {}, t("sheet")),
       isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", about),
       ...notes.map((text) => sentence("hint", text)),
-      question === null || isOwn ? "" : sentence("hint", question),
+      question === null || isOwn ? "" : sentence("hint", this.inWords(question)),
       parts.length > 1 ? this.choice(sheet) : "",
       isOwn ? "" : el("p", { class: "hint" }, t("sheetHint")),
       el("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": t("sheet") },
         el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...body))),
       el("p", { class: "hint" }, t("sheetRows", { shown: first.length, count: rows })));
+  }
+
+  /**
+   * Return a question with the words of the page for the roles that it names.
+   * @param {string} text
+   */
+  inWords(text) {
+    return text.replace(/\b[a-z]+(?:_\w+)+\b/g, (name) =>
+      (name in this.roles ? `“${t(`role_${name}`)}”` : name));
   }
 
   /** @param {Sheet} sheet */
