@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from starlette.testclient import TestClient
 
 import latolato as ll
 from app_server import start_server, stop_server
+from clip_pages import HEADERS, Page, end_of, one_line, opened
 from latolato.app.blocks import unpack
 from latolato.app.experiment.description import Description
 from latolato.app.experiment.store import Allowance, display_name
@@ -32,8 +32,6 @@ from latolato.experiment.track_table import read_table
 from latolato.experiment.video import open_video
 from little_videos import encoded, slowed
 
-HOME = "http://127.0.0.1:8000"
-HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
 GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
 
 
@@ -46,69 +44,6 @@ def clip(tmp_path_factory):
     )
     camera = Camera(width=200, height=160, fps=20.0)
     return path, synthesise_video(run, path, Scene(ball_radius=0.025), camera)
-
-
-class Page:
-    """What an open page does."""
-
-    def __init__(self, client, socket):
-        self.client, self.socket = client, socket
-        socket.send_json({"hello": True})
-        self.desk = socket.receive_json()["desk"]
-
-    def upload(self, content, name="swing.mp4", desk=None):
-        return self.client.post(
-            f"/api/experiment?desk={desk or self.desk}", content=content, headers={"x-name": name}
-        )
-
-    def clip(self, content, name="swing.mp4"):
-        answer = self.upload(content, name)
-        assert answer.status_code == 200, answer.text
-        return answer.json()["clip"]
-
-    @contextlib.contextmanager
-    def begin(self, **what):
-        """A job whose frames are not read yet; in the end its socket closes."""
-        with self.client.websocket_connect("/ws/experiment", headers=HEADERS) as socket:
-            socket.send_json({"desk": self.desk, **what})
-            yield socket
-
-    def do(self, **what):
-        """The result of a job, with its arrays, or the refusal."""
-        with self.begin(**what) as socket:
-            return end_of(socket)
-
-    def remove(self, clip):
-        answer = self.client.post("/api/experiment/remove", json={"desk": self.desk, "clip": clip})
-        assert answer.status_code == 200, answer.text
-        return answer.json()["trials"]
-
-    def file(self, clip, name):
-        return self.client.get(f"/api/experiment/{clip}/{name}")
-
-
-def end_of(socket):
-    """The last frame of a job."""
-    while True:
-        message = socket.receive()
-        if "bytes" in message:
-            about, arrays = unpack(message["bytes"])
-            return {"done": about, **arrays}
-        frame = json.loads(message["text"])
-        if "state" not in frame:
-            return frame
-
-
-@contextlib.contextmanager
-def opened(allowance=None):
-    """A page of a server, and the server's clips."""
-    app = make_app(Settings(clips=allowance or Allowance()))
-    with TestClient(app, base_url=HOME) as client:
-        with client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
-            yield Page(client, socket), app.state.clips
-        deadline = time.monotonic() + 10.0
-        while app.state.clips.desks and time.monotonic() < deadline:
-            time.sleep(0.02)
 
 
 @pytest.fixture
@@ -143,15 +78,6 @@ def wait(is_so):
     while not is_so():
         assert time.monotonic() < deadline
         time.sleep(0.01)
-
-
-def one_line(message):
-    """The refusal in a message, which must be one line without a path of the server."""
-    assert "error" in message, message
-    text = message["error"]
-    assert 0 < len(text) < 400
-    assert not [part for part in ("\n", "/tmp", "latolato-clips", "Traceback") if part in text]
-    return text
 
 
 def test_a_page_knows_what_a_file_says_of_slow_motion_and_plays_it_as_it_is(clip, tmp_path):
@@ -373,7 +299,7 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         page.clip(content)
         answer = page.upload(content)
         assert answer.status_code == 413
-        assert "too many videos" in answer.json()["error"]
+        assert "too many files" in answer.json()["error"]
         page.clip(b"small")
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)

@@ -32,7 +32,7 @@ def state(page, name):
 
 def uploaded(page, path):
     page.goto("/?view=experiment")
-    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     state(page, "setup")
 
 
@@ -207,7 +207,7 @@ def test_a_file_that_is_no_video_is_told_in_one_line(page, tmp_path):
     path = tmp_path / "note.mp4"
     path.write_text("hello")
     page.goto("/?view=experiment")
-    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     alert = page.get_by_role("alert").filter(has_text="note.mp4: it cannot be read as a video")
     alert.wait_for(timeout=PATIENCE)
     page.get_by_role("button", name="Remove note.mp4").click()

@@ -61,7 +61,7 @@ def table_of(page, path):
 def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, tmp_path):
     path, truth, balls = clip
     page.goto("/?view=experiment")
-    page.get_by_label("Drop a video here, or choose one").set_input_files(path)
+    page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     state(page, "setup")
     ball = page.get_by_role("button", name=re.compile("^ball"))
     go(page, 20)

@@ -328,6 +328,14 @@ def test_a_column_is_named_by_name_track_or_position():
         section.column("theta (x axis) [rad]")
 
 
+def test_a_unit_that_nobody_knows_does_not_contradict_one_that_is_given():
+    section = source("t (s);Winkel (Grad);U (V)\n1;5;0.5\n2;6;0.6\n").section()
+    assert section.column("Winkel")[1] == "Grad"
+    assert section.column("Winkel [deg]")[1] == "deg"
+    with pytest.raises(InputError, match=r"is in \[V\] itself, not in \[deg\]"):
+        section.column("U [deg]")
+
+
 @pytest.mark.parametrize(
     "heading, name, unit, stated",
     [

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES
+from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.track_table import column_names, read_table, track_table
 from latolato.io.tables.source import Section, SourceColumn, SourceTable, read_source
@@ -130,8 +130,9 @@ def import_table(
     source = read_source(path, decimal=decimal)
     with reading(path):
         part = _chosen(source, section)
-        mapping = _usual(part, has_rate=frame_rate is not None) if columns is None else columns
-        asked = _asked(part, mapping)
+        if columns is None:
+            columns = usual_columns(part, has_rate=frame_rate is not None)
+        asked = _asked(part, columns)
         asked.notes += source.notes
         series = _series(asked, frame_rate, decimal)
         _turn_y_up(series, y_axis)
@@ -199,6 +200,24 @@ def is_track_file(path: Path) -> bool:
     return any(line.startswith("#") and line.split() == _MARK for line in head)
 
 
+def parts_of(source: SourceTable) -> dict[str, Section]:
+    r"""Return the tables that can be imported from a file, by the names that `section` takes.
+
+    They are its sections or, if its only section holds several runs beside each other, the runs.
+
+    Examples
+    --------
+    >>> from latolato.io.tables.source import parse_source
+    >>> list(parts_of(parse_source(b"t,theta\n0,1\n1,2\n")))
+    ['']
+    """
+    first = source.sections[0]
+    runs = _runs(first)
+    if len(source.sections) == 1 and len(runs) > 1:
+        return {run: _of_run(first, run) for run in runs}
+    return {section.name: section for section in source.sections}
+
+
 def _chosen(source: SourceTable, name: str | None) -> Section:
     """Return the section that is asked for, or the columns of one run beside others."""
     first = source.sections[0]
@@ -210,7 +229,12 @@ def _chosen(source: SourceTable, name: str | None) -> Section:
             f"it has no section '{name}'",
             way_out=suggest(str(name), runs) if runs else "leave it out: the file is one table",
         )
-    return replace(first, columns=tuple(c for c in first.columns if c.track in ("", name)))
+    return _of_run(first, name)
+
+
+def _of_run(section: Section, run: str) -> Section:
+    """Return the columns of one run and those that belong to all runs."""
+    return replace(section, columns=tuple(c for c in section.columns if c.track in ("", run)))
 
 
 def _runs(section: Section) -> list[str]:
@@ -228,13 +252,74 @@ def _may_be(column: SourceColumn, unit: str) -> bool:
     return column.kind == "numbers" and column.unit in ("", *units_like(unit))
 
 
-def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
-    """Return the columns that are called as usual: of one ball, or of two tracks.
+def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]:
+    r"""Return the columns that are called as usual, by position, as `import_table` takes them.
+
+    Parameters
+    ----------
+    section : Section
+    has_rate : bool
+        Whether the time is looked for among frame numbers.
+
+    Returns
+    -------
+    dict of str to str
+        Incomplete where the names leave something open: no time, or more than two balls. What is
+        open is the error of `usual_columns`.
+
+    Examples
+    --------
+    >>> from latolato.io.tables.source import parse_source
+    >>> proposed_columns(parse_source(b"Zeit;Masse;Winkel\n0;1;2\n1;1;3\n").section())
+    {'time': '1', 'angle_1': '3'}
+    """
+    usual = _FRAMES if has_rate else _USUAL["time"]
+    time = next((c for c in section.columns if _is_called(c, usual)), None)
+    mapping = {} if time is None else {"time": str(time.position)}
+    tracks = _usual_tracks(section)
+    balls = _balls_among(tracks)
+    for ball, track in enumerate(balls if len(balls) <= 2 else [], start=1):
+        found = tracks[track]
+        names = {"angle": f"angle_{ball}"} if "angle" in found else {
+            "x": f"ball_{ball}_x", "y": f"ball_{ball}_y"
+        }  # fmt: skip
+        mapping |= {name: found[what] for what, name in names.items()}
+    for track in tracks.keys() - set(balls):
+        if "x" in tracks[track]:
+            mapping |= {"pivot_x": tracks[track]["x"], "pivot_y": tracks[track]["y"]}
+    return mapping
+
+
+def _usual_tracks(section: Section) -> dict[str, dict[str, str]]:
+    """Return the positions of angle, x and y of each track that has an angle or both places."""
+    tracks: dict[str, dict[str, str]] = {}
+    for column in section.columns:
+        for what in ("angle", "x", "y"):
+            if column.kind != "texts" and _is_called(column, _USUAL[what]):
+                tracks.setdefault(column.track, {}).setdefault(what, str(column.position))
+    return {track: found for track, found in tracks.items() if "angle" in found or len(found) == 2}
+
+
+def _balls_among(tracks: Mapping[str, Any]) -> list[str]:
+    """Return the tracks that are no pivot, a right ball before a left one."""
+    balls = [track for track in tracks if track.lower() not in _PIVOTS]
+    return sorted(balls, key=lambda name: ("left" in name.lower()) - ("right" in name.lower()))
+
+
+def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]:
+    r"""Return the columns of `proposed_columns` if they are all that an import needs.
 
     Raises
     ------
     InputError
         If the time or everything else is missing, or there are several runs or too many tracks.
+
+    Examples
+    --------
+    >>> from latolato.io.tables.source import parse_source
+    >>> usual_columns(parse_source(b"frame,theta\n0,2\n1,3\n").section())
+    Traceback (most recent call last):
+    latolato.core.errors.InputError: it has frame numbers and no time; give frame_rate in 1/s
     """
     runs = _runs(section)
     if len(runs) > 1:
@@ -242,46 +327,28 @@ def _usual(section: Section, *, has_rate: bool) -> dict[str, str]:
             f"it holds {len(runs)} runs beside each other: {', '.join(runs)}",
             way_out=f"choose one, as in section = '{runs[0]}'",
         )
-    usual = _FRAMES if has_rate else _USUAL["time"]
-    time = next((c for c in section.columns if _is_called(c, usual)), None)
-    if time is None and any(_is_called(c, _FRAMES) for c in section.columns):
+    mapping = proposed_columns(section, has_rate=has_rate)
+    has_time = "time" in mapping
+    if not has_time and any(_is_called(c, _FRAMES) for c in section.columns):
         raise InputError("it has frame numbers and no time", way_out="give frame_rate in 1/s")
-    by_track: dict[str, dict[str, str]] = {}
-    for column in section.columns:
-        for what in ("angle", "x", "y"):
-            if column.kind != "texts" and _is_called(column, _USUAL[what]):
-                by_track.setdefault(column.track, {}).setdefault(what, str(column.position))
-    whole = {
-        track: found for track, found in by_track.items() if "angle" in found or len(found) == 2
-    }
-    mapping = {} if time is None else {"time": str(time.position)}
-    balls = [track for track in whole if track.lower() not in _PIVOTS]
-    balls.sort(key=lambda track: ("left" in track.lower()) - ("right" in track.lower()))
+    balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
         raise InputError(
             f"it has {len(balls)} tracks: {', '.join(balls)}",
             way_out=f"name the columns of one or two, as in ball_1_x = '{balls[0]}/x'",
         )
-    for ball, track in enumerate(balls, start=1):
-        found = whole[track]
-        names = {"angle": f"angle_{ball}"} if "angle" in found else {
-            "x": f"ball_{ball}_x", "y": f"ball_{ball}_y"
-        }  # fmt: skip
-        mapping |= {name: found[what] for what, name in names.items()}
-    for track in whole.keys() - set(balls):
-        if "x" in whole[track]:
-            mapping |= {"pivot_x": whole[track]["x"], "pivot_y": whole[track]["y"]}
-    if time is None or not balls:
+    if not has_time or not balls:
         listed = ", ".join(column.path for column in section.columns)
         if not any(column.name for column in section.columns):
             raise InputError(
                 f"it has no names above its {len(section.columns)} columns",
                 way_out="name them by position, as in time = '1 [s]'",
             )
-        wanted = {"time": "s"} if time is None else {"angle_1": "rad", _RATE: "rad/s"}
+        wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
         what, way_out = next(iter(wanted)), "name it, as in time = 't [s]'"
         for target, unit in wanted.items():
-            fitting = [c for c in section.columns if _may_be(c, unit) and c is not time]
+            others = [c for c in section.columns if str(c.position) != mapping.get("time")]
+            fitting = [c for c in others if _may_be(c, unit)]
             if fitting:
                 stated = fitting[0].unit or unit
                 way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
@@ -386,12 +453,27 @@ def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None
         series[name] = _factor(name, column, unit) * series[name]
 
 
+def units_of(target: str) -> list[str]:
+    """Return the units that a column of the track table may have in a file.
+
+    Examples
+    --------
+    >>> units_of("angle_1")
+    ['rad', 'mrad', 'deg', 'arcmin', 'gon', 'rev']
+    """
+    units = [u for u in units_like(canonical(_quantity(target).unit) or "") if u != "1"]
+    return [*units, "px"] if target in _PLACES else units
+
+
+def _quantity(target: str) -> Quantity:
+    """Return what a column of a file measures."""
+    return QUANTITIES["angular_velocity" if target == _RATE else target]
+
+
 def _factor(target: str, column: SourceColumn, unit: str) -> float:
     """Return the SI value of a column's unit."""
-    quantity = QUANTITIES["angular_velocity" if target == _RATE else target]
-    usual = [each for each in units_like(canonical(quantity.unit) or "") if each != "1"]
-    if target in _PLACES:
-        usual.append("px")
+    quantity = _quantity(target)
+    usual = units_of(target)
     if not unit:
         raise InputError(
             f"the unit of column {column.label} is missing",

@@ -1,4 +1,4 @@
-"""The description of a video on a page: places in pixels and quantities with units, checked."""
+"""The description of a video or a table on a page: places and quantities with units, checked."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from latolato.app.forms import registry, shown_option
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.core.registry import checked_count, suggest
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity
+from latolato.core.registry import checked_choice, checked_count, suggest
 from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -43,9 +43,29 @@ LENGTH_SIGMA = Parameter(
     quantity=Quantity("m", "", "uncertainty of the length", first_unit="mm"),
     allowed=POSITIVE,
 )
+# What only tables need: their time may be given by frames, and their pivot by two numbers.
+TABLE_PARAMETERS = {
+    name: Parameter(
+        name=name, kind=float, description=description, quantity=Quantity("1", "", label),
+        allowed=allowed,
+    )
+    for name, label, description, allowed in (
+        ("frame_rate", "frames per second", "frames of the camera per second", POSITIVE),
+        ("pivot_x", "x of the pivot", "in the coordinates and the unit of the file", ANY),
+        ("pivot_y", "y of the pivot", "in the coordinates and the unit of the file", ANY),
+    )
+}  # fmt: skip
 # Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
+# Of these, the ones that show the pictures of a video.
+PICTURES = ("overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
+# How names of tables end, and of files from which another program exports one: the reader of tables
+# says how.
+TABLE_ENDINGS = (
+    ".csv", ".txt", ".tsv", ".dat", ".asc", ".gz", ".zip", ".xlsx", ".xls", ".ods", ".json", ".trk",
+    ".nc", ".parquet", ".pdf",
+)  # fmt: skip
 _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]
 
 
@@ -61,7 +81,26 @@ def _corrections(value: Any) -> tuple[Correction, ...]:
     return tuple(checked_correction(one) for one in value)
 
 
-# What else a page says about a video, each with its check. Frames count from the first of the file.
+def _text(value: Any) -> str:
+    """Return a text."""
+    if not isinstance(value, str):
+        raise InputError("must be a text", parameter="section", value=value)
+    return value
+
+
+def _columns(value: Any) -> dict[str, str]:
+    """Return the columns of a file by the names of those of the track table."""
+    if not isinstance(value, Mapping) or not all(isinstance(each, str) for each in value.values()):
+        raise InputError("must be an object of texts", parameter="columns")
+    return dict(value)
+
+
+def _choice(name: str, *choices: str) -> Callable[[Any], str]:
+    """Return the check of a word that must be one of some."""
+    return lambda value: checked_choice(name, value, choices)
+
+
+# What else a page says, each with its check. Frames count from the first of the video.
 TOOLS: dict[str, Callable[[Any], Any]] = {
     "stick": checked_stick,
     "region": checked_region,
@@ -70,12 +109,20 @@ TOOLS: dict[str, Callable[[Any], Any]] = {
     "first_frame": _frame,
     "last_frame": _frame,
     "corrections": _corrections,
+    "columns": _columns,
+    "section": _text,
+    "decimal": _choice("decimal", ".", ","),
+    "angle_from": _choice("angle_from", "down", "right"),
+    "y_axis": _choice("y_axis", "up", "down"),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
 class Description:
-    """The description of a video on a page, in SI units and pixels; None is unknown."""
+    """The description of a video or a table on a page, in SI units and pixels; None is unknown.
+
+    The pivot of a table, `pivot_x` and `pivot_y`, is in the unit that the file has for places.
+    """
 
     pivot: Pivot | None = None
     balls: tuple[tuple[float, float], ...] = ()
@@ -100,6 +147,14 @@ class Description:
     first_frame: int | None = None
     last_frame: int | None = None
     corrections: tuple[Correction, ...] = ()
+    columns: Mapping[str, str] | None = None
+    section: str | None = None
+    decimal: str | None = None
+    angle_from: str = "down"
+    y_axis: str = "up"
+    frame_rate: float | None = None
+    pivot_x: float | None = None
+    pivot_y: float | None = None
 
     @classmethod
     def from_json(cls, value: Any) -> Description:
@@ -111,8 +166,9 @@ class Description:
             For unknown names, wrong types, units and values.
         """
         if not isinstance(value, Mapping):
-            raise InputError("the description of a video must be an object", value=value)
-        quantities = (*SHARED, "length_sigma", *(parameter.name for parameter in CAMERA), *SIZES)
+            raise InputError("a description must be an object", value=value)
+        quantities = (*SHARED, "length_sigma", *(parameter.name for parameter in CAMERA), *SIZES,
+                      *TABLE_PARAMETERS)  # fmt: skip
         known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities)
         for name in value:
             if name not in known:
@@ -123,7 +179,9 @@ class Description:
         numbers: dict[str, Any] = {
             name: number(name, value.get(name)) for name in quantities if value.get(name)
         }
-        for name in ("length", "length_sigma", "radius", "mass", "gravity", "slow_motion", *SIZES):
+        positive = ("length", "length_sigma", "radius", "mass", "gravity", "slow_motion", *SIZES,
+                    "frame_rate")  # fmt: skip
+        for name in positive:
             if name in numbers and not numbers[name] > 0.0:
                 raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
@@ -157,7 +215,8 @@ def number(name: str, value: Any) -> float:
     InputError
         If it is no finite number with a unit that fits.
     """
-    unit = ({**law_options(), **VIDEO_PARAMETERS, "length_sigma": LENGTH_SIGMA}[name]).unit
+    known = {**law_options(), **VIDEO_PARAMETERS, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+    unit = known[name].unit
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise InputError("must be a text or a number", parameter=name, value=value)
     converted = to_si(name, value, unit)
@@ -166,12 +225,24 @@ def number(name: str, value: Any) -> float:
     return converted
 
 
+def is_table(name: str) -> bool:
+    """Return whether an upload of this name is read as a table and not as a video.
+
+    Examples
+    --------
+    >>> is_table("swing.CSV"), is_table("swing.mp4")
+    (True, False)
+    """
+    return name.lower().endswith(TABLE_ENDINGS)
+
+
 def fields() -> dict[str, Any]:
     """Return how each quantity that a page asks for is shown, as in the registry of options."""
     options = registry()["options"]
     entries = {name: {**options[name], "suggested": None} for name in SHARED}
     entries |= {parameter.name: shown_option(parameter) for parameter in CAMERA}
     entries |= {name: shown_option(VIDEO_PARAMETERS[name]) for name in SIZES}
+    entries |= {name: shown_option(parameter) for name, parameter in TABLE_PARAMETERS.items()}
     entries["length_sigma"] = shown_option(LENGTH_SIGMA)
     entries["row_time"]["units"] = _ROW_UNITS
     return entries

@@ -1,4 +1,4 @@
-"""What a tracked video shows: numbers, a sentence, and what to do where something is missing."""
+"""What a video or a table shows: numbers, a sentence, and what to do where something is missing."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _RULER = 1e-3
 def finding_of(
     table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]], trial: Mapping[str, Any] | None
 ) -> str:
-    """Return what a video shows; the first sentence is the answer.
+    """Return what a video or a table shows; the first sentence is the answer or a doubt.
 
     Parameters
     ----------
@@ -44,8 +44,11 @@ def finding_of(
     drive, decay, restitution = (
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
     )
+    doubt = _doubt(table, cards)
     if drive:
         sentences = [_driven(table, drive, trial)]
+    elif doubt:
+        sentences = [doubt, _plain(table)]
     elif decay:
         sentences = [_free(decay), "The pivot is at rest. Larger swings are a little slower."]
     else:
@@ -59,6 +62,15 @@ def finding_of(
             "the set-up."
         )
     return " ".join(filter(None, sentences))
+
+
+def _doubt(table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return why the motion is not what fits take it for, "" if it is.
+
+    That of the decay counts for one ball only: two that collide do not swing freely.
+    """
+    names = ("drive", "decay") if balls_of(table) == 1 else ("drive",)
+    return next((cards[n]["doubt"] for n in names if cards.get(n, {}).get("doubt")), "")
 
 
 def answer_of(

@@ -27,16 +27,19 @@ if TYPE_CHECKING:
 
 # Instants and angles of each ball that a page draws.
 Motion = list[tuple[Any, Any]]
-# Gaps between samples that a model's curve is drawn across [s].
-_GAP = 0.15
+# Gaps between samples that a model's curve is drawn across [s], or so many usual steps.
+_GAP, _STEPS = 0.15, 2.0
 # Draws of a comparison: its spread is not shown.
 _DRAWS = 1
 
 
 def fits_of(
-    table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int]
+    table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int] | None
 ) -> dict[str, dict[str, Any]]:
-    """Return the fits that need no click: each with its numbers, or why there are none."""
+    """Return the fits that need no click: each with its numbers, or why there are none.
+
+    `size` is that of the picture [pixels], None where there is none.
+    """
     if str(table.attrs.get("geometry")) == "unknown":
         return {}
     cards: dict[str, dict[str, Any]] = {}
@@ -52,9 +55,15 @@ def fits_of(
 
 
 def fit_of(
-    name: str, table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int]
+    name: str,
+    table: xr.Dataset,
+    description: Description,
+    folder: Path,
+    size: tuple[int, int] | None,
 ) -> dict[str, Any]:
     """Return one fit as the page shows it; a model of the angle is written to ``model.bin``.
+
+    A fit whose model does not describe the record has its ``doubt`` instead of numbers.
 
     Raises
     ------
@@ -66,7 +75,7 @@ def fit_of(
         warnings.simplefilter("ignore", RuntimeWarning)
         fit = kind.fit(table, apparatus)
         if not fit.describes:
-            return {"kind": name, "error": fit.verdict}
+            return {"kind": name, "error": fit.verdict, "doubt": fit.doubt}
         system = kind.system(fit, apparatus, table)
         motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
     card = card_of(fit)
@@ -145,13 +154,23 @@ def play_options(
     return options_of(Scenario(**laws, run=run))
 
 
-def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, int]) -> bytes:
-    """Return the model's angle in every frame and where its balls are in the picture."""
+def model_block(
+    table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, int] | None
+) -> bytes:
+    """Return the model's angle at every instant and, in a picture, where its balls are."""
+    time = table["time"].values
+    angles = np.stack([across(time, *each) for each in motion])
+    arrays = {"angle": angles.astype(np.float32)}
+    if size is not None:
+        arrays["centre"] = _centres(table, angles, size)
+    return pack({"kind": kind, "balls": len(motion)}, arrays)
+
+
+def _centres(table: xr.Dataset, angles: Any, size: tuple[int, int]) -> Any:
+    """Return columns and rows of the model's balls in the picture [pixels]."""
     from latolato.experiment.calibration.tilt import tilt_of
     from latolato.experiment.overlay import places_of
 
-    time = table["time"].values
-    angles = np.stack([across(time, *each) for each in motion])
     length = float(table.attrs.get("length") or math.nan)
     ghost = table.copy()
     for b, angle in enumerate(angles, start=1):
@@ -165,14 +184,8 @@ def model_block(table: xr.Dataset, kind: str, motion: Motion, size: tuple[int, i
             for end, shown in zip("uv", tilt_of(table.attrs).seen(away).T, strict=True):
                 ghost[f"ball_{b}_{end}"] = table[f"pivot_{end}"] + shown
     _, centres = places_of(ghost, size)
-    centres = centres[:, : len(motion)]
-    return pack(
-        {"kind": kind, "balls": len(motion)},
-        {
-            "angle": angles.astype(np.float32),
-            "centre": centres.transpose(1, 2, 0).reshape(2 * len(motion), -1).astype(np.float32),
-        },
-    )
+    balls = len(angles)
+    return centres[:, :balls].transpose(1, 2, 0).reshape(2 * balls, -1).astype(np.float32)
 
 
 def across(instants: Any, times: Any, values: Any) -> Any:
@@ -182,7 +195,8 @@ def across(instants: Any, times: Any, values: Any) -> Any:
     between = np.interp(instants, times, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(times, instants), 0, len(times) - 1)
     before = np.clip(after - 1, 0, len(times) - 1)
-    between[(times[after] - times[before] > _GAP) & (times[after] != instants)] = np.nan
+    longest = max(_GAP, _STEPS * float(np.median(np.diff(times))))
+    between[(times[after] - times[before] > longest) & (times[after] != instants)] = np.nan
     return between
 
 

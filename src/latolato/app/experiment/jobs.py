@@ -17,6 +17,12 @@ if TYPE_CHECKING:
     from latolato.app.experiment.store import Clip, Desk, Store
     from latolato.app.jobs import Job
 
+# The work, and which blocks it leaves for the page.
+_BLOCKS = {
+    "look": ("times",), "example": ("times",), "track": ("points", "model"),
+    "import": ("points", "model"), "fit": ("model",), "export": (),
+}  # fmt: skip
+
 
 class Progress(Protocol):
     """What a job uses to report its progress."""
@@ -36,13 +42,19 @@ def prepare(request: Any, store: Store) -> Job:
     import anyio
 
     from latolato.app.blocks import pack_files
-    from latolato.app.experiment.description import EXAMPLES, EXPORTS, Description
+    from latolato.app.experiment.description import (
+        EXAMPLES,
+        EXPORTS,
+        PICTURES,
+        Description,
+        is_table,
+    )
     from latolato.app.jobs import Job
 
     if not isinstance(request, Mapping):
         raise InputError("a request must be an object")
     desk = store.desk(request.get("desk"))
-    do = checked_choice("do", request.get("do"), ("look", "track", "fit", "export", "example"))
+    do = checked_choice("do", request.get("do"), tuple(_BLOCKS))
     if len(desk.running) >= store.allowance.waiting:
         raise TooLargeError(f"{len(desk.running)} jobs are waiting already")
     work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
@@ -57,7 +69,11 @@ def prepare(request: Any, store: Store) -> Job:
             raise InputError(f"{clip.name} could not be read")
     if do == "export":
         work["file"] = checked_choice("file", request.get("file"), EXPORTS)
-    if do in ("track", "fit"):
+        if is_table(clip.name) and work["file"] in PICTURES:
+            raise InputError(f"{clip.name} is a table and has no pictures")
+    if do in ("track", "import") and is_table(clip.name) != (do == "import"):
+        raise InputError("a table is imported and a video tracked", value=f"{do} {clip.name}")
+    if do in ("track", "import", "fit"):
         work |= {"description": request.get("description"), **clip.about}
         Description.from_json(work["description"])
     if do == "fit":
@@ -69,14 +85,14 @@ def prepare(request: Any, store: Store) -> Job:
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         result = about["result"]
         if do in ("look", "example"):
-            clip.about = {"width": result["width"], "height": result["height"]}
+            sizes = {name: result[name] for name in ("width", "height") if name in result}
+            clip.about = sizes or {"is_table": True}
             clip.is_whole = True
             result["clip"] = clip.key
-        if do == "track":
+        if do in ("track", "import"):
             clip.trial = result["trial"]
             result["trials"] = trial_rows(list(desk.clips.values()))
-        files = {"track": ("points", "model"), "fit": ("model",), "export": ()}.get(do, ("times",))
-        return pack_files(result, {name: folder / f"{name}.bin" for name in files})
+        return pack_files(result, {name: folder / f"{name}.bin" for name in _BLOCKS[do]})
 
     return Job("clip", work, finish, place=lambda: _place(desk, clip))
 
@@ -91,7 +107,7 @@ def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
             yield folder
     except LateError as error:
         raise JobError(
-            f"work on {clip.name} took more than {error.seconds:g} s: cut the video"
+            f"work on {clip.name} took more than {error.seconds:g} s: cut the file"
         ) from None
     except EndedError as error:
         raise JobError(_reason(error.code, clip)) from None
@@ -119,11 +135,11 @@ def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
 def _reason(code: int, clip: Clip) -> str:
     """Return why a process ended without an answer."""
     if code == -getattr(signal, "SIGXCPU", 24):
-        return f"work on {clip.name} took too much processor time: cut the video or scale it down"
+        return f"work on {clip.name} took too much processor time: cut the file or scale it down"
     if code == -getattr(signal, "SIGKILL", 9):
-        return f"work on {clip.name} took too much memory or time: cut the video or scale it down"
+        return f"work on {clip.name} took too much memory or time: cut the file or scale it down"
     if code == -getattr(signal, "SIGXFSZ", 25):
-        return f"the result for {clip.name} is too large: cut the video or scale it down"
+        return f"the result for {clip.name} is too large: cut the file or scale it down"
     if code < 0:
         return f"reading {clip.name} crashed the decoder: is the file complete? Convert it to MP4"
     return f"work on {clip.name} ended without an answer: is the file complete?"
@@ -146,7 +162,7 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
 
         return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
-        raise InputError("this video needs more memory than is allowed: scale it down") from None
+        raise InputError("this file needs more memory than is allowed: make it smaller") from None
     except (InputError, OSError) as error:
         raise InputError(one_line(error, job)) from None
 

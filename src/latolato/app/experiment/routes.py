@@ -1,4 +1,4 @@
-"""Videos of an experiment: upload, work with progress, and results, all removed with their page.
+"""Videos and tables of an experiment: upload, work with progress, results; gone with their page.
 
 A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
 receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
@@ -40,7 +40,7 @@ def routes() -> list[BaseRoute]:
 
 
 async def _upload(request: Request) -> Response:
-    """Receive one video; one that is refused or interrupted leaves nothing behind."""
+    """Receive one file; one that is refused or interrupted leaves nothing behind."""
     store: Store = request.app.state.clips
     try:
         desk = store.desk(request.query_params.get("desk"))
@@ -170,7 +170,8 @@ async def _desk(websocket: WebSocket) -> None:
 
 def _hello(store: Store, desk: Desk) -> Any:
     """Return what a page must know to ask for work."""
-    from latolato.app.experiment.description import EXAMPLES, fields, fit_kinds
+    from latolato.app.experiment.description import EXAMPLES, TABLE_ENDINGS, fields, fit_kinds
+    from latolato.app.experiment.tables import roles
     from latolato.experiment.tracking.learn_template import ROUND, SHARE
     from latolato.simulation.summary import plain
 
@@ -184,5 +185,6 @@ def _hello(store: Store, desk: Desk) -> Any:
             "examples": EXAMPLES,
             "limits": limits,
             "template": {"round": ROUND, "share": SHARE},
+            "tables": {"endings": TABLE_ENDINGS, "roles": roles()},
         }
     )

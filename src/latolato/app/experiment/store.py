@@ -1,4 +1,4 @@
-"""Uploaded videos on the server: few, of limited size, removed with their page."""
+"""Uploaded videos and tables on the server: few, of limited size, removed with their page."""
 
 from __future__ import annotations
 
@@ -222,7 +222,7 @@ class Desk:
             If there is none of that key.
         """
         if not isinstance(key, str) or key not in self.clips:
-            raise InputError("this video is no longer on the server: upload it again")
+            raise InputError("this file is no longer on the server: upload it again")
         return self.clips[key]
 
 
@@ -291,9 +291,9 @@ class Store:
         """
         most = self.allowance
         if len(desk.clips) >= most.desk_clips:
-            raise TooLargeError(f"{most.desk_clips} videos are open: remove one of them first")
+            raise TooLargeError(f"{most.desk_clips} files are open: remove one of them first")
         if sum(len(d.clips) for d in self.desks.values()) >= most.clips:
-            raise TooLargeError(f"the server holds {most.clips} videos: try again later")
+            raise TooLargeError(f"the server holds {most.clips} files: try again later")
         key = secrets.token_urlsafe(12)
         clip = Clip(key, self.folder / key, display_name(name))
         self.check_size(clip, size)
@@ -317,7 +317,7 @@ class Store:
             )
         others = sum(f.size for d in self.desks.values() for f in d.clips.values() if f is not clip)
         if others + size > most.stored:
-            raise TooLargeError("the server holds too many videos: remove some, or try again later")
+            raise TooLargeError("the server holds too many files: remove some, or try again later")
 
 
 def display_name(text: str) -> str:

@@ -1,4 +1,4 @@
-"""The work on an uploaded video, in a separate process (see `jobs`)."""
+"""The work on an uploaded video or table, in a separate process (see `jobs`)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack, unpack
-from latolato.app.experiment.description import EXPORTS, Description
+from latolato.app.experiment.code import command_lines, python_lines
+from latolato.app.experiment.description import EXPORTS, Description, is_table
 from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, trial_row
 from latolato.app.experiment.store import COPY
+from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.importing import is_track_file
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.track import prepare, run
@@ -36,6 +39,10 @@ Tell = Callable[[str, float], None]
 _LONGER, _CRF, _KEY_EVERY = 1280, 20, 12
 # The table that later jobs read, and the times of all frames as the file has them.
 TABLE, TIMES = "track.csv", "times.bin"
+# What a page knows about a track table.
+_SHOWN = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
+          "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
+          "length")  # fmt: skip
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Frames of an example, small enough to be painted in seconds.
@@ -44,11 +51,14 @@ _SEED = 1
 
 
 def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
-    """Return size and length of a video and where pivot and balls seem to be.
+    """Return size and length of a video and where pivot and balls seem to be, or what a table is.
 
-    A copy that browsers play, with the same frames at the same times, is written beside it, and
-    ``times.bin`` with these times from the first frame on.
+    A copy of a video that browsers play, with the same frames at the same times, is written beside
+    it, and ``times.bin`` with these times from the first frame on.
     """
+    if is_table(job["name"]):
+        tell("reading", 0.0)
+        return look_at_table(job)
     # The copy plays as the file does.
     video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
@@ -139,26 +149,79 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     table = run(task, lambda share: tell("tracking", share))
     table.attrs["source"] = job["name"]
     folder = Path(job["folder"])
-    for old in EXPORTS:
-        (folder / old).unlink(missing_ok=True)
-    write_table(table, folder / TABLE)
     setup = write_sidecar(task.setup, job["path"], folder / "setup.toml")
     named = f"video = {json.dumps(job['name'], ensure_ascii=False)}"
     text = re.sub(r"^video = .*$", lambda _: named, setup.read_text("utf-8"), count=1, flags=re.M)
     setup.write_text(text, encoding="utf-8")
     (folder / "points.bin").write_bytes(points_block(table, task.video, times))
+    size = (task.video.width, task.video.height)
+    result = _results(table, description, folder, size, tell)
+    return plain({**result, "warnings": task.warnings})  # type: ignore[no-any-return]
+
+
+def import_(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+    """Import a table, write its track table, and return what that and the usual fits say."""
+    description = Description.from_json(job["description"])
+    tell("reading", 0.0)
+    path, folder = Path(job["path"]), Path(job["folder"])
+    choices = None if is_track_file(path) else import_of(path, description)
+    table = track_table_of(job, choices)
+    (folder / "points.bin").write_bytes(pack(*_motion(table)))
+    result = _results(table, description, folder, None, tell)
+    kinds = [name for name, card in result["fits"].items() if "values" in card]
+    about = (job["name"], choices, kinds, description.apparatus(table))
+    code = [python_lines(*about), command_lines(*about)]
+    assumed = table.attrs.get("assumed")
+    warned = [assumed] if assumed else []
+    return plain({**result, "code": code, "warnings": warned})  # type: ignore[no-any-return]
+
+
+def _results(
+    table: xr.Dataset,
+    description: Description,
+    folder: Path,
+    size: tuple[int, int] | None,
+    tell: Tell,
+) -> dict[str, Any]:
+    """Write a track table in place of an older one; return what it and the usual fits say."""
+    for old in EXPORTS:
+        (folder / old).unlink(missing_ok=True)
+    write_table(table, folder / TABLE)
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
-    cards = fits_of(table, description, folder, (task.video.width, task.video.height))
-    result = {
-        "warnings": task.warnings,
+    cards = fits_of(table, description, folder, size)
+    return {
         "finding": finding_of(table, cards, trial),
         "answer": answer_of(table, cards, trial, description.apparatus(table)),
         "fits": cards,
         "trial": trial,
         "no_trial": why,
     }
-    return plain(result)  # type: ignore[no-any-return]
+
+
+def _motion(table: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what a page draws of any track table, with its header: angles and their flags."""
+    balls = range(1, balls_of(table) + 1)
+
+    def rows(name: str) -> Any:
+        return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
+
+    flags = [[FLAGS.index(str(f)) for f in table[f"flag_{b}"].values] for b in balls]
+    about = {
+        "flags": FLAGS,
+        "balls": len(balls),
+        "first_frame": int(table["frame"][0]),
+        "attributes": {name: table.attrs[name] for name in _SHOWN if name in table.attrs},
+        "shares": flag_shares(table),
+        "typical_sigma": typical_sigma(table),
+    }
+    return about, {
+        "time": table["time"].values.astype(np.float64),
+        "angle": rows("angle"),
+        "angle_sigma": rows("angle_sigma"),
+        "flag": np.array(flags, np.uint8),
+        "pivot_height": table["pivot_y"].values[None].astype(np.float32),
+    }
 
 
 def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
@@ -173,42 +236,18 @@ def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
 
     balls = range(1, balls_of(table) + 1)
     pivots, centres = places_of(table, (video.width, video.height))
-    time = table["time"].values
-    flags = np.array(
-        [[FLAGS.index(str(f)) for f in table[f"flag_{b}"].values] for b in balls], np.uint8
-    )
-
     motion = {}
     if isinstance(video.steadier, Steadier):
-        moved = video.steadier.motions(len(time)).reshape(-1, 6)
+        moved = video.steadier.motions(table.sizes["frame"]).reshape(-1, 6)
         motion["motion"] = np.ascontiguousarray(moved.T, np.float32)
-
-    def rows(name: str) -> Any:
-        return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
-
-    names = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
-             "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
-             "length")  # fmt: skip
+    about, arrays = _motion(table)
     return pack(
+        {**about, "width": video.width, "height": video.height},
         {
-            "flags": FLAGS,
-            "width": video.width,
-            "height": video.height,
-            "balls": len(balls),
-            "first_frame": int(table["frame"][0]),
-            "attributes": {name: table.attrs[name] for name in names if name in table.attrs},
-            "shares": flag_shares(table),
-            "typical_sigma": typical_sigma(table),
-        },
-        {
-            "time": time.astype(np.float64),
+            **arrays,
             "media_time": times[table["frame"].values].astype(np.float64),
-            "angle": rows("angle"),
-            "angle_sigma": rows("angle_sigma"),
-            "flag": flags,
             "pivot": pivots.T.astype(np.float32),
             "centre": centres.transpose(1, 2, 0).reshape(2 * len(balls), -1).astype(np.float32),
-            "pivot_height": table["pivot_y"].values[None].astype(np.float32),
             **motion,
             "distance": np.stack([circle_distances(table, b) for b in balls]).astype(np.float32),
         },
@@ -220,7 +259,7 @@ def fit(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     tell("fitting", 0.0)
     folder = Path(job["folder"])
     table = read_table(folder / TABLE)
-    size = (int(job["width"]), int(job["height"]))
+    size = None if is_table(job["name"]) else (int(job["width"]), int(job["height"]))
     description = Description.from_json(job["description"])
     return plain(fit_of(job["kind"], table, description, folder, size))  # type: ignore[no-any-return]
 
@@ -297,6 +336,7 @@ def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
 WORK: dict[str, Callable[[dict[str, Any], Tell], dict[str, Any]]] = {
     "look": look,
     "track": track,
+    "import": import_,
     "fit": fit,
     "export": export,
     "example": example,

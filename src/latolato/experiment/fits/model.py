@@ -173,7 +173,7 @@ fits.register("model")(
         title="Model",
         is_slow=True,
         hint="The length, damping and restitution that best describe the whole motion about "
-        "the measured pivot. The computed motion is then drawn over the video and the curve.",
+        "the measured pivot. The computed motion is then drawn over the curve and a video.",
         is_predicted=True,
     )
 )

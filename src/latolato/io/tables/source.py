@@ -27,7 +27,7 @@ from latolato.io.tables.numbers import (
     plain_text,
     signs_of,
 )
-from latolato.io.tables.units import canonical, is_known
+from latolato.io.tables.units import canonical, is_known, is_unit
 
 # The sheet or member that a program's export keeps the measurement in.
 _MAIN = ("raw data",)
@@ -124,7 +124,9 @@ class Section:
         column = self._found(name, base, unit)
         if not unit:
             return column, column.unit
-        if column.unit and not column.unit_from and unit != column.unit:
+        # A word that is no known unit, such as "Grad", says nothing against a known one.
+        is_stated = is_unit(column.unit) and not column.unit_from
+        if is_stated and unit != column.unit:
             raise InputError(f"column {column.label} is in [{column.unit}] itself, not in [{unit}]",
                              way_out=f"write [{column.unit}], or change the file")  # fmt: skip
         return column, unit

@@ -1,5 +1,6 @@
-/** The cards beside a clip: where videos come from, which there are, and what can be taken home. */
+/** The cards beside a clip: where videos and tables come from, which there are, and what can be taken home. */
 
+import { codeBlocks } from "../shared/code.js";
 import { el, freshId } from "../shared/dom.js";
 import { short, withSigma } from "../shared/units.js";
 import { t } from "../strings.js";
@@ -11,20 +12,23 @@ import { clipAddress } from "./desk.js";
 const EXPORTS = { csv: "track.csv", nc: "track.nc", toml: "setup.toml", overlay: "overlay.mp4",
   report: "report.html" };
 const MADE = ["nc", "overlay", "report"];
+/** What there is of a table, which has no picture. */
+const OF_TABLE = ["csv", "nc"];
 /** With how many digits numbers are shown from which another one follows. @type {Record<string, number>} */
 const DIGITS = { more: 3, sigma: 2 };
 /** Pictures of the guide; each has a text. */
 const GUIDE = ["hang", "place", "frame"];
 
 /**
- * Return the card into which videos are dropped, with examples for those who have none.
+ * Return the card into which videos and tables are dropped, with examples for those who have none.
  * @param {import("./desk.js").Hello} hello
  * @param {(file: File) => void} add
  * @param {(kind: string) => void} example
  */
 export function dropCard(hello, add, example) {
   const id = freshId();
-  const input = el("input", { id, type: "file", accept: "video/*", multiple: true, on: {
+  const input = el("input", { id, type: "file", accept: ["video/*", ...hello.tables.endings].join(),
+    multiple: true, on: {
     change: () => {
       for (const file of input.files ?? []) add(file);
       input.value = "";
@@ -34,6 +38,7 @@ export function dropCard(hello, add, example) {
     el("div", { class: "dropzone" }, el("label", { for: id }, t("clipDrop")), input,
       el("p", { class: "hint" }, t("clipDropHint", { size: upload / 1e6, minutes: duration / 60,
         pixels: t("megapixels", { count: (pixels / 1e6).toFixed(1) }) })),
+      el("p", { class: "hint" }, t("clipDropTables")),
       el("p", { class: "hint" }, t("clipPrivate"))),
     el("p", { class: "hint" }, t("exampleHint")),
     el("div", { class: "actions" }, ...hello.examples.map((kind) => el("button", {
@@ -83,6 +88,15 @@ export function answerNumbers(answer) {
 }
 
 /**
+ * Return the lines that do the same as the page.
+ * @param {string[]} code in Python and for a shell
+ */
+export function codeCard(code) {
+  return el("details", { class: "card" }, el("summary", {}, t("code")),
+    el("p", { class: "hint" }, t("codeFits")), ...codeBlocks(code));
+}
+
+/**
  * Return the downloads of a tracked clip.
  * @param {Session} session
  * @param {Clip} clip
@@ -96,8 +110,9 @@ export function exportsCard(session, clip) {
   const make = async (/** @type {string} */ file) => {
     if (await session.make(clip, file)) link(file, "").click();
   };
+  const files = Object.entries(EXPORTS).filter(([name]) => !clip.sheet || OF_TABLE.includes(name));
   return el("section", { class: "card" }, el("h2", {}, t("download")),
-    el("ul", { class: "plain-list" }, ...Object.entries(EXPORTS).map(([name, file]) => el("li", {},
+    el("ul", { class: "plain-list" }, ...files.map(([name, file]) => el("li", {},
       !MADE.includes(name) || clip.files.has(file) ? link(file, t(`export_${name}`))
         : el("button", { type: "button", class: "link", disabled: clip.stage !== null,
           on: { click: () => void make(file) } }, t(`export_${name}`))))));

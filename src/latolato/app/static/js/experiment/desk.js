@@ -1,4 +1,4 @@
-/** The page's place on the server for its videos: uploads, jobs, and files. */
+/** The page's place on the server for its videos and tables: uploads, jobs, and files. */
 
 import { Refusal, socketAddress } from "../shared/api.js";
 import { doJob } from "../shared/jobs.js";
@@ -12,7 +12,8 @@ const AGAIN = 2000; // ms
  *   fewest_balls: number}} FitKind
  * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],
  *   limits: {upload: number, duration: number, pixels: number},
- *   template: {round: number, share: number}}} Hello
+ *   template: {round: number, share: number},
+ *   tables: {endings: string[], roles: Record<string, string[]>}}} Hello
  */
 
 export class Desk {

@@ -1,10 +1,11 @@
-/** The videos of this page and what was done with them; nothing here draws. */
+/** The videos and tables of this page and what was done with them; nothing here draws. */
 
 import { askJson } from "../shared/api.js";
 import { inner } from "../shared/block.js";
 import { TimeLeft } from "../shared/left.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
+import { sheetOf } from "./sheet.js";
 import { toolPlaces } from "./tools.js";
 import { Track } from "./track.js";
 
@@ -13,7 +14,7 @@ import { Track } from "./track.js";
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number,
  *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean}}
- *     | null,
+ *     | null, sheet: import("./sheet.js").Sheet | null, code: string[],
  *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
  *   hasRegion: boolean, hasStick: boolean, shape: string,
  *   corrections: {frame: number, ball: number, u: number, v: number}[],
@@ -63,7 +64,8 @@ export class Session {
   begin(name, file) {
     this.count += 1;
     /** @type {Clip} */
-    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, times: [0],
+    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, sheet: null,
+      code: [], times: [0],
       clickFrame: 0, first: null, last: null, hasRegion: false, hasStick: false, shape: "disc",
       corrections: [], places: {},
       proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
@@ -112,7 +114,7 @@ export class Session {
   }
 
   /**
-   * Upload a video and look at it.
+   * Upload a file and look at it.
    * @param {File} file
    */
   async add(file) {
@@ -156,8 +158,13 @@ export class Session {
    * @param {import("../shared/block.js").Block} block
    */
   async seen(clip, block) {
-    const isNew = clip.about === null;
+    const isNew = !isSeen(clip);
     const about = /** @type {any} */ (block.about);
+    if (about.table) {
+      if (isNew) clip.sheet = sheetOf(about.table);
+      this.changed();
+      return;
+    }
     clip.about = about;
     clip.times = inner(block, "times").arrays.time;
     if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
@@ -186,18 +193,18 @@ export class Session {
   }
 
   /**
-   * Track a clip.
+   * Track a video, or import a table.
    * @param {Clip} clip
    * @param {Record<string, any>} description
    */
   async track(clip, description) {
     if (!(await this.ensure(clip))) return;
     const block = await this.work(clip, (follow) =>
-      this.desk.job({ do: "track", clip: clip.key, description }, follow));
+      this.desk.job({ do: clip.sheet ? "import" : "track", clip: clip.key, description }, follow));
     if (!block) return;
-    const { finding, answer, fits, warnings, no_trial: noTrial, trials } = block.about;
+    const { finding, answer, fits, warnings, no_trial: noTrial, trials, code = [] } = block.about;
     const track = new Track(inner(block, "points"));
-    Object.assign(clip, { track, finding, answer, fits, warnings, noTrial });
+    Object.assign(clip, { track, finding, answer, fits, warnings, noTrial, code });
     clip.mode = "result";
     clip.files = new Set();
     clip.tracked += 1;
@@ -267,6 +274,14 @@ export class Session {
     if (rest) this.trials = rest.trials;
     this.changed();
   }
+}
+
+/**
+ * Return whether the server has read a file.
+ * @param {Clip} clip
+ */
+export function isSeen({ about, sheet }) {
+  return about !== null || sheet !== null;
 }
 
 /**

@@ -1,4 +1,4 @@
-/** The description of a video before it is tracked: scale, masses, camera, and how many balls. */
+/** The description of a video or a table: scale, masses, camera, directions, how many balls. */
 
 import { el, freshId } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
@@ -7,12 +7,20 @@ import { cut, leaveOut } from "../shared/reading.js";
 import { short, toSi } from "../shared/units.js";
 import { inWords, withLabels } from "../shared/words.js";
 import { t } from "../strings.js";
+import { isSeen } from "./session.js";
+import { openOf } from "./sheet.js";
 
 const FIRST = ["length", "length_sigma", "radius", "mass"];
-const REST = ["damping", "restitution", "gravity", "slow_motion", "row_time", "lens_k1", "lens_k2"];
+const REST = ["damping", "restitution", "gravity"];
+const CAMERA = ["slow_motion", "row_time", "lens_k1", "lens_k2"];
 // What a template and a stick need.
 const SIZES = ["patch", "stick_length"];
-const NAMES = [...FIRST, ...SIZES, ...REST];
+// What a table needs that has frames and no time, or places without a pivot.
+const PIVOT = ["pivot_x", "pivot_y"];
+const OF_TABLE = ["frame_rate", ...PIVOT];
+/** What decimal signs are called; without one, the reader of tables finds it. */
+const SIGNS = { "": "found", ".": "point", ",": "comma" };
+const NAMES = [...FIRST, ...SIZES, ...REST, ...CAMERA, ...OF_TABLE];
 // Work that goes from frame to frame.
 const OF_FRAMES = ["tracking", "drawing"];
 
@@ -23,7 +31,8 @@ export class Setup {
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
    *   outside: (isOutside: boolean) => void,
-   *   tool: (change: Partial<import("./session.js").Clip>) => void}} on
+   *   tool: (change: Partial<import("./session.js").Clip>) => void,
+   *   sheet: (change: Partial<import("./sheet.js").Sheet>) => void}} on
    */
   constructor(page, fields, on) {
     const { store } = page;
@@ -93,11 +102,36 @@ export class Setup {
       el("div", { class: "field choice" }, el("label", { for: shapeId }, t("shape")), shape),
       this.patch, el("label", { class: "check" }, this.hasStick, t("hasStick")), this.stickLength,
       el("label", { class: "check" }, this.hasRegion, t("hasRegion"))];
+    const choice = (/** @type {"angleFrom" | "decimal"} */ name,
+      /** @type {Record<string, string>} */ words) => {
+      const own = freshId();
+      const select = el("select", { id: own,
+        on: { change: () => on.sheet({ [name]: select.value }) } },
+      ...Object.entries(words).map(([value, word]) =>
+        el("option", { value }, t(`${name}_${word}`))));
+      return { select, field: el("div", { class: "field choice" },
+        el("label", { for: own }, t(name)), select) };
+    };
+    this.angleFrom = choice("angleFrom", { down: "down", right: "right" });
+    this.decimal = choice("decimal", SIGNS);
+    const yDown = el("input", { type: "checkbox",
+      on: { change: () => on.sheet({ yAxis: yDown.checked ? "down" : "up" }) } });
+    this.yDown = { box: yDown, field: el("label", { class: "check" }, yDown, t("yDown")) };
+    this.rate = fieldOf("frame_rate");
+    this.pivot = el("div", { class: "fields" }, el("p", { class: "hint" }, t("pivotHint")),
+      ...PIVOT.map(fieldOf));
+    const balls = el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")),
+      this.count);
+    const camera = el("div", { class: "fields" }, ...tools, ...CAMERA.map(fieldOf));
+    const scale = el("p", { class: "hint" }, t("scaleHint"));
+    this.sheetScale = el("p", { class: "hint" }, t("sheetScaleHint"));
     const quantities = el("div", { class: "fields", on: { change: () => this.tellWrong() } },
-      el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")), this.count),
-      ...FIRST.map(fieldOf), el("p", { class: "hint" }, t("scaleHint")), this.form.general,
+      balls, this.rate, this.pivot, this.angleFrom.field, this.yDown.field,
+      ...FIRST.map(fieldOf), scale, this.sheetScale, this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
-        el("div", { class: "fields" }, ...tools, ...REST.map(fieldOf))));
+        el("div", { class: "fields" }, camera, ...REST.map(fieldOf), this.decimal.field)));
+    /** What only videos have. */
+    this.ofVideo = [balls, camera, scale];
     const button = (/** @type {string} */ name, /** @type {() => void} */ click,
       /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
       on: { click } }, t(name));
@@ -126,23 +160,27 @@ export class Setup {
    */
   update(clip) {
     const isSetup = clip.mode === "setup";
+    const { sheet } = clip;
     this.busy.hidden = clip.stage === null;
     if (clip.share) this.bar.value = clip.share;
     else this.bar.removeAttribute("value");
     const text = stageText(clip);
     if (this.stage.textContent !== text) this.stage.textContent = text;
-    this.body.hidden = clip.about === null;
-    this.isReady = clip.about !== null && clip.stage === null;
-    this.track.textContent = t(clip.track ? "trackAgain" : "track");
-    this.track.hidden = this.hint.hidden = !isSetup;
+    this.body.hidden = !isSeen(clip);
+    this.isReady = isSeen(clip) && clip.stage === null;
+    this.track.textContent = t(sheet ? "sheetUse" : clip.track ? "trackAgain" : "track");
+    this.track.hidden = !isSetup;
+    this.hint.hidden = !isSetup || sheet !== null;
     this.hint.textContent = `${t("setupHint")} ${t(`circle_${clip.shape}`)}`;
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !clip.track;
     this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
     this.notice.textContent = t(clip.hasPivot ? "setupFound"
       : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
-    this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside;
-    this.unseen.hidden = !isSetup;
+    this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside || sheet !== null;
+    this.unseen.hidden = !isSetup || sheet !== null;
+    for (const part of this.ofVideo) part.hidden = sheet !== null;
+    this.showSheet(sheet, isSetup);
     this.outside.checked = clip.isPivotOutside;
     this.shape.value = clip.shape;
     this.hasRegion.checked = clip.hasRegion;
@@ -151,13 +189,42 @@ export class Setup {
     this.stickLength.hidden = !clip.hasStick;
     this.clock.textContent = clockText(clip.about?.clock);
     this.clock.hidden = !this.clock.textContent;
-    const isOwn = clip.field !== null && clip.field in this.fields && clip.about !== null;
+    const isOwn = clip.field !== null && clip.field in this.fields && isSeen(clip);
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
     this.failed.hidden = !clip.error || isOwn;
     // It begins with the name of a file.
     this.failed.textContent = isOwn ? "" : withLabels(clip.error ?? "", this.fields);
     if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";
+  }
+
+  /**
+   * Show what the columns of a table leave open, nothing for a video and for a result.
+   * @param {import("./sheet.js").Sheet | null} sheet
+   * @param {boolean} isSetup
+   */
+  showSheet(sheet, isSetup) {
+    const open = sheet && isSetup && openOf(sheet);
+    this.rate.hidden = !open || !open.frames;
+    this.pivot.hidden = !open || !open.pivot;
+    this.angleFrom.field.hidden = !open || !open.angles;
+    this.yDown.field.hidden = !open || !open.heights;
+    this.decimal.field.hidden = !sheet || !isSetup || sheet.isOwn;
+    this.sheetScale.hidden = !sheet;
+    this.angleFrom.select.value = sheet?.angleFrom ?? "down";
+    this.yDown.box.checked = sheet?.yAxis === "down";
+    this.decimal.select.value = sheet?.decimal ?? "";
+  }
+
+  /**
+   * Return the quantities that belong to a clip, as texts with units.
+   * @param {import("./session.js").Clip} clip
+   */
+  quantities({ sheet }) {
+    const open = sheet && openOf(sheet);
+    const asked = [...FIRST, ...REST, ...(sheet ? [] : [...CAMERA, ...SIZES]),
+      ...(open?.frames ? ["frame_rate"] : []), ...(open?.pivot ? PIVOT : [])];
+    return Object.fromEntries(Object.entries(this.values).filter(([name]) => asked.includes(name)));
   }
 
   /**

@@ -1,5 +1,6 @@
-/** Experiment: a video is uploaded, tracked, fitted, and compared with what is computed. */
+/** Experiment: a video is tracked or a table imported, fitted, and compared with what is computed. */
 
+import { Clock } from "../shared/clock.js";
 import { Curves } from "../shared/curves.js";
 import { el, refresh } from "../shared/dom.js";
 import { findingPlace, showFinding } from "../shared/finding.js";
@@ -7,12 +8,13 @@ import { textOf } from "../shared/laws.js";
 import { openState } from "../shared/links.js";
 import { short } from "../shared/units.js";
 import { t } from "../strings.js";
-import { answerNumbers, clipList, dropCard, exportsCard, guideCard } from "./cards.js";
+import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
-import { Session } from "./session.js";
+import { isSeen, Session } from "./session.js";
 import { Setup } from "./setup.js";
+import { choicesOf, chosen, SheetCard } from "./sheet.js";
 import { handlesOf, Tools, toolsOf } from "./tools.js";
 import { panelsOf } from "./track.js";
 
@@ -37,6 +39,10 @@ export class ExperimentView {
     this.screen.clock.subscribe(() => this.moved());
     const curves = el("div", { class: "curves" });
     this.curves = new Curves(curves, this.screen.clock, []);
+    // A table has no picture whose frames could be the instants.
+    this.graph = new Curves(el("div", { class: "curves" }), new Clock(), []);
+    /** @type {SheetCard | null} */
+    this.sheet = null;
     /** @type {Setup | null} */
     this.setup = null;
     /** @type {Record<string, import("./desk.js").FitKind>} */
@@ -57,7 +63,9 @@ export class ExperimentView {
     this.notes = el("p", { class: "notes", role: "status" });
     this.said = el("section", { class: "card answer" }, this.numbers, this.finding, this.notes);
     this.cards = el("div", { class: "cards" });
-    this.player = el("div", { class: "player" }, this.screen.root, curves, this.cards);
+    this.player = el("div", { class: "player" }, this.screen.root, curves, this.graph.root,
+      this.cards);
+    this.preview = el("div", { class: "clip-preview" });
     this.trials = el("section", { class: "card clip-trials" });
     this.side = el("aside", { class: "side" }, this.list, this.form);
     this.root = el("div", { class: "view split experiment", on: {
@@ -65,7 +73,8 @@ export class ExperimentView {
       dragleave: (/** @type {DragEvent} */ e) => this.dragged(e, false),
       drop: (/** @type {DragEvent} */ e) => this.dropped(e),
     } },
-    this.side, el("div", { class: "main" }, this.welcome, this.said, this.player, this.trials, this.exports));
+    this.side, el("div", { class: "main" }, this.welcome, this.said, this.preview, this.player,
+      this.trials, this.exports));
     this.session = new Session(() => this.update());
     this.update();
   }
@@ -112,23 +121,30 @@ export class ExperimentView {
     const isKept = this.session.isKept(clip);
     refresh(this.exports,
       [clip?.id, clip?.tracked, clip?.stage !== null, [...clip?.files ?? []], isKept],
-      () => (clip?.track && isKept ? [exportsCard(this.session, clip)] : []));
+      () => (clip?.track && isKept ? [exportsCard(this.session, clip),
+        ...(clip.code.length > 0 ? [codeCard(clip.code)] : [])] : []));
     this.welcome.hidden = clip !== null;
-    this.player.hidden = !clip?.about || !clip.url;
-    this.player.classList.toggle("alone", clip?.mode === "setup");
+    const isResult = clip?.mode === "result";
+    this.player.hidden = clip?.sheet ? !isResult : !clip?.about || !clip.url;
+    this.player.classList.toggle("alone", !isResult || clip.sheet !== null);
+    this.screen.root.hidden = Boolean(clip?.sheet);
+    this.graph.root.hidden = !clip?.sheet;
+    this.preview.hidden = !clip?.sheet || isResult;
+    if (clip) this.sheet?.update(clip);
     const isGone = desk.epoch > 0 && !desk.hello;
     const warnings = clip?.mode === "result" ? clip.warnings : [];
     this.notes.textContent = [...(isGone ? [t("offline")] : []),
       ...warnings.map((text) => t("warning", { text }))].join(" ");
     const isAnswer = clip?.mode === "result";
-    const text = isAnswer ? clip.finding : t("findingHere");
+    const text = isAnswer ? clip.finding : t(clip?.sheet ? "sheetFinding" : "findingHere");
     refresh(this.numbers, [clip?.id, clip?.tracked, isAnswer],
       () => (isAnswer && clip.answer.length > 0 ? [answerNumbers(clip.answer)] : []));
-    this.finding.hidden = !clip?.about;
+    this.finding.hidden = !clip || !isSeen(clip);
     if (this.shown !== text) showFinding(this.finding, text, isAnswer);
     this.shown = text;
     this.said.hidden = this.finding.hidden && this.notes.textContent === "";
     if (clip?.about && clip.url) this.showClip(clip);
+    if (clip?.sheet) this.showTable(clip);
     this.updateTrials();
   }
 
@@ -149,7 +165,10 @@ export class ExperimentView {
       cancel: () => this.session.clip?.cancel(),
       outside: (isOutside) => this.changed({ isPivotOutside: isOutside }),
       tool: (change) => this.changed(change),
+      sheet: (change) => this.sheetChanged(change),
     });
+    this.sheet = new SheetCard(hello.tables.roles, (change) => this.sheetChanged(change));
+    this.preview.replaceChildren(this.sheet.root);
     this.setup = setup;
     this.form.replaceChildren(setup.root);
     this.kinds = Object.fromEntries(hello.fits.map((kind) => [kind.kind, kind]));
@@ -175,8 +194,7 @@ export class ExperimentView {
   showClip(clip) {
     const track = clip.mode === "result" ? clip.track : null;
     const about = /** @type {NonNullable<Clip["about"]>} */ (clip.about);
-    const signature = JSON.stringify([clip.id, clip.mode, clip.tracked,
-      Object.entries(clip.fits).map(([k, f]) => [k, f.verdict]), clip.stage !== null]);
+    const signature = signatureOf(clip);
     if (signature === this.signature) {
       this.place();
       return;
@@ -190,9 +208,22 @@ export class ExperimentView {
     this.resized();
     this.place();
     this.curves.root.hidden = !track;
+    if (track) draw(this.curves, track);
+    this.updateCards(track ? clip : null);
+  }
+
+  /** @param {Clip} clip that is a table */
+  showTable(clip) {
+    const track = clip.mode === "result" ? clip.track : null;
+    const signature = signatureOf(clip);
+    if (signature === this.signature) return;
+    this.signature = signature;
+    this.screen.clock.pause();
+    this.curves.root.hidden = true;
     if (track) {
-      this.curves.panels = panelsOf(track);
-      for (const task of this.curves.show(/** @type {any} */ (track))) task();
+      this.graph.clock.end = track.end;
+      draw(this.graph, track);
+      this.graph.clock.seek(this.graph.clock.time);
     }
     this.updateCards(track ? clip : null);
   }
@@ -224,8 +255,8 @@ export class ExperimentView {
     const { clips, trials, desk } = this.session;
     this.trials.hidden = !clips.some((clip) => clip.track);
     // Of a clip that was not tracked: what the server said when it could not read it.
-    const named = clips.map(({ key, name, track, noTrial, about, error }) => ({ key, name,
-      reason: track ? noTrial : about ? null : error }));
+    const named = clips.map((clip) => ({ key: clip.key, name: clip.name,
+      reason: clip.track ? clip.noTrial : isSeen(clip) ? null : clip.error }));
     refresh(this.trials, [trials, named, desk.hello?.desk], () => [el("h2", {}, t("trials")),
       el("p", { class: "hint" }, t("trialsHint")),
       trialTable(trials, named, (key) => this.open(clips.find((clip) => clip.key === key))),
@@ -234,11 +265,13 @@ export class ExperimentView {
       t("export_trials")) : ""]);
   }
 
-  /** Return the description of a clip: places, quantities, and who placed the handles. */
+  /** Return the description of a clip: quantities with places or with columns. */
   description(/** @type {Clip} */ clip) {
+    const quantities = this.setup?.quantities(clip);
+    if (clip.sheet) return { ...quantities, ...choicesOf(clip.sheet) };
     const { pivot, ball_1, ball_2 } = clip.places;
     const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
-    return { ...this.setup?.values, ...toolsOf(clip), is_proposed: clip.isProposed,
+    return { ...quantities, ...toolsOf(clip), is_proposed: clip.isProposed,
       pivot: clip.isPivotOutside ? "outside" : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };
   }
@@ -328,6 +361,13 @@ export class ExperimentView {
     this.update();
   }
 
+  /** @param {Partial<import("./sheet.js").Sheet>} change of the choices for the table on show */
+  sheetChanged({ part, ...change }) {
+    const sheet = this.session.clip?.sheet;
+    if (!sheet) return;
+    this.changed({ sheet: part === undefined ? { ...sheet, ...change } : chosen(sheet, part) });
+  }
+
   /** Draw the ball's edge as length and radius say. */
   resized() {
     const length = this.setup?.number("length");
@@ -347,4 +387,22 @@ export class ExperimentView {
       .map(([name, value]) => [name, textOf(known[name], value)]));
     openState(this.page, { view: "play", scenario: null, options: texts });
   }
+}
+
+/**
+ * Return a text that changes with what is drawn of a clip.
+ * @param {Clip} clip
+ */
+function signatureOf({ id, mode, tracked, fits, stage }) {
+  return JSON.stringify([id, mode, tracked,
+    Object.entries(fits).map(([kind, fit]) => [kind, fit.verdict]), stage !== null]);
+}
+
+/**
+ * @param {Curves} curves
+ * @param {import("./track.js").Track} track
+ */
+function draw(curves, track) {
+  curves.panels = panelsOf(track);
+  for (const task of curves.show(/** @type {any} */ (track))) task();
 }

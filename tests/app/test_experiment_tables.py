@@ -1,0 +1,221 @@
+"""Experiment in a real browser: from a dropped table to a decay, mended by clicks where needed."""
+
+import json
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from browser_checks import assert_panels_have_room, serious_faults
+from latolato.app import STATIC
+from track_tables import noise
+
+PATIENCE = 120_000  # ms
+LENGTH = 0.5
+TIME = np.arange(0.0, 16.0, 0.02)
+DROP = "Drop a video or a table here, or choose one"
+
+
+@pytest.fixture(scope="module")
+def run():
+    """A free swing; its angle [rad] and angular velocity [rad/s]."""
+    swing = ll.Pendulum(length=LENGTH, mass=0.1, damping=0.004)
+    return ll.simulate(swing, initial_angle=0.4, times=TIME)
+
+
+@pytest.fixture(scope="module")
+def angle(run):
+    return run.angle.values + noise(len(TIME), seed=1)
+
+
+def written(path, head, *columns, delimiter=","):
+    np.savetxt(path, np.column_stack(columns), "%.6f", delimiter, header=head, comments="",
+               encoding="utf-8")  # fmt: skip
+    return path
+
+
+def dropped(page, path, query=""):
+    """Drop a file on the page and wait until it was looked at."""
+    page.goto(f"/?view=experiment{query}")
+    page.locator("input[type=file]").set_input_files(path)
+    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+
+
+def used(page, name="Use this table"):
+    page.get_by_role("button", name=name).click()
+    page.locator("[data-state=result]").wait_for(timeout=PATIENCE)
+
+
+def found_length(page):
+    answer = page.locator("[data-answer=length]")
+    return float(answer.get_attribute("data-value")) / 100.0
+
+
+def refusal(page):
+    return page.locator(".clip-form [role=alert]").filter(visible=True).first
+
+
+def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page, angle, tmp_path):
+    x, y = LENGTH * np.sin(angle), -LENGTH * np.cos(angle)
+    head = "#multi:\n\tright ball\t\tleft ball\t\t\nt\tx\ty\tx\ty"
+    path = written(tmp_path / "toy.txt", head, TIME, x, y, -x, y, delimiter="\t")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto("/?view=experiment")
+    # A file that is dragged onto the page, as with a mouse.
+    page.get_by_label(DROP).wait_for(timeout=PATIENCE)
+    page.evaluate(
+        """([text, name]) => {
+          const given = new DataTransfer();
+          given.items.add(new File([text], name));
+          document.querySelector(".experiment").dispatchEvent(
+            new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true }));
+        }""",
+        [path.read_text("utf-8"), path.name],
+    )
+    page.get_by_text("Tracker export, two tracks: right ball, left ball.").wait_for(
+        timeout=PATIENCE
+    )
+    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+    heads = page.locator(".recognised th select:visible")
+    chosen = heads.evaluate_all("all => all.map((each) => each.selectedOptions[0].textContent)")
+    assert [each for each in chosen if each not in ("s", "m")] == [
+        "time", "x of ball 1", "y of ball 1", "x of ball 2", "y of ball 2",
+    ]  # fmt: skip
+    assert page.locator(".recognised tbody tr").count() == 5
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    assert page.locator(".recognised .table-scroll").evaluate("e => e.scrollWidth > e.clientWidth")
+    assert serious_faults(page) == []
+    # No tool of a video is offered.
+    for name in ("Track", "Start here", "As found"):
+        assert page.get_by_role("button", name=name, exact=True).filter(visible=True).count() == 0
+
+    page.get_by_role("button", name="Use this table").click()
+    page.get_by_text("angles from positions need the pivot").wait_for(timeout=PATIENCE)
+    for axis in "xy":
+        field = page.get_by_label(f"{axis} of the pivot", exact=True).filter(visible=True).last
+        field.fill("0")
+        field.press("Enter")
+    used(page)
+    assert page.locator(".clip-box").filter(visible=True).count() == 0
+    angles = page.evaluate(
+        "() => [0, 1].map((b) => Array.from(window.latolato.views.experiment.session.clip.track"
+        ".values('angle', b)))"
+    )
+    np.testing.assert_allclose(angles, [angle, -angle], atol=1e-5)
+    assert page.locator(".curves").filter(visible=True).locator("canvas").count() >= 1
+    assert serious_faults(page) == []
+    assert_panels_have_room(page)
+
+
+def test_a_recording_of_phyphox_gives_the_angle_of_its_gyroscope(page, run, tmp_path):
+    head = '"Time (s)","Gyroscope x (rad/s)","Gyroscope y (rad/s)"'
+    rate = run.angular_velocity.values + noise(len(TIME), seed=2) + 0.02
+    path = written(tmp_path / "phone.csv", head, TIME, noise(len(TIME), seed=3), rate)
+    dropped(page, path)
+    page.get_by_text("Phyphox export.", exact=False).wait_for()
+    # By the keyboard alone.
+    role = page.get_by_label("what Gyroscope y is")
+    role.focus()
+    page.keyboard.type("angular")
+    assert role.evaluate("e => e.value") == "angular_velocity_1"
+    assert role.evaluate("e => e === document.activeElement")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=0.01)
+    # A fit is done again with other values, and the set-up changed after that.
+    mass = page.get_by_label("mass of one ball", exact=False).first
+    mass.fill("100")
+    mass.press("Enter")
+    page.locator("[data-fit=decay]").get_by_role("button", name="Fit again").click()
+    damping = page.locator("[data-fit=decay] [data-name=damping]").first
+    damping.wait_for(timeout=PATIENCE)
+    assert float(damping.get_attribute("data-value")) == pytest.approx(0.004, rel=0.1)
+    page.get_by_role("button", name="Correct the set-up").click()
+    page.locator(".recognised").filter(visible=True).wait_for()
+    page.get_by_role("button", name="Back to the result").click()
+    page.locator("[data-answer=length]").wait_for()
+
+
+def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path):
+    path = written(tmp_path / "Messung.csv", "Nr;Zeit;Ausschlag", np.arange(len(TIME)), TIME,
+                   np.degrees(angle), delimiter=";")  # fmt: skip
+    path.write_text(path.read_text("utf-8").replace(".", ","), "utf-8")
+    dropped(page, path)
+    page.get_by_text(
+        "is not clear which column is “angle of ball 1”; it has Nr, Zeit, Ausschlag."
+    ).wait_for()
+    assert page.get_by_label("what Zeit is").evaluate("e => e.value") == "time"
+    assert page.get_by_label("what Nr is").evaluate("e => e.value") == ""
+    page.get_by_label("what Ausschlag is").select_option("angle of ball 1")
+    page.get_by_role("button", name="Use this table").click()
+    page.get_by_text("the unit of column 'Zeit' is missing; write it in brackets").wait_for(
+        timeout=PATIENCE
+    )
+    # A role that another column takes is taken from the first.
+    page.get_by_label("what Nr is").select_option("time")
+    assert page.get_by_label("what Zeit is").evaluate("e => e.value") == ""
+    page.get_by_label("what Zeit is").select_option("time")
+    page.get_by_label("unit of Zeit").select_option("s")
+    page.get_by_label("unit of Ausschlag").select_option("deg")
+    used(page)
+    assert page.get_by_role("alert").filter(visible=True).count() == 0
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+    assert page.locator("[data-fit=decay]").count() == 1
+    page.locator("summary", has_text="Python and command line").filter(visible=True).click()
+    lines = page.locator(".clip-exports pre").all_inner_texts()
+    assert "'time': 'Zeit [s]', 'angle_1': 'Ausschlag [deg]'" in lines[0]
+    assert lines[1].startswith("latolato import Messung.csv --column 'time=Zeit [s]'")
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Table (CSV)").click()
+    assert download.value.suggested_filename == "Messung.track.csv"
+    assert page.get_by_text("Video with overlay").count() == 0
+    page.get_by_role("button", name="Open in Play").click()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    options = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
+    assert options["length"] == pytest.approx(LENGTH, rel=2e-3)
+
+
+def test_frames_ask_for_their_rate_and_directions_for_theirs(page, angle, tmp_path):
+    head = "frame,theta (deg)"
+    path = written(tmp_path / "frames.csv", head, 50.0 * TIME, np.degrees(angle) - 90.0)
+    dropped(page, path)
+    page.get_by_text("It has frame numbers and no time.").wait_for()
+    rate = page.get_by_label("frames per second")
+    rate.fill("50")
+    rate.press("Enter")
+    page.get_by_label("angles counted from").select_option("the x axis")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+
+
+def test_a_file_that_is_no_table_is_refused_in_words(page, tmp_path):
+    path = tmp_path / "notes.csv"
+    path.write_text("We measured on Monday.\nIt rained.\n")
+    page.goto("/?view=experiment")
+    page.get_by_label(DROP).set_input_files(path)
+    page.get_by_role("alert").filter(has_text="notes.csv: it has no rows of numbers").wait_for(
+        timeout=PATIENCE
+    )
+    page.get_by_role("button", name="Remove notes.csv").click()
+    page.locator("[data-state=empty]").wait_for()
+
+
+def test_a_doubted_record_shows_the_doubt_first(page, angle, tmp_path):
+    kept = (TIME < 8.0) | (TIME > 8.73)
+    time = np.where(TIME < 8.0, TIME, TIME - 0.73)[kept]
+    dropped(page, written(tmp_path / "cut.csv", "t (s),theta (rad)", time, angle[kept]))
+    used(page)
+    answer = page.locator(".finding")
+    assert "does not describe" in answer.locator("strong").inner_text()
+    assert page.locator("[data-fit=decay]").count() == 0
+
+
+def test_a_table_is_shown_in_another_language(page, angle, tmp_path):
+    texts = json.loads((STATIC / "languages" / "id.json").read_text("utf-8"))["strings"]
+    path = written(tmp_path / "swing.csv", "t (s),theta (rad)", TIME, angle)
+    page.set_viewport_size({"width": 390, "height": 844})
+    dropped(page, path, "&lang=id")
+    head = page.get_by_label(texts["roleOf"].replace("{name}", "theta"))
+    assert head.evaluate("e => e.selectedOptions[0].textContent") == texts["role_angle_1"]
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    used(page, texts["sheetUse"])
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
