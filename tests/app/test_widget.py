@@ -102,7 +102,8 @@ import tomllib
 from importlib.util import find_spec
 
 extras = tomllib.load(open(sys.argv[1], "rb"))["project"]["optional-dependencies"]
-names = [need.partition(">=")[0].replace("-", "_") for need in extras["app"]]
+needs = [need for need in extras["app"] if not need.startswith("latolato[")]
+names = [need.partition(">=")[0].replace("-", "_") for need in needs]
 assert all(map(find_spec, names)), names
 sys.modules.update(dict.fromkeys(names))  # as if they were not installed
 import latolato as ll

@@ -1,5 +1,6 @@
 """Tables in many dialects are read to the numbers that were written, or refused."""
 
+import itertools
 import math
 
 import hypothesis
@@ -139,6 +140,12 @@ def is_plain(rows, dialect):
         decimals = {len(n[2]) for n in column if n is not None and not n[3]}
         if decimals <= {0, 3} and decimals != {0}:
             return False
+    if dialect["delimiter"] == "," and dialect["header"] in ("none", "comment"):
+        # Without names "1,234.5" may be one number.
+        for first, second in itertools.pairwise(columns):
+            pairs = [(a, b) for a, b in zip(first, second, strict=True) if None not in (a, b)]
+            if all(len(a[1]) < 4 and not a[2] and len(b[1]) == 3 and not b[0] for a, b in pairs):
+                return False
     return any(len(decimals) not in (0, 3) for _, _, decimals, _ in known)
 
 
@@ -153,6 +160,17 @@ def read(raw):
     return [column.name for column in columns], np.array(values).T
 
 
+THOUSANDS = {
+    "delimiter": ",", "decimal": ".", "thousands": ",", "quoted": False, "minus": "-",
+    "missing": "", "header": "none", "trailing": "", "comments": False, "blank_lines": False,
+    "end": "\n", "encoding": "utf-8",
+}  # fmt: skip
+
+
+@hypothesis.example(
+    rows=[[(False, "0", "", ""), (False, "1000", each, "")] for each in ("0", "")],
+    dialect=THOUSANDS,
+)
 @hypothesis.given(rows=tables(), dialect=dialects())
 @hypothesis.settings(max_examples=400, deadline=None)
 def test_numbers_are_those_written_or_the_table_is_refused(rows, dialect):

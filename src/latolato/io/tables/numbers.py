@@ -28,6 +28,8 @@ from latolato.io.tables.cells import (
 from latolato.io.tables.layout import Block, Layout
 
 Floats = NDArray[np.float64]
+# A number whose thousands a comma groups, in a shape of a line.
+_GROUP = re.compile(rf"[-+{MINUS}]?\d{{1,3}},\d{{3}}(\.\d*)?")
 Label = Callable[[int], str]
 
 POINT, COMMA = DECIMALS = (".", ",")
@@ -182,22 +184,30 @@ def is_comma_both(layout: Layout, named: int) -> bool:
     """Return whether commas separate the cells and could be decimal signs as well.
 
     They could where the names do not account for all cells, or some rows have more. Then no point
-    is a decimal sign, or whole numbers are followed by columns of three digits, like ``1,000``.
+    is a decimal sign, or whole numbers are followed by columns of three digits, like ``1,000`` or
+    ``1,000.5``.
     """
     if layout.delimiter != COMMA or layout.has_quotes:
         return False
     rows = np.concatenate([block.rows for block in layout.blocks])
-    shapes = (layout.lines.shapes[i] for i in np.unique(layout.lines.shape_of[rows]))
-    is_ragged = len({len(split(shape, COMMA)) for shape in shapes}) > 1
+    shapes = [layout.lines.shapes[i] for i in np.unique(layout.lines.shape_of[rows])]
+    cells = [split(shape, COMMA) for shape in shapes]
+    is_ragged = len({len(each) for each in cells}) > 1
     if named >= layout.width and not is_ragged:
         return False
     kinds = [column.counts.keys() - {"empty", "missing"} for column in layout.columns]
     if not set().union(*kinds) & {"point", "quantity"}:
         return True
-    return any(
+    groups = zip(*(map(_is_group, pairwise(each)) for each in cells), strict=False)
+    return any(map(all, groups)) or any(
         first <= {"integer", "three digits"} and second == {"three digits"}
         for first, second in pairwise(kinds)
     )
+
+
+def _is_group(pair: tuple[str, str]) -> bool:
+    """Return whether neighbouring cells could be one number such as ``1,000.5``, or are empty."""
+    return not all(pair) or _GROUP.fullmatch(",".join(pair)) is not None
 
 
 def other_delimiter(layout: Layout) -> str | None:

@@ -249,10 +249,18 @@ function startOf(registry, system, meets, run) {
   const [gap, name] = system.angles === 2
     ? [angles[0] - angles[1], SEPARATION] : [angles[0], "{parameter}"];
   const { low, high } = system;
-  if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL))
+  if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL)) {
+    const given = offset === null ? { parameter, value: gap, least: low, most: high }
+      : { parameter: "initial_offset", value: offset, least: 0, most: high - low };
+    const { value, least, most } = given;
+    const radians = (value * Math.PI) / 180;
+    const wayOut = least <= radians && radians <= most && value > Math.PI
+      ? `angles are in rad: ${general(value)} degrees are ${general(radians)}`
+      : "give one at which the balls do not overlap";
     throw new InputError(
-      `${name} must lie between the contact angles [${general(low, 9)}, ${general(high, 9)}] rad`,
-      { parameter, value: gap, wayOut: "give one at which the balls do not overlap" });
+      `${name} must lie between the contact angles [${general(least, 9)}, ${general(most, 9)}] rad`,
+      { parameter: given.parameter, value, wayOut });
+  }
   return { angles, velocities, distances, offset };
 }
 
