@@ -5,6 +5,7 @@ import math
 
 import hypothesis
 import numpy as np
+import pytest
 from hypothesis import strategies as st
 
 from latolato.core.errors import InputError
@@ -167,13 +168,8 @@ THOUSANDS = {
 }  # fmt: skip
 
 
-@hypothesis.example(
-    rows=[[(False, "0", "", ""), (False, "1000", each, "")] for each in ("0", "")],
-    dialect=THOUSANDS,
-)
-@hypothesis.given(rows=tables(), dialect=dialects())
-@hypothesis.settings(max_examples=400, deadline=None)
-def test_numbers_are_those_written_or_the_table_is_refused(rows, dialect):
+def check_table(rows, dialect):
+    """Assert that a table is read to the numbers that were written, or refused."""
     raw = written(rows, dialect)
     found = read(raw)
     if isinstance(found, InputError):
@@ -186,3 +182,20 @@ def test_numbers_are_those_written_or_the_table_is_refused(rows, dialect):
     np.testing.assert_array_equal(values, truth[:, kept], err_msg=repr(raw))
     if dialect["header"] != "none":
         assert names == [NAMES[k] for k in kept], raw
+
+
+@hypothesis.example(
+    rows=[[(False, "0", "", ""), (False, "1000", each, "")] for each in ("0", "")],
+    dialect=THOUSANDS,
+)
+@hypothesis.given(rows=tables(), dialect=dialects())
+@hypothesis.settings(max_examples=400, deadline=None, derandomize=True)
+def test_numbers_are_those_written_or_the_table_is_refused(rows, dialect):
+    check_table(rows, dialect)
+
+
+@pytest.mark.slow
+@hypothesis.given(rows=tables(), dialect=dialects())
+@hypothesis.settings(max_examples=8000, deadline=None)
+def test_numbers_are_those_written_or_refused_in_tables_never_tried(rows, dialect):
+    check_table(rows, dialect)
