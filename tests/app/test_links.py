@@ -110,7 +110,7 @@ def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page)
 def test_values_that_contradict_each_other_are_refused_with_a_way_back(page):
     page.goto("/?view=play&scenario=toy&radius=40 cm")
     message = page.locator(".message.bad")
-    message.get_by_text("must be at least 0 mm and below the length, got 400").wait_for()
+    message.get_by_text("must be at least 0 cm and below the length, got 40").wait_for()
     page.get_by_role("button", name="Reset to the preset").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     assert message.count() == 0
