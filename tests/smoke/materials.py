@@ -12,7 +12,7 @@ import numpy as np
 import latolato as ll
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
-from latolato.experiment.track_table import write_table
+from latolato.experiment.track_table import track_table, write_table
 from latolato.experiment.trial_table import write_trials
 from latolato.paper import catalogue
 from latolato.paper.report import reproduce
@@ -54,6 +54,14 @@ def videos(path):
 
 def decay(path):
     write_table(decay_table(length=0.363, mass=0.10804, damping=0.00274, size=NOISE), path)
+
+
+def cut(path):
+    """A swing whose clock misses 3.7 s from 10 s on."""
+    times = np.arange(0.0, 30.0, 1.0 / 30.0)
+    run = ll.simulate(BALL, initial_angle=0.4, times=np.where(times > 10.0, times + 3.7, times))
+    noise = np.random.default_rng(3).normal(scale=NOISE, size=len(times))
+    write_table(track_table({"time": times, "angle_1": run.angle.values + noise}), path)
 
 
 def driven(path, drive=SHAKE, seed=0):
@@ -167,6 +175,7 @@ MAKERS: dict[str, Callable[[Path], None]] = {
     "videos": videos,
     "decay.csv": decay,
     "swing.csv": decay,
+    "cut.csv": cut,
     "driven.csv": driven,
     "pair.csv": pair,
     "experiment": many_driven,
