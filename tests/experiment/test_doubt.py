@@ -121,6 +121,15 @@ def test_a_swing_that_grows_and_one_without_drag_are_reported_as_such():
     assert "which agrees" not in fit.verdict or "too uncertain" not in fit.verdict
 
 
+@pytest.mark.parametrize("digits", [3, 9])
+def test_samples_without_noise_are_not_doubted(digits):
+    times = np.arange(0.0, 15.0, 1.0 / 60.0)
+    angle = np.round(swing(times, size=0.0, initial_angle=0.5), digits)
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert fit.describes
+    assert fit["length"].value == pytest.approx(0.363, rel=1e-5)
+
+
 @pytest.mark.parametrize("rate", [6.0, 4.0, 3.0])
 def test_few_samples_in_a_swing_are_fitted(rate):
     times = np.arange(0.0, 30.0, 1.0 / rate)

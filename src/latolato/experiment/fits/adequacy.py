@@ -267,10 +267,12 @@ def misfit_of(
 
 def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
     """Return the doubt if samples scatter too much about a model or too many lie far from it."""
-    lost = ~whole.kept
+    bent = _BENT * float(np.std(data.values))
+    # Samples without noise leave the errors of the computation, of which some are far from others.
+    lost = ~whole.kept & (np.abs(whole.residuals) > OUTLIER * bent)
     share = float(np.mean(lost))
     if share <= _MOST_OUTLIERS:
-        noise = max(noise_of(data.values), _BENT * float(np.std(data.values)))
+        noise = max(noise_of(data.values), bent)
         if whole.scatter <= _MOST_SCATTER * noise:
             return None
         return Adequacy(
