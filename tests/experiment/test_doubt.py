@@ -338,3 +338,14 @@ def test_a_steady_drive_of_a_table_is_not_doubted():
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=12.0)
     for seed in range(8):
         assert ll.fit_drive(drive_table(drive, duration=15.0, seed=seed), profile=False).describes
+
+
+@pytest.mark.parametrize("digits", [3, 5, 12])
+def test_a_drive_in_rounded_numbers_is_not_doubted(digits):
+    times = np.arange(0.0, 20.0, 1.0 / 60.0)
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
+    run = ll.simulate(PENDULUM, drive, initial_angle=0.1, times=times)
+    height = np.round(run.pivot_height.values, digits)
+    fit = ll.fit_drive(table_of(times, run.angle.values, pivot_y=height), profile=False)
+    assert fit.describes
+    assert fit["drive_frequency"].value == pytest.approx(10.09, rel=1e-4)

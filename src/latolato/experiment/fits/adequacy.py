@@ -120,7 +120,7 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
     count, free = slopes.shape
     fewest = _FEWEST * free
-    bent = math.hypot(bent, _BENT * float(np.std(data.values)))
+    bent = math.hypot(bent, _BENT * float(np.std(data.values)), _rounding_of(data.values))
     floor = (bent / float(np.median(data.sigmas))) ** 2
     near = np.append(np.diff(times) < 1.6 * float(np.median(np.diff(times))), False)
     together = _likelihood(errors, slopes, near, floor)
@@ -147,6 +147,14 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
         best = max(gains, key=lambda place: gains[place])
         step *= 0.5
     return int(kept[best])
+
+
+def _rounding_of(values: Floats) -> float:
+    """Return the deviation that rounding gives values of which most occur several times."""
+    distinct = np.unique(values)
+    if len(distinct) < 2 or 2 * len(distinct) > len(values):
+        return 0.0
+    return float(np.min(np.diff(distinct))) / math.sqrt(12.0)
 
 
 def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> float:
