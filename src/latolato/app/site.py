@@ -24,7 +24,7 @@ from latolato.core.errors import InputError
 OFFLINE = "offline.js"
 _LATER = ("report", "docs")
 _FIGURES = "paper/*.block"
-_DESCRIPTIONS = re.compile(r"/\*\*.*?\*/\n?", re.DOTALL)
+_DESCRIPTIONS = re.compile(r"/\*\*.*?\*/\n?|^ *//[^\n]*\n", re.DOTALL | re.MULTILINE)
 
 
 def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = None) -> list[Path]:
@@ -53,9 +53,7 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     types = shutil.ignore_patterns("*.d.ts")
     shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)
     about = registry() | {"server": False, "docs": docs is not None}
-    (folder / "registry.json").write_text(
-        json.dumps(about, separators=(",", ":")), encoding="utf-8"
-    )
+    (folder / "registry.json").write_text(_compact(about), encoding="utf-8")
     # Those of a teacher, who has put files into the folder of an earlier site, are among them.
     (folder / "stories" / "contents.json").write_text(
         json.dumps(contents_of_stories(folder / "stories")), encoding="utf-8"
@@ -83,18 +81,29 @@ def check_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
 
 
 def _copy(source: str, target: str) -> None:
-    """Copy a file of the pages; a module goes without its descriptions, a quarter of its size."""
+    """Copy a file of the pages; a module goes without its descriptions, a quarter of its size.
+
+    JSON goes without the blanks that make it readable.
+    """
     path = Path(source)
     if path.is_relative_to(STATIC / "js"):
         text = without_descriptions(path.read_text(encoding="utf-8"))
+        Path(target).write_text(text, encoding="utf-8")
+    elif path.suffix == ".json":
+        text = _compact(json.loads(path.read_text(encoding="utf-8")))
         Path(target).write_text(text, encoding="utf-8")
     else:
         shutil.copy2(source, target)
 
 
 def without_descriptions(source: str) -> str:
-    """Return a module without descriptions, in which it names types: browsers need neither."""
+    """Return a module without descriptions and lines of comments: browsers need neither."""
     return _DESCRIPTIONS.sub("", source)
+
+
+def _compact(value: object) -> str:
+    """Return a value as JSON without blanks."""
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
 def _write_paper(folder: Path, report: Path | None) -> None:
