@@ -18,8 +18,8 @@ import numpy as np
 
 from latolato.core.cache import cache_directory
 from latolato.numerics import compiled, integrate, prepare, shipped
+from latolato.numerics.derived import make_observer
 from latolato.numerics.engine.record import as_objects
-from latolato.numerics.observe import make_observer
 from latolato.numerics.sources import sources_hash
 
 TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
@@ -36,7 +36,7 @@ def _folder(cache):
 
 
 def _load(key, kind):
-    observables = "hooks:", "lane_flight:make_show", "lane_flight:make_follow"
+    observables = "callback_kernels:", "lane_flight:make_show", "lane_flight:make_follow"
     return None if key.startswith(observables) else load(key, kind)
 
 

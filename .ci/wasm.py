@@ -23,8 +23,8 @@ from typing import Any
 import llvmlite.binding as llvm
 import numpy as np
 
-from latolato.numerics import lane_rows, many, observe, prepare, records, watch, whole
-from latolato.numerics.engine import book, loop, record
+from latolato.numerics import batch, callbacks, derived, host_entry, lane_rows, prepare, records
+from latolato.numerics.engine import loop, record, samples
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
 from latolato.numerics.pieces import SHARED
 from latolato.numerics.recipes import Formula, Recipe
@@ -60,27 +60,27 @@ _NARROW = {"i64": "i32"}
 # Laws of an engine without those for the plane, and what makes its motion.
 _UPRIGHT = 4
 # What shows an observable the steps, or the matrices, of all lanes.
-_FOR_LANES = {watch.ON_STEP: "show", watch.ON_TANGENT: "follow"}
+_FOR_LANES = {callbacks.ON_STEP: "show", callbacks.ON_TANGENT: "follow"}
 
 # Records, and tuples whose words compiled code is given, by the names that pages know them by.
-_USUAL = records.stretch_dtype()
+_USUAL = records.segment_dtype()
 _RECORDS = {
     "run": record.run_dtype(),
     "state": record.STATE,
     "settings": records.SETTINGS,
     "body": records.BODY,
     "point": record.POINT,
-    "stretch": _USUAL,
+    "segment": _USUAL,
     "ball": records.BALL,
     "case": records.CASE,
 }
 _BUNDLES = {
     "arguments": loop.empty_arguments(_USUAL),
-    "observation": observe.empty_observation(_USUAL),
-    "job": many.empty_job(_USUAL),
-    "task": many.empty_task(_USUAL),
-    "shaking": whole.empty_shaking(),
-    "beginning": whole.empty_beginning(),
+    "observation": derived.empty_observation(_USUAL),
+    "job": batch.empty_job(_USUAL),
+    "task": batch.empty_task(_USUAL),
+    "shaking": host_entry.empty_shaking(),
+    "beginning": host_entry.empty_beginning(),
     "cases": prepare.empty_cases(),
 }
 
@@ -160,11 +160,11 @@ def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
         return "_".join(["survey", *found]), ("lanes",) if found == [*SHARED] else ()
     occasion = settings.get("occasion")
     if occasion is None:  # of all lanes at once
-        return hook_name(recipe.laws[0], maker.removeprefix("make_")), ("lanes",)
-    return hook_name(recipe.laws[0], watch.OCCASIONS[occasion]), _MAPS
+        return callback_name(recipe.laws[0], maker.removeprefix("make_")), ("lanes",)
+    return callback_name(recipe.laws[0], callbacks.OCCASIONS[occasion]), _MAPS
 
 
-def hook_name(formula: Formula, how: str) -> str:
+def callback_name(formula: Formula, how: str) -> str:
     """Return the name of the piece that calls a formula of an observable.
 
     `how` is an occasion, or ``show`` or ``follow`` for the step or the matrix of all lanes.
@@ -298,18 +298,18 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "modules": {name: list(pieces) for name, pieces in modules.items()},
         "observables": {name: _observable(kind) for name, kind in observables.items()},
         "shared_needs": SHARED,
-        "occasions": watch.OCCASIONS,
+        "occasions": callbacks.OCCASIONS,
         "sample_rows": {**LEDGER, "mode": records.S_MODE},  # behind two for each of two balls
         "rows": {
-            "upright": _rows(records.SAMPLE_ROWS, loop.SPARE_ROWS, observe.PIVOT_ROWS),
+            "upright": _rows(records.SAMPLE_ROWS, loop.SPARE_ROWS, derived.PIVOT_ROWS),
             "plane": _rows(
                 records.PLANE_ROWS,
                 loop.SPARE_IN_PLANE,
-                (*observe.PIVOT_ROWS, *observe.ACROSS_ROWS),
+                (*derived.PIVOT_ROWS, *derived.ACROSS_ROWS),
             ),
         },
         "string_rows": {name: records.S_DISTANCE + k for k, name in enumerate(ON_STRINGS)},
-        "ball_rows": observe.BALL_ROWS,
+        "ball_rows": derived.BALL_ROWS,
         "contact_rows": {
             "count": records.CONTACT_ROWS,
             "radial": records.C_RADIAL,
@@ -318,22 +318,25 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
         "contact_kinds": CONTACT_KINDS,
         "statuses": records.STATUS_NAMES,
         "problems": prepare.PROBLEMS,
-        "drives": list(whole.WRITTEN),
+        "drives": list(host_entry.WRITTEN),
         "rotating_drives": [
-            name for name, kind in whole.WRITTEN.items() if kind.rotation is not None
+            name for name, kind in host_entry.WRITTEN.items() if kind.rotation is not None
         ],
-        "steppers": {"smooth": _stepper(BLANES_MOAN_RKN), "rough": _stepper(BLANES_MOAN_GENERAL)},
+        "steppers": {
+            "smooth": _stepper(BLANES_MOAN_RKN),
+            "nonsmooth": _stepper(BLANES_MOAN_GENERAL),
+        },
         "lanes": {
             name.lower(): getattr(lane_rows, name)
             for name in ("LANES", "ROWS", "TABLE_ROWS", "IMPACTS", "IMPACT_ROWS")
         },
-        "scratch_contacts": len(many.make_scratch().contact_times),
+        "scratch_contacts": len(batch.make_scratch().contact_times),
         "largest": LARGEST,
         "contact_limit": inspect.signature(make_plan).parameters["contact_limit"].default,
         "last_period": LAST_PERIOD,
         "steps_per_call": STEPS_PER_CALL,
-        "most_halvings": book.MOST_HALVINGS,
-        "most_steps_to_repeat": book.MOST_STEPS_TO_REPEAT,
+        "most_halvings": samples.MOST_HALVINGS,
+        "most_steps_to_repeat": samples.MOST_STEPS_TO_REPEAT,
     }
 
 
@@ -391,19 +394,19 @@ def _observable(kind: Any) -> dict[str, Any]:
         "joint": kind.is_joint,
         "mirrored": kind.mirrored,
         "of_strings": kind.of_strings,
-        "pieces": _hooks_of(kind),
+        "pieces": _callbacks_of(kind),
     }
 
 
-def _hooks_of(observable: type) -> dict[str, str]:
+def _callbacks_of(observable: type) -> dict[str, str]:
     """Return the pieces that show an observable something."""
     found = {}
-    for occasion, name in enumerate(watch.OCCASIONS):
+    for occasion, name in enumerate(callbacks.OCCASIONS):
         formula = getattr(observable, name)
         if formula is not None:
-            found[name] = hook_name(formula, name)
+            found[name] = callback_name(formula, name)
             if occasion in _FOR_LANES:
-                found[_FOR_LANES[occasion]] = hook_name(formula, _FOR_LANES[occasion])
+                found[_FOR_LANES[occasion]] = callback_name(formula, _FOR_LANES[occasion])
     return found
 
 

@@ -8,8 +8,8 @@ import pytest
 import latolato as ll
 from latolato.analysis import response_period, response_period_map, wilson_interval
 from latolato.core.errors import InputError
-from latolato.numerics.watch import blank_slots
-from latolato.observables import Segment
+from latolato.numerics.callbacks import blank_slots
+from latolato.observables import Step
 from latolato.observables.period import ResponsePeriod, Samples, find_mirror, find_period
 from latolato.physics.contacts import BOTTOM
 
@@ -125,7 +125,7 @@ def test_a_motion_grazes_if_an_impact_has_hardly_any_speed_and_nothing_rests(slo
     for number in range(watched.marks):  # one drive period is one second
         ResponsePeriod.mark(acc, 0, 1, number, float(number), 0.3, 1.0)
     ResponsePeriod.contact(acc, 0, 1, 0.5, BOTTOM, -slowest, slowest, slowest)
-    at_rest = Segment(0.0, held, *[0.3] * 2, *[0.0] * 8, 1.0, 0.3)
+    at_rest = Step(0.0, held, *[0.3] * 2, *[0.0] * 8, 1.0, 0.3)
     ResponsePeriod.step(acc, 0, 1, at_rest)
     ResponsePeriod.finish(acc, 0, 1, None)
     found = watched.read(slots, 1)

@@ -17,7 +17,7 @@ def test_stages_follow_each_other_with_ramps_between():
     drive = steps.drive(0.03, drive_phase=1.0)
     assert isinstance(drive, ll.FrequencySchedule)
     # constant, ramp, constant, ramp, constant: knots of the frequency by hand
-    knots = [(s.start, s.frequency, s.rate) for s in drive.stretches(100.0)]
+    knots = [(s.start, s.frequency, s.rate) for s in drive.segments(100.0)]
     assert knots == [
         (0.0, 20.0, 0.0), (4.0, 20.0, -4.0), (4.5, 18.0, 0.0), (6.5, 18.0, -6.0), (7.0, 15.0, 0.0)
     ]  # fmt: skip

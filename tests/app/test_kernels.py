@@ -104,7 +104,7 @@ def test_workers_of_a_page_compute_a_map(empty_page):
         system, drive, axes=axes, observables=["largest_angle"], initial_angle=0.5, duration=5.0
     )
     y, x = ({"name": name, "values": values} for name, values in axes.items())
-    usual = {"gravity": 9.8, "meets": 1, "rest_speed": 1e-6, "tolerance": 1e-6}
+    usual = {"gravity": 9.8, "collides": 1, "rest_speed": 1e-6, "tolerance": 1e-6}
     plan = {
         "drive": "harmonic", "x": x, "y": y, "duration": 5.0,
         "parameters": {**ball, **usual, "drive_frequency": 3.0, "initial_angle": 0.5},

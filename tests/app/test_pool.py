@@ -16,7 +16,7 @@ from latolato.sweeps.points import make_batch, stepper_of
 from map_in_node import maps_in_node
 
 BALL = {"length": 1.0, "mass": 0.8, "radius": 0.1, "damping": 0.02}
-USUAL = {"gravity": 9.8, "restitution": 0.9, "rest_speed": 1e-6, "tolerance": 1e-8, "meets": 1}
+USUAL = {"gravity": 9.8, "restitution": 0.9, "rest_speed": 1e-6, "tolerance": 1e-8, "collides": 1}
 GENTLE = {"drive_amplitude": 0.01, "drive_frequency": 7.0, "drive_phase": 0.4}
 OBSERVABLES = ("mean_energy", "largest_angle", "lyapunov_exponent")
 HARMONIC = ll.Harmonic(**GENTLE)

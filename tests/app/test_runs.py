@@ -145,9 +145,9 @@ def test_a_block_of_the_program_holds_what_the_run_holds():
 
 def height_of(drive, t):
     """Return the height of the pivot by the drive's own formula [m]."""
-    found = records.stretch_records(drive, 10.0)
-    stretch = as_objects(found)[np.searchsorted(found["start"], t, side="right") - 1]
-    return drive.height(t, stretch)
+    found = records.segment_records(drive, 10.0)
+    segment = as_objects(found)[np.searchsorted(found["start"], t, side="right") - 1]
+    return drive.height(t, segment)
 
 
 def test_a_strobe_stands_wherever_the_drive_begins_a_period():

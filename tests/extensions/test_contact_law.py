@@ -17,8 +17,8 @@ from latolato.cli.main import app as command_line
 from latolato.core.scalar import formula
 from latolato.numerics.engine.balls import GAP
 from latolato.numerics.engine.events import Event
+from latolato.numerics.engine.forces import tension_at
 from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
-from latolato.numerics.engine.pull import tension_at
 from latolato.numerics.engine.record import CONTACT, FLIGHT, RELEASE, SETTLE
 from latolato.numerics.integrate import Start, choose_step, integrate
 from latolato.numerics.trajectory import MOTIONS
@@ -93,7 +93,11 @@ def modes(kit):
         body, end = run.bodies[0], run.end[0]
         run.work, run.loss = body.inertia * end.work, body.inertia * end.loss
         end.tension = tension_at(
-            end.angle, end.velocity, end.pivot_acceleration, run.settings.gravity, body.coupling
+            end.angle,
+            end.velocity,
+            end.pivot_acceleration,
+            run.settings.gravity,
+            body.inverse_length,
         )
 
     return flight, flight._replace(number=IN_WALL, plan=plan)
@@ -104,21 +108,21 @@ def events(kit):
     balls, part = kit.balls, kit.part
 
     @part
-    def enter(run, output, eyes):
+    def enter(run, output, accumulators):
         run.state.mode, run.state.side = IN_WALL, run.side
         balls.settle(run)
 
     @part
-    def leave(run, output, eyes):
+    def leave(run, output, accumulators):
         run.state.mode, run.state.touch = FLIGHT, run.state.side
         balls.settle(run)
 
     return turn, Event(CONTACT, enter), Event(SETTLE, enter), Event(RELEASE, leave)
 
 
-def make_soft_wall(laws, count, watch, part):
+def make_soft_wall(laws, count, callbacks, part):
     pushed = laws._replace(push=push, push_slope=push_slope, push_potential=push_potential)
-    return make_engine(pushed, count, watch, part, make_modes=modes, make_all_events=events)
+    return make_engine(pushed, count, callbacks, part, make_modes=modes, make_all_events=events)
 
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1, restitution=0.9)

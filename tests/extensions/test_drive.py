@@ -65,7 +65,7 @@ class Beating(Drive):
     slow: float = quantity_field("drive_frequency", NON_NEGATIVE)
     fast: float = quantity_field("drive_frequency", NON_NEGATIVE)
 
-    def stretches(self, duration):
+    def segments(self, duration):
         return [Beat(0.0, self.drive_amplitude, self.slow, self.fast)]
 
     @property
@@ -115,7 +115,7 @@ class Sharp(PeriodicDrive):
 
     sharpness: float = quantity_field("amplitude_ratio", UNIT_INTERVAL, default=0.0)
 
-    def stretches(self, duration):
+    def segments(self, duration):
         given = self.drive_amplitude, self.drive_frequency, self.drive_phase, self.sharpness
         return [Tone(0.0, *given)]
 
@@ -199,7 +199,7 @@ def test_a_drive_without_bounds_or_with_former_jumps_is_refused():
     found = Boundless(drive_amplitude=0.1, slow=3.0, fast=4.0)
     with pytest.raises(TypeError, match="must define fastest_frequency and largest_acceleration"):
         ll.simulate(ll.Pendulum(length=1.0, mass=1.0), found, initial_angle=0.1, duration=1.0)
-    with pytest.raises(TypeError, match="a stretch has its `jump`"):
+    with pytest.raises(TypeError, match="a segment has its `jump`"):
 
         class Jumping(Beating):
             def velocity_jumps(self, duration):
@@ -223,7 +223,7 @@ def equal(name, own, harmonic, **close):
 def test_a_periodic_drive_of_ones_own_repeats_itself():
     period, t = math.tau / SHARP.drive_frequency, np.linspace(0.0, 1.0, 7)
     run = ll.simulate(PENDULUM, SHARP, initial_angle=0.1, times=[*t, *(t + period)][1:])
-    heights = np.array([SHARP.height(0.0, SHARP.stretches(9.0)[0]), *run.pivot_height])
+    heights = np.array([SHARP.height(0.0, SHARP.segments(9.0)[0]), *run.pivot_height])
     np.testing.assert_allclose(heights[:7], heights[7:], rtol=0.0, atol=1e-15)
 
 

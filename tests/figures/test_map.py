@@ -242,12 +242,12 @@ def test_maps_of_strings_name_them_their_units_and_what_tangled():
     wanted = ("slack_fraction", "largest_string_impulse")
     grid = sweep(strings, observables=wanted, initial_angle=0.3)
     grid.slack_fraction[0, 0] = np.nan
-    grid.status[0, 0] = "tangled"
+    grid.status[0, 0] = "outside_model"
     figure = ll.plot(grid, "slack_fraction")
     assert "latolato on strings" in figure.axes[0].get_title(loc="left")
     assert "$e_s$ = 0.5" in figure.axes[0].get_title(loc="left")
     (legend,) = figure.legends
-    assert "no answer (1 tangled)" in [text.get_text() for text in legend.get_texts()]
+    assert "no answer (1 outside model)" in [text.get_text() for text in legend.get_texts()]
     bar = ll.plot(grid, "largest_string_impulse").axes[-1]
     assert bar.get_ylabel() == "largest impulse of a string $J_{max}$ [N s]"
     assert len(ll.plot(grid, "status").axes[0].collections) > 0

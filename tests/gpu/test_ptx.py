@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from latolato.core.errors import extra_command
-from latolato.numerics.many import make_progress
-from latolato.numerics.watch import blank_slots
+from latolato.numerics.batch import make_progress
+from latolato.numerics.callbacks import blank_slots
 from latolato.sweeps.points import make_batch, stepper_of
 
 if not importlib.util.find_spec("numba_cuda"):

@@ -444,7 +444,7 @@ def sweeps():
         observables=["slack_fraction", "first_slack", "largest_string_impulse", "retension_loss"],
     )
     grid = filled(plan)
-    grid.status[0, 1] = "tangled"
+    grid.status[0, 1] = "outside_model"
     yield grid
     yield filled(
         make_plan(
@@ -471,7 +471,7 @@ def test_a_sweep_is_a_table_of_points_and_comes_back(tmp_path, number, suffix):
     if suffix == ".csv":
         path = tmp_path / "map.csv"
         assert len(pd.read_csv(path, comment="#")) == grid.status.size
-        older = path.read_text().replace(",grazing\n", ",1\n").replace(",tangled\n", ",6\n")
+        older = path.read_text().replace(",grazing\n", ",1\n").replace(",outside_model\n", ",6\n")
         assert older != path.read_text()
         path.write_text(older)
         xr.testing.assert_identical(load(path), grid)

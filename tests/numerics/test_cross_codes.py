@@ -64,14 +64,14 @@ WALLS = [
 def acceleration(system, drive):
     """The equation of motion, written down again."""
     (ball,) = system.balls
-    stretches = drive.stretches(100.0)
-    starts = [stretch.start for stretch in stretches]
+    segments = drive.segments(100.0)
+    starts = [segment.start for segment in segments]
     linear = isinstance(system, ll.Mathieu)
     m, l = ball.mass, ball.length
 
     def rates(t, y):
         k = max(i for i, start in enumerate(starts) if start <= t + 1e-15)
-        lift = drive.acceleration(t, stretches[k])
+        lift = drive.acceleration(t, segments[k])
         pull = y[0] if linear else math.sin(y[0])
         drag = ball.damping * y[1] + ball.quadratic_damping * y[1] * abs(y[1])
         return [y[1], -(G + lift) / l * pull - drag / (m * l)]

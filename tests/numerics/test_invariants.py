@@ -99,8 +99,8 @@ class TestEverySystemDriveAndDamping:
             smooth = np.ones(len(steps), dtype=bool)
             for t in run.contact_time.values:
                 smooth &= (times[2::2] < t) | (times[0:-2:2] > t)
-            for stretch in drive.stretches(3.0):
-                t = stretch.start
+            for segment in drive.segments(3.0):
+                t = segment.start
                 smooth &= (times[2::2] < t) | (times[0:-2:2] > t)
             assert smooth.sum() > 2000
             # |w|^3 and |w| of the drags have a kink at w = 0, seen by few of the 3000 intervals.

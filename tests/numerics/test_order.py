@@ -50,7 +50,7 @@ DRIVES = [
         ll.CrankSlider(drive_amplitude=0.1, drive_frequency=6.0, connecting_rod_length=0.6),
         id="crank",
     ),
-    # Long stretches: many steps lie in each.
+    # Long segments: many steps lie in each.
     pytest.param(
         ll.MeasuredPivot(
             times=np.arange(0.0, 9.0),

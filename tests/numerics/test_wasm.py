@@ -20,7 +20,7 @@ from in_node import (
     record_run,
     run_points_in_node,
 )  # fmt: skip
-from latolato.numerics.observe import BALL_ROWS
+from latolato.numerics.derived import BALL_ROWS
 from latolato.numerics.records import INVALID
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.simulation.record import LEDGER
@@ -481,9 +481,9 @@ REFUSED = {
         "noise": {"noise_strength": 0.1, "noise_interval": 1e-9},
         "parameters": {"gravity": 9.8, "balls.0.length": 1.0, "balls.0.mass": 1.0, "tolerance": 1},
     },
-    "is_rough is found out": {"parameters": {"is_rough": 1}},
-    "meets must be 0 or 1": {"parameters": {"meets": 0.5}},
-    "knows no walls": {"parameters": {"meets": 1, "is_linear": 1}},
+    "is_nonsmooth is found out": {"parameters": {"is_nonsmooth": 1}},
+    "collides must be 0 or 1": {"parameters": {"collides": 0.5}},
+    "knows no walls": {"parameters": {"collides": 1, "is_linear": 1}},
     "has no field mass": {"parameters": {"mass": 1.0}},
     "no drive is called hand": {"drive": {"kind": "hand", "parameters": {}}},
     "no drive has the parameter drive_amplitud": {

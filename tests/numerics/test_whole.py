@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.numerics.engine.book import allowed_error
+from latolato.numerics.engine.samples import allowed_error
+from latolato.numerics.host_entry import (
+    WRITTEN,
+    Beginning,
+    DriveParameters,
+    Shaking,
+    empty_beginning,
+    empty_shaking,
+)
 from latolato.numerics.pieces import (
     ALLOWED,
     BEGIN,
@@ -16,15 +24,7 @@ from latolato.numerics.pieces import (
     words_of,
 )
 from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
-from latolato.numerics.records import stretch_dtype, stretch_records
-from latolato.numerics.whole import (
-    WRITTEN,
-    Beginning,
-    DriveParameters,
-    Shaking,
-    empty_beginning,
-    empty_shaking,
-)
+from latolato.numerics.records import segment_dtype, segment_records
 from latolato.physics.contacts import ExactContact
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
@@ -38,7 +38,7 @@ SYSTEMS = {
 
 
 def shaken(drive):
-    """The stretches that the compiled formula writes for a drive of the package."""
+    """The segments that the compiled formula writes for a drive of the package."""
     numbers = {
         field.name: np.array(value) if isinstance(value, tuple) else value
         for field in fields(drive)
@@ -48,7 +48,7 @@ def shaken(drive):
     numbers |= {"side": getattr(drive, "side", 0.0)}
     numbers |= {"step_impulse": int(getattr(drive, "step_impulse", False))}
     example, number = empty_shaking(), np.zeros(1, dtype=np.int64)
-    out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=stretch_dtype())
+    out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=segment_dtype())
     given = DriveParameters(**example.drive._asdict() | numbers)
     words = np.array(words_of(Shaking(given, out, number), example))
     piece_of(SHAKE).call(words.ctypes.data)
@@ -57,9 +57,9 @@ def shaken(drive):
 
 def test_every_drive_is_written_as_python_writes_it(drive):
     if type(drive) not in WRITTEN.values():
-        assert isinstance(drive, ll.MeasuredPivot)  # a host gives its stretches
+        assert isinstance(drive, ll.MeasuredPivot)  # a host gives its segments
         return
-    found, expected = shaken(drive), stretch_records(drive, math.inf)
+    found, expected = shaken(drive), segment_records(drive, math.inf)
     assert len(found) == len(expected)
     for name in found.dtype.names:  # to rounding: compiled code may fuse multiply-adds
         np.testing.assert_allclose(found[name], expected[name], rtol=1e-14, atol=1e-14)
@@ -70,7 +70,7 @@ def test_steps_that_are_blows_are_written_with_their_jumps():
         drive_amplitude=0.03, times=[0.0, 2.0], drive_frequencies=[9, 5], step_impulse=True
     )
     found = shaken(drive)
-    assert found["jump"][1] == pytest.approx(drive.stretches(math.inf)[1].jump, rel=1e-14)
+    assert found["jump"][1] == pytest.approx(drive.segments(math.inf)[1].jump, rel=1e-14)
     assert found["jump"][1] != 0.0
 
 
@@ -80,9 +80,9 @@ def test_a_run_begins_as_pythons_does(name):
     angles = (0.8, -0.5)[: system.angles]
     given = {"angles": angles, "velocities": (0.3, -0.2), "duration": 10.0, "tolerance": 1e-10}
     case = cases_of(system, ExactContact(), **given)
-    stretches, problem = stretch_records(drive, 10.0), np.zeros(1, dtype=np.int64)
+    segments, problem = segment_records(drive, 10.0), np.zeros(1, dtype=np.int64)
     run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
-    words = np.array(words_of(Beginning(case, stretches, run, problem), empty_beginning()))
+    words = np.array(words_of(Beginning(case, segments, run, problem), empty_beginning()))
     piece_of(BEGIN).call(words.ctypes.data)
     bounds = drive.largest_acceleration, drive.fastest_frequency
     expected, _ = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import latolato as ll
 from latolato.core.errors import InputError
-from latolato.numerics.bounce import hop, meet_wall
+from latolato.numerics.wall_contact import hop, wall_contact
 from latolato.physics.contacts import contact_separation, pair_impact, wall_impact
 
 speeds = st.floats(-30.0, 30.0)
@@ -195,32 +195,32 @@ class TestRefusals:
 
 class TestMeetWall:
     def test_slow_impact_is_captured_and_its_energy_booked(self):
-        after, loss, captured, rests = meet_wall(-1e-7, -1.0, 0.9, 1e-6, 0.0)
+        after, loss, captured, rests = wall_contact(-1e-7, -1.0, 0.9, 1e-6, 0.0)
         assert (after, loss, rests) == (0.0, 0.0, True)
         assert captured == pytest.approx(0.5e-14)
 
     def test_slow_elastic_impact_bounces(self):
-        after, loss, captured, rests = meet_wall(-1e-7, -1.0, 1.0, 1e-6, 0.0)
+        after, loss, captured, rests = wall_contact(-1e-7, -1.0, 1.0, 1e-6, 0.0)
         assert (after, loss, captured, rests) == (1e-7, 0.0, 0.0, False)
 
     def test_zero_speed_rests_even_when_elastic(self):
-        assert meet_wall(0.0, -1.0, 1.0, 1e-6, 0.0) == (0.0, 0.0, 0.0, True)
+        assert wall_contact(0.0, -1.0, 1.0, 1e-6, 0.0) == (0.0, 0.0, 0.0, True)
 
     def test_nothing_rests_on_a_wall_that_it_accelerates_away_from(self):
-        assert meet_wall(-1e-7, 1.0, 0.9, 1e-6, 0.0)[3] is False
-        assert meet_wall(0.0, 1.0, 0.9, 1e-6, 0.0)[3] is False
+        assert wall_contact(-1e-7, 1.0, 0.9, 1e-6, 0.0)[3] is False
+        assert wall_contact(0.0, 1.0, 0.9, 1e-6, 0.0)[3] is False
 
     def test_plastic_impact_rests_and_books_an_impact_loss(self):
-        after, loss, captured, rests = meet_wall(-2.0, -1.0, 0.0, 1e-6, 0.0)
+        after, loss, captured, rests = wall_contact(-2.0, -1.0, 0.0, 1e-6, 0.0)
         assert abs(after) == 0.0
         assert (loss, captured, rests) == (2.0, 0.0, True)
 
     def test_friction_holds_what_pulls_weakly(self):
-        assert meet_wall(0.0, 0.5, 1.0, 1e-6, 0.6)[3] is True
+        assert wall_contact(0.0, 0.5, 1.0, 1e-6, 0.6)[3] is True
 
     @given(v=speeds, outward=speeds, e=restitutions, rest=st.floats(0.0, 1e-3))
     def test_losses_are_the_missing_energy(self, v, outward, e, rest):
-        after, loss, captured, rests = meet_wall(v, outward, e, rest, 0.0)
+        after, loss, captured, rests = wall_contact(v, outward, e, rest, 0.0)
         assert loss >= 0.0
         assert captured >= 0.0
         assert loss + captured + 0.5 * after**2 == pytest.approx(0.5 * v * v, rel=1e-14)

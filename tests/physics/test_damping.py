@@ -43,9 +43,9 @@ def test_drift_solves_its_equation(velocity, rate, quadratic):
         rtol=1e-13,
         atol=1e-15,
     )
-    travelled, slowed = flow(velocity, 1.3, rate, quadratic)
+    travelled, slower = flow(velocity, 1.3, rate, quadratic)
     assert travelled == pytest.approx(solution.y[0, -1], rel=1e-11)
-    assert slowed == pytest.approx(solution.y[1, -1], rel=1e-11)
+    assert slower == pytest.approx(solution.y[1, -1], rel=1e-11)
 
 
 @pytest.mark.parametrize("quadratic", QUADRATICS)
@@ -53,9 +53,9 @@ def test_drift_solves_its_equation(velocity, rate, quadratic):
 def test_drift_is_a_semigroup_forwards_and_backwards(rate, quadratic):
     first, middle = flow(3.0, 0.4, rate, quadratic)
     second, last = flow(middle, 0.25, rate, quadratic)
-    travelled, slowed = flow(3.0, 0.65, rate, quadratic)
+    travelled, slower = flow(3.0, 0.65, rate, quadratic)
     assert first + second == pytest.approx(travelled, rel=1e-14)
-    assert last == pytest.approx(slowed, rel=1e-14)
+    assert last == pytest.approx(slower, rel=1e-14)
     # The splitting has backward substeps.
     back, start = flow(middle, -0.4, rate, quadratic)
     assert back == pytest.approx(-first, rel=1e-14)
@@ -80,9 +80,9 @@ def test_small_quadratic_drag_tends_to_none():
 )
 @settings(max_examples=200, deadline=None)
 def test_drag_only_takes_energy_and_never_turns_the_motion(velocity, time, rate, quadratic):
-    travelled, slowed = flow(velocity, time, rate, quadratic)
-    assert abs(slowed) <= abs(velocity)
-    assert slowed * velocity >= 0.0
+    travelled, slower = flow(velocity, time, rate, quadratic)
+    assert abs(slower) <= abs(velocity)
+    assert slower * velocity >= 0.0
     assert travelled * velocity > 0.0
     assert abs(travelled) <= abs(velocity) * time * (1.0 + 1e-15)
 

@@ -12,7 +12,7 @@ import scipy.interpolate
 
 import latolato as ll
 from latolato.numerics.engine.record import as_objects
-from latolato.numerics.records import stretch_records
+from latolato.numerics.records import segment_records
 from latolato.physics.drives import PeriodicDrive, drives
 
 END = 10.0
@@ -20,8 +20,8 @@ END = 10.0
 
 @functools.lru_cache(maxsize=8)
 def pieces(drive, end=END):
-    """(begin, end, numbers) of each smooth stretch within [0, end]."""
-    records = stretch_records(drive, end)
+    """(begin, end, numbers) of each smooth segment within [0, end]."""
+    records = segment_records(drive, end)
     edges = [*records["start"], end]
     return [
         (max(a, 0.0), b, p)
@@ -31,7 +31,7 @@ def pieces(drive, end=END):
 
 
 def motion(drive, t, end=END):
-    """Height, velocity, acceleration at `t`, in the stretch that begins last before it."""
+    """Height, velocity, acceleration at `t`, in the segment that begins last before it."""
     p = [p for a, _, p in pieces(drive, end) if a <= t][-1]
     return drive.height(t, p), drive.velocity(t, p), drive.acceleration(t, p)
 
@@ -79,7 +79,7 @@ def test_the_pivots_place_is_continuous_where_stretches_meet(drive):
 
 
 def test_starts_increase_and_the_first_covers_time_zero(drive):
-    starts = [stretch.start for stretch in drive.stretches(END)]
+    starts = [segment.start for segment in drive.segments(END)]
     assert starts[0] <= 0.0
     assert all(b > a for a, b in itertools.pairwise(starts))
     assert all(start <= END for start in starts)
@@ -96,8 +96,8 @@ def test_acceleration_never_exceeds_its_declared_bound(drive):
 
 
 def test_every_field_of_a_stretch_is_a_number(drive):
-    for stretch in drive.stretches(END):
-        assert all(isinstance(number, float) for number in stretch)
+    for segment in drive.segments(END):
+        assert all(isinstance(number, float) for number in segment)
 
 
 def test_fastest_frequency_is_not_below_the_rate_of_the_motion(drive):
@@ -192,7 +192,7 @@ class TestPlanarHarmonic:
     def test_without_a_horizontal_amplitude_it_is_the_harmonic_drive(self):
         drive = self.ellipse(horizontal_amplitude=0.0)
         same = ll.Harmonic(drive_amplitude=0.02, drive_frequency=6.26, drive_phase=0.7)
-        assert drive.stretches(END) == same.stretches(END)
+        assert drive.segments(END) == same.segments(END)
         assert drive.largest_acceleration == same.largest_acceleration == 0.02 * 6.26 * 6.26
 
 
@@ -260,7 +260,7 @@ class TestSwept:
             assert q.jump != 0.0
         for unlike in ({}, {"ramp": 0.5, "step_impulse": True}):
             none = ll.FrequencySchedule(**arguments, **unlike)
-            assert {stretch.jump for stretch in none.stretches(END)} == {0.0}
+            assert {segment.jump for segment in none.segments(END)} == {0.0}
 
     def test_starts_increase_where_a_ramp_fills_its_stage(self):
         # Rounding of start + ramp must not put a knot behind the next stage.
@@ -275,7 +275,7 @@ class TestSwept:
                 drive_frequencies=[5.0, 6.0, 4.0, 7.0, 5.0],
                 ramp=ramp,
             )
-            starts = [s.start for s in drive.stretches(100.0)]
+            starts = [s.start for s in drive.segments(100.0)]
             assert all(b > a for a, b in itertools.pairwise(starts)), (times, ramp)
 
 
@@ -539,7 +539,7 @@ class TestMeasuredPivot:
     def test_run_outside_the_samples_is_refused(self):
         drive = self.sampled_cosine(60.0)
         with pytest.raises(ValueError, match="cover 0 to 5 s, but the run goes from 0 to 6 s"):
-            drive.stretches(6.0)
+            drive.segments(6.0)
         late = ll.MeasuredPivot(times=np.arange(0.5, 6.0, 0.5), pivot_heights=[0.0] * 11)
         with pytest.raises(ValueError, match=r"cover 0\.5 to 5\.5 s, but the run goes"):
-            late.stretches(5.0)
+            late.segments(5.0)

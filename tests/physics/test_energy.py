@@ -79,12 +79,12 @@ def derived():
 @pytest.mark.parametrize("lift", [0.0, 13.0, -21.0])
 def test_acceleration_of_eq10_follows_from_its_lagrangian(derived, angle, speed, lift):
     ball = ll.Ball(length=l, mass=m, damping=C)
-    coupling, rate, quadratic = body_record(ball)[:3]
+    inverse_length, rate, quadratic = body_record(ball)[:3]
     restored = restoring_sine(angle)
-    alpha = swung(g + lift, coupling, restored)
+    alpha = swung(g + lift, inverse_length, restored)
     alpha -= drag(speed, float(np.sign(speed)), rate, quadratic, 0.0)
     assert alpha == pytest.approx(derived["alpha"](angle, speed, 0, 0, lift, l, m, g, C), rel=1e-13)
-    driven = swung(lift, coupling, restored)
+    driven = swung(lift, inverse_length, restored)
     assert driven == pytest.approx(-lift * math.sin(angle) / l, rel=1e-14)
 
 

@@ -43,7 +43,7 @@ function give(name, bytes) {
 const bytesOf = (numbers) => new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
 
 function run(kernels, memory, { how, seen, parameters }) {
-  if (parameters) memory.stretches = shake(kernels, parameters.kind, parameters.drive);
+  if (parameters) memory.segments = shake(kernels, parameters.kind, parameters.drive);
   const start = performance.now();
   const { samples, contacts, run: record, ...about } = parameters
     ? simulate(kernels, parameters.case, memory, how) : integrate(kernels, memory, how);
@@ -61,7 +61,7 @@ function run(kernels, memory, { how, seen, parameters }) {
   }];
 }
 
-function points(kernels, memory, { contact_limit, slots, is_linear, hooks, lanes }) {
+function points(kernels, memory, { contact_limit, slots, is_linear, callbacks, lanes }) {
   const under = (tuple) => Object.fromEntries(Object.entries(memory)
     .filter(([name]) => name.startsWith(`${tuple}.`))
     .map(([name, value]) => [name.slice(tuple.length + 1), value]));
@@ -69,7 +69,7 @@ function points(kernels, memory, { contact_limit, slots, is_linear, hooks, lanes
   const all = { order: memory.order, points: { ...under("points"), contact_limit }, progress,
     stepper: under("stepper"), slots, is_linear };
   const start = performance.now();
-  runPoints(kernels, all, hooks, lanes);
+  runPoints(kernels, all, callbacks, lanes);
   const seconds = (performance.now() - start) / 1e3;
   return [{ seconds }, () => {
     for (const [name, array] of Object.entries(progress)) give(name, kernels.bytes(array));

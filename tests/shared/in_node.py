@@ -23,14 +23,14 @@ import latolato as ll
 from latolato.app import STATIC
 from latolato.core.registry import describe, number_fields
 from latolato.numerics import integrate, records
+from latolato.numerics.batch import Progress
+from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, formulas_of
 from latolato.numerics.engine import record
-from latolato.numerics.many import Progress
+from latolato.numerics.host_entry import WRITTEN
 from latolato.numerics.pieces import SHARED
 from latolato.numerics.prepare import cases_of
 from latolato.numerics.sources import digest_of_sources
 from latolato.numerics.steppers import Stepper
-from latolato.numerics.watch import ON_STEP, ON_TANGENT, hooks_of
-from latolato.numerics.whole import WRITTEN
 from latolato.observables.base import observables
 from latolato.physics.contacts import ExactContact
 from latolato.physics.pendulum import restoring_linear
@@ -50,7 +50,7 @@ _TYPES = {
     record.STATE: "state",
     records.SETTINGS: "settings",
     records.BODY: "body",
-    records.stretch_dtype(): "stretch",
+    records.segment_dtype(): "segment",
     records.BALL: "ball",
     records.CASE: "case",
 }
@@ -145,7 +145,7 @@ def from_parameters(case: Case, system: Any, drive: Any, **arguments: Any) -> Ca
         "drive": {**numbers, "side": getattr(drive, "side", 0.0)},
         "case": {path: value for path, value in _paths(record) if not np.isnan(value).any()},
     }
-    arrays = {name: a for name, a in case.arrays.items() if name not in ("run", "stretches")}
+    arrays = {name: a for name, a in case.arrays.items() if name not in ("run", "segments")}
     return Case({**case.options, "parameters": parameters}, arrays, case.expected)
 
 
@@ -178,7 +178,7 @@ def points_case(
     plan: Plan, batch: Batch, stepper: Stepper, order: Any, progress: Progress, *, in_lanes: bool
 ) -> Case:
     """Return points of a sweep at their beginning; they expect what `Progress` has."""
-    layout, hooks = read_layout(), hooks_of(plan.observables)
+    layout, callbacks = read_layout(), formulas_of(plan.observables)
     pieces = {
         (how, getattr(kind, {"show": "step", "follow": "tangent"}.get(how, how))): piece
         for name, kind in observables.items()
@@ -186,7 +186,7 @@ def points_case(
     }
 
     def shown(occasion: int, how: str) -> list[tuple[int, str]]:
-        return [(first, pieces[how, formula]) for first, formula in hooks[occasion]]
+        return [(first, pieces[how, formula]) for first, formula in callbacks[occasion]]
 
     walled = plan.system.has_contacts and plan.contact.meets
     for_lanes = {
@@ -199,7 +199,7 @@ def points_case(
         "contact_limit": int(batch.points.contact_limit),
         "slots": len(progress.acc) // len(progress.status),
         "is_linear": plan.system.restoring is restoring_linear,
-        "hooks": [shown(i, how) for i, how in enumerate(layout["occasions"])],
+        "callbacks": [shown(i, how) for i, how in enumerate(layout["occasions"])],
         "lanes": for_lanes if in_lanes else None,
     }
     arrays = {
@@ -228,7 +228,7 @@ def map_case(plan: Plan, expected: dict[str, Any], variant: str = "") -> Case:
     """Return the points of a plan as Node.js begins them from their parameters by itself."""
     columns = points.columns_of(plan, np.arange(plan.size))
     numbers = dict(_columns(points._cases(plan, columns, None)))
-    own = "angles", "is_rough", "follows_tension", "mirrored"  # which the host finds out
+    own = "angles", "is_nonsmooth", "follows_tension", "mirrored"  # which the host finds out
     parameters = {
         path: column
         for path, column in numbers.items()

@@ -194,7 +194,7 @@ class Strings:
         """Let balls collide that touch and approach."""
         before, (_, rate, n) = self.speeds(), self.normal(self.y)
         slow = self.e < 1.0 and -rate / self.bodies[0].l < self.rest_speed
-        assert not slow or self.walls, "lasting contact of two balls is not described here"
+        assert not slow or self.walls, "sticking contact of two balls is not described here"
         slow &= self.modes[0] == TAUT and self.pressed(t, self.y) > 0.0
         e = 0.0 if slow else self.e
         states = [self.placed(i, self.y) for i in self.balls]

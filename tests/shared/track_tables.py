@@ -53,10 +53,10 @@ def decay_table(
 def planar_table(drive, *, duration=20.0, seed=0, correlation=0.0, size=2e-4, **attributes):
     """A pivot that moves as a `PlanarHarmonic`, as a tracker sees it; `size` is the noise in m."""
     time = np.arange(0.0, duration, 1.0 / 60.0)
-    (stretch,) = drive.stretches(duration)
+    (segment,) = drive.segments(duration)
     columns = {"time": time}
     for place, (name, formula) in enumerate((("pivot_x", drive.across), ("pivot_y", drive.height))):
-        clean = np.array([formula(t, stretch) for t in time])
+        clean = np.array([formula(t, segment) for t in time])
         columns[name] = clean + noise(len(time), seed + 1000 * place, correlation, size)
     return track_table(columns, attributes)
 

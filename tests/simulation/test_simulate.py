@@ -517,11 +517,11 @@ class TestBadInput:
             )  # fmt: skip
 
     def test_ramp_as_long_as_a_stage_of_decimal_times_is_accepted(self):
-        # 0.3 - 0.2 is 0.09999999999999998. The ramps meet: one stretch each, in order.
+        # 0.3 - 0.2 is 0.09999999999999998. The ramps meet: one segment each, in order.
         drive = ll.FrequencySchedule(
             drive_amplitude=0.1, times=[0.0, 0.2, 0.3], drive_frequencies=[1.0, 2.0, 3.0], ramp=0.1
         )
-        starts = [stretch.start for stretch in drive.stretches(1.0)]
+        starts = [segment.start for segment in drive.segments(1.0)]
         np.testing.assert_allclose(starts, [0.0, 0.2, 0.3, 0.4], rtol=1e-15)
 
     def test_run_outside_measured_samples_is_refused(self):

@@ -46,5 +46,5 @@ def test_a_sweep_counts_what_tangled():
         observables=["slack_fraction"],
     )
     grid = run_plan(plan)
-    grid.status[...] = [["converged", "tangled"], ["tangled", "converged"]]
-    assert summarise_sweep(grid, plan)["status"] == {"converged": 2, "tangled": 2}
+    grid.status[...] = [["converged", "outside_model"], ["outside_model", "converged"]]
+    assert summarise_sweep(grid, plan)["status"] == {"converged": 2, "outside_model": 2}

@@ -9,7 +9,7 @@ import latolato as ll
 from latolato.core.errors import InputError
 from latolato.numerics.integrate import choose_step
 from latolato.numerics.prepare import cases_of, prepared_runs
-from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID, stretch_records
+from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID, segment_records
 from latolato.observables import PoincareSection
 from latolato.simulation.run import simulate
 from latolato.simulation.start import checked_start
@@ -229,8 +229,8 @@ def test_points_begin_as_single_runs_do(name, follows):
         assert bodies.tobytes() == alone["bodies"][0, : len(bodies)].tobytes()
         assert batch.states[k].tobytes() == alone["state"].tobytes()
         first, last = batch.points.firsts[k : k + 2]
-        own = stretch_records(drive, plan.duration)
-        np.testing.assert_array_equal(batch.points.stretches[first:last], own)
+        own = segment_records(drive, plan.duration)
+        np.testing.assert_array_equal(batch.points.segments[first:last], own)
 
 
 def test_points_step_like_single_runs():

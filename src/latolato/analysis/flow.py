@@ -1,4 +1,4 @@
-"""The motion over a given time, and how it changes small deviations."""
+"""The motion over a given time, and how it changes perturbations."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Passage:
     end : ndarray, shape (state,)
         Angle and angular velocity of the right, then of the left ball.
     matrix : ndarray, shape (state, state)
-        Multiplies small deviations of the start.
+        Multiplies perturbations of the start.
     spread : float
         Logarithm of the determinant that the laws of motion give the matrix.
     largest_angle : float

@@ -164,9 +164,9 @@ def acceleration_at(template: PeriodicDrive, amplitude: float) -> Callable[[floa
     The phase at time zero is left out: nothing here depends on it.
     """
     drive = replace(template, drive_amplitude=amplitude, drive_frequency=1.0, drive_phase=0.0)
-    (stretch,) = drive.stretches(math.tau)
+    (segment,) = drive.segments(math.tau)
     formula = type(drive).acceleration
-    return lambda phase: formula(phase, stretch)
+    return lambda phase: formula(phase, segment)
 
 
 def peak(template: PeriodicDrive, amplitude: float) -> float:

@@ -37,7 +37,7 @@ class Orbit:
     start : ndarray, shape (state,)
         Angle and angular velocity of the right, then of the left ball, at time zero.
     passage : Passage
-        The way back to the start, with the matrix of small deviations.
+        The way back to the start, with the matrix of perturbations.
     duration : float
         Its time [s].
     turns : int

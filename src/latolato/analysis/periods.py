@@ -64,7 +64,7 @@ def response_period(
         with the smallest change of a parameter), "aperiodic" (no period up to `longest`), "not
         settled" (the motion still changes after the transient), "slackens" (a ball hangs still, but
         hops up and down on its string), or that of a run without an answer ("event_limit",
-        "failed", "invalid", "tangled").
+        "failed", "invalid", "outside_model").
         ``response_period`` [1] is NaN where there is none; ``recurrence_residual`` [rad] is the
         distance left after one period, or of the closest recurrence.
         ``rotation_number`` [1] is, with walls, the impacts per drive period. Without, it is the

@@ -16,8 +16,8 @@ from latolato.analysis.starts import start_columns, start_options
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.core.registry import checked_number
-from latolato.physics.drives import Chirp, Drive, Harmonic, Stretch, drives
-from latolato.physics.drives.stretch import COSINE
+from latolato.physics.drives import Chirp, Drive, Harmonic, Segment, drives
+from latolato.physics.drives.segment import COSINE
 from latolato.physics.pendulum import System
 from latolato.simulation.run import simulate
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
@@ -246,9 +246,9 @@ def shortest_protocol(
     )
 
 
-def last_cosine(drive: Drive) -> Stretch | None:
-    """Return the last stretch of a drive's motion if that is a cosine."""
-    last = drive.stretches(math.inf)[-1]
+def last_cosine(drive: Drive) -> Segment | None:
+    """Return the last segment of a drive's motion if that is a cosine."""
+    last = drive.segments(math.inf)[-1]
     return last if getattr(last, "form", None) == COSINE else None
 
 
@@ -271,7 +271,7 @@ def _settle(search: _Search, drive: Drive, cases: dict[str, Floats], **start: An
     names = list(cases)
     # Balls that still rest are in equal states: each is run once.
     table, back = np.unique(np.column_stack(list(cases.values())), axis=0, return_inverse=True)
-    wait = search.settling + drive.stretches(math.inf)[-1].start
+    wait = search.settling + drive.segments(math.inf)[-1].start
     grid = sweep(
         search.system,
         drive,

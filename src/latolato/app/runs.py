@@ -19,10 +19,10 @@ from latolato.app.run_request import RunRequest, check_size, options_of
 from latolato.core.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
-from latolato.physics.drives.stretch import POLYNOMIAL, STILL
+from latolato.physics.drives.segment import POLYNOMIAL, STILL
 from latolato.scenario.scenario import Scenario
-from latolato.simulation.record import LEDGER
 from latolato.simulation.run import SAMPLES_PER_PERIOD
+from latolato.simulation.record import LEDGER
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -114,12 +114,12 @@ def strobes_of(drive: Drive, end: float) -> NDArray[np.float64]:
 
     Empty for a drive that has no phase, or that turns too often to be shown.
     """
-    result, stretches = [], drive.stretches(end)
-    ends = [*(stretch.start for stretch in stretches[1:]), end]
-    for stretch, last in zip(stretches, ends, strict=True):
-        if getattr(stretch, "form", STILL) in (STILL, POLYNOMIAL):
+    result, segments = [], drive.segments(end)
+    ends = [*(segment.start for segment in segments[1:]), end]
+    for segment, last in zip(segments, ends, strict=True):
+        if getattr(segment, "form", STILL) in (STILL, POLYNOMIAL):
             continue
-        start, phase, w, rate = stretch.start, stretch.phase, stretch.frequency, stretch.rate
+        start, phase, w, rate = segment.start, segment.phase, segment.frequency, segment.rate
         span = last - start
         reached = phase + span * (w + 0.5 * rate * span)
         if not abs(reached - phase) < math.tau * MOST_STROBES:

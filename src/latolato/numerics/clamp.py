@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.engine.book import follow_ledger, write_sample
+from latolato.numerics.callbacks import ON_STEP, Accumulators, Callbacks
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import FLIGHT, UNSETTLED
-from latolato.numerics.watch import ON_STEP, Eyes, Watch
-from latolato.observables import Segment
+from latolato.numerics.engine.samples import follow_ledger, write_sample
+from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact
 from latolato.physics.damping import drag
@@ -24,23 +24,23 @@ from latolato.physics.pendulum import swung
 
 
 def make_clamped(
-    laws: Laws, count: int, watch: Watch, part: Part = as_it_stands
+    laws: Laws, count: int, callbacks: Callbacks, part: Part = as_it_stands
 ) -> Callable[..., int]:
     """Return the function of the clamp, with the arguments of `engine.loop.make_engine`'s."""
     pivot_acceleration, restoring, potential = (
         laws.pivot_acceleration, laws.restoring, laws.potential
     )  # fmt: skip
-    watch_step, sees = watch.step, watch.sees
+    on_step, is_wanted = callbacks.step, callbacks.is_wanted
 
     @part
     def slopes(run: Any, t: float, x: float, v: float) -> tuple[float, float, float]:
         """Return acceleration, drive power and damping power per inertia."""
         b, gravity = run.bodies[0], run.settings.gravity
         restored = restoring(x, run.settings.is_linear)
-        driven = swung(pivot_acceleration(t, run.stretch), b.coupling, restored)
+        driven = swung(pivot_acceleration(t, run.segment), b.inverse_length, restored)
         sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
-        slowing = drag(v, sign, b.rate, b.quadratic, b.coulomb)
-        a = driven + swung(gravity, b.coupling, restored) - slowing
+        slowing = drag(v, sign, b.damping_rate, b.quadratic, b.coulomb)
+        a = driven + swung(gravity, b.inverse_length, restored) - slowing
         return a, driven * v, slowing * v
 
     @part
@@ -63,22 +63,22 @@ def make_clamped(
     @part
     def energy(run: Any, x: float, v: float) -> float:
         """Return the energy over the moment of inertia [1/s^2]."""
-        stiffness = run.settings.gravity * run.bodies[0].coupling
+        stiffness = run.settings.gravity * run.bodies[0].inverse_length
         return 0.5 * v * v + stiffness * potential(x, run.settings.is_linear)
 
     @part
-    def show(run: Any, eyes: Eyes) -> None:
+    def show(run: Any, accumulators: Accumulators) -> None:
         """Show the observables a step."""
         x0, v0 = run.now[0].angle, run.now[0].velocity
         x1, v1 = run.end[0].angle, run.end[0].velocity
         a0, w0, d0 = slopes(run, run.t, x0, v0)
         a1, w1, d1 = slopes(run, run.t_end, x1, v1)
-        segment = Segment(
+        segment = Step(
             run.t, run.t_end, x0, x1, v0, v1, a0, a1, energy(run, x0, v0), energy(run, x1, v1),
             w0 - d0, w1 - d1, 0.0,
             turning_angle(run.t_end - run.t, x0, v0, a0, x1, v1, a1),
         )  # fmt: skip
-        watch_step(run, eyes, 0, segment)
+        on_step(run, accumulators, 0, segment)
 
     @part
     def put_back(run: Any, output: Output) -> None:
@@ -96,9 +96,14 @@ def make_clamped(
         run.state.impact_loss += run.bodies[0].inertia * lost
 
     def carry_on(
-        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
+        run: Any,
+        timetable: Timetable,
+        output: Output,
+        accumulators: Accumulators,
+        stop: float,
+        most_steps: int,
     ) -> int:
-        state, stretches, times = run.state, timetable.stretches, output.sample_times
+        state, segments, times = run.state, timetable.segments, output.sample_times
         h, inertia, point = run.settings.step, run.bodies[0].inertia, run.now[0]
         run.rows = run.done = 0
         run.length, run.t = h, state.steps * h
@@ -109,11 +114,9 @@ def make_clamped(
             state.largest_energy = state.first_energy
         while run.t < stop and run.done < most_steps and run.rows < len(output.contact_times) - 1:
             run.done += 1
-            while (
-                state.stretch + 1 < len(stretches) and stretches[state.stretch + 1].start <= run.t
-            ):
-                state.stretch += 1
-            run.stretch = stretches[state.stretch]
+            while state.segment + 1 < len(segments) and segments[state.segment + 1].start <= run.t:
+                state.segment += 1
+            run.segment = segments[state.segment]
             run.t_end = (state.steps + 1) * h
             step(run)
             while state.sample < len(times) and times[state.sample] < run.t_end:
@@ -122,8 +125,8 @@ def make_clamped(
                 inside.angle = point.angle + share * (run.end[0].angle - point.angle)
                 inside.velocity = point.velocity + share * (run.end[0].velocity - point.velocity)
                 write_sample(run, output, run.inside, 1, share * run.work, share * run.loss)
-            if sees(run, ON_STEP):
-                show(run, eyes)
+            if is_wanted(run, ON_STEP):
+                show(run, accumulators)
             point.angle, point.velocity = run.end[0].angle, run.end[0].velocity
             state.drive_work += run.work
             state.damping_loss += run.loss

@@ -14,7 +14,7 @@ GAP, RATE = 0, 1
 # More halvings than a double has bits below a step: a search that needs them has no root.
 MOST_TRIALS = 120
 # A search ends when no more than this share of a step is missing: a glide takes that to rounding.
-GLIDE = 1e-5
+EXTENDABLE = 1e-5
 # Trials of a guess by a polynomial; a few more only save steps.
 MOST_GUESSES = 12
 
@@ -91,7 +91,7 @@ def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
 
     The function returns a value, its slope and its curvature; the value changes its sign between
     the ends. Called as ``root(run, guess, low, high, far, *rest)``, `far` the sign at `high`. The
-    result is the last trial and what is missing from there, a `GLIDE` of the bracket at most.
+    result is the last trial and what is missing from there, a `EXTENDABLE` of the bracket at most.
     """
 
     @part
@@ -100,7 +100,7 @@ def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
     ) -> tuple[float, float]:
         span = move = high - low
         for _ in range(MOST_TRIALS):
-            value, slope, bend = function(run, s, *rest)
+            value, slope, curvature = function(run, s, *rest)
             if value == 0.0:
                 break
             if value * far > 0.0:
@@ -109,8 +109,12 @@ def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
                 low = s
             trial, newton = next_trial(s, value, slope, low, high, move)
             move = trial - s
-            if newton and abs(move) <= GLIDE * span and abs(bend * move) <= GLIDE * abs(slope):
-                return s, move - 0.5 * bend / slope * move * move
+            if (
+                newton
+                and abs(move) <= EXTENDABLE * span
+                and abs(curvature * move) <= EXTENDABLE * abs(slope)
+            ):
+                return s, move - 0.5 * curvature / slope * move * move
             if high - low <= 4e-16 * span:
                 break
             s = trial

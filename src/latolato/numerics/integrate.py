@@ -11,6 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import records
+from latolato.numerics.callbacks import (
+    NO_FORMULAS,
+    ON_START,
+    Accumulators,
+    Formulas,
+    blank_slots,
+    formulas_of,
+    make_callbacks,
+)
+from latolato.numerics.derived import Observation, empty_observation
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
 from latolato.numerics.engine.loop import (
@@ -20,11 +30,9 @@ from latolato.numerics.engine.loop import (
     empty_arguments,
 )
 from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.observe import Observation, empty_observation
 from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
-from latolato.numerics.watch import BLIND, ON_START, Eyes, Hooks, blank_slots, hooks_of, make_watch
 from latolato.observables import Observable
 from latolato.physics.contacts import ContactLaw, ExactContact
 from latolato.physics.drives import Drive
@@ -147,41 +155,49 @@ def motion_laws(system: System, drive: Drive, *, in_plane: bool) -> tuple[Formul
 def engine_of(
     count: int,
     *laws: Formula,
-    stretch: np.dtype[Any] | None = None,
+    segment: np.dtype[Any] | None = None,
     motion: str = "exact",
     compiled: bool = True,
-    hooks: tuple[Hooks, ...] = BLIND,
+    formulas: tuple[Formulas, ...] = NO_FORMULAS,
 ) -> Callable[..., int]:
     """Return the engine as Python calls it, compiled or as plain Python.
 
     Its arguments are those of `engine.loop.make_engine`, but for the first: runs of shape (1,), as
-    from `prepared_runs`. `stretch` is the layout of the drive's stretches, if not the usual one.
+    from `prepared_runs`. `segment` is the layout of the drive's segments, if not the usual one.
     """
     if not compiled:
-        plain = make_trajectory(*laws, count=count, watch=make_watch(hooks), motion=motion)
+        plain = make_trajectory(
+            *laws, count=count, callbacks=make_callbacks(formulas), motion=motion
+        )
 
         def carry_on_plainly(runs: NDArray[Any], timetable: Timetable, *rest: Any) -> int:
-            run, stretches = as_objects(runs)[0], as_objects(timetable.stretches)
-            written = plain(run, timetable._replace(stretches=stretches), *rest)
+            run, segments = as_objects(runs)[0], as_objects(timetable.segments)
+            written = plain(run, timetable._replace(segments=segments), *rest)
             write_back([run.state], runs["state"])
             return written
 
         return carry_on_plainly
-    from latolato.numerics.pieces import engine_recipe, hook_table, piece_of, pieces_of, words_of
+    from latolato.numerics.pieces import (
+        callback_table,
+        engine_recipe,
+        piece_of,
+        pieces_of,
+        words_of,
+    )
 
-    piece = piece_of(engine_recipe(count, stretch or records.stretch_dtype(), *laws, motion=motion))
-    looking = pieces_of(hooks)
-    table = hook_table(looking)
-    example = empty_arguments(stretch or records.stretch_dtype())
+    piece = piece_of(engine_recipe(count, segment or records.segment_dtype(), *laws, motion=motion))
+    looking = pieces_of(formulas)
+    table = callback_table(looking)
+    example = empty_arguments(segment or records.segment_dtype())
 
     def carry_on(
-        runs: NDArray[Any], timetable: Timetable, output: Output, eyes: Eyes, stop: float,
-        most_steps: int,
+        runs: NDArray[Any], timetable: Timetable, output: Output, accumulators: Accumulators,
+        stop: float, most_steps: int,
     ) -> int:  # fmt: skip
         assert looking is not None  # the code of the pieces must not go while they are called
-        words = words_of((timetable, output, eyes), example)
+        words = words_of((timetable, output, accumulators), example)
         runs["words"][0, : len(words)] = words
-        runs["engine"], runs["hooks"] = piece.address, table.ctypes.data
+        runs["engine"], runs["callbacks"] = piece.address, table.ctypes.data
         rows: int = piece.call(runs.ctypes.data, stop, most_steps)
         return rows
 
@@ -195,9 +211,9 @@ def observe(observation: Observation, *laws: Formula) -> None:
     """
     from latolato.numerics.pieces import observer_recipe, piece_of, words_of
 
-    stretch = observation.stretches.dtype
-    words = np.array(words_of(observation, empty_observation(stretch)))
-    piece_of(observer_recipe(stretch, *laws)).call(words.ctypes.data)
+    segment = observation.segments.dtype
+    words = np.array(words_of(observation, empty_observation(segment)))
+    piece_of(observer_recipe(segment, *laws)).call(words.ctypes.data)
 
 
 def integrate(
@@ -241,17 +257,17 @@ def integrate(
     for i, distance in enumerate(start.distances):
         case["initial_distance"][:, i] = distance
     case["step"] = step
-    stretches = records.stretch_records(drive, duration)
-    hooks = hooks_of(watched)
+    segments = records.segment_records(drive, duration)
+    formulas = formulas_of(watched)
     in_plane = moves_in_plane(system, drive)
     carry_on = engine_of(
-        angles, *motion_laws(system, drive, in_plane=in_plane), stretch=stretches.dtype,
-        motion=law.motion, compiled=compiled, hooks=hooks,
+        angles, *motion_laws(system, drive, in_plane=in_plane), segment=segments.dtype,
+        motion=law.motion, compiled=compiled, formulas=formulas,
     )  # fmt: skip
-    runs, _ = prepared_runs(case, stepper, stretches.dtype, compiled=compiled)
+    runs, _ = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
     state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
-        stretches,
+        segments,
         np.empty(0) if kick_times is None else kick_times,
         np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
     )
@@ -259,7 +275,7 @@ def integrate(
     samples = np.full((rows, len(sample_times)), np.nan)
     spare = SPARE_IN_PLANE if in_plane else SPARE_ROWS
     acc = blank_slots(watched, angles).ravel()
-    for first, formula in hooks[ON_START]:
+    for first, formula in formulas[ON_START]:
         for ball, angle in enumerate(start.angles):
             formula(acc, first * angles + ball, angles, angle)
     room = 256
@@ -274,7 +290,9 @@ def integrate(
             np.zeros((records.CONTACT_ROWS, size)),
         )
         output = Output(sample_times, samples, *buffers)
-        written = carry_on(runs, timetable, output, Eyes(acc, 0, angles), duration, STEPS_PER_CALL)
+        written = carry_on(
+            runs, timetable, output, Accumulators(acc, 0, angles), duration, STEPS_PER_CALL
+        )
         times.append(buffers[0][:written])
         kinds.append(buffers[1][:written])
         values.append(buffers[2][:, :written])
@@ -293,7 +311,7 @@ def integrate(
             status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
             failed = True
             break
-        if state.is_tangled != 0:
+        if state.is_outside_model != 0:
             status = f"stopped at t = {reached:.9g} s: {_TANGLED}"
             break
         if reached >= duration:

@@ -12,12 +12,12 @@ import numpy as np
 
 from latolato.core.scalar import formula
 from latolato.numerics import lane_rows as r
-from latolato.numerics.addresses import ANY_SIZE, array_at
+from latolato.numerics.abi import ANY_SIZE, array_at
 from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import Formula, restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
-from latolato.observables import Segment
+from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.pendulum import SLOPES
 
@@ -54,17 +54,17 @@ def make_fly(
             b, at = kicks[i], i * r.TABLE_ROWS * L
             for j in range(width):
                 cos, sin = table[at + r.COS * L + j], table[at + r.SIN * L + j]
-                reach, left = table[at + r.REACH * L + j], table[at + r.LEFT * L + j]
+                reach, left = table[at + r.DRIFT_TIME * L + j], table[at + r.LEFT * L + j]
                 driven = w[r.C * L + j] * cos - w[r.D * L + j] * sin
                 v, s = w[r.V * L + j], w[r.S * L + j]
                 change = b * (w[r.G * L + j] + driven) * s
                 if works:
                     w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
                 if tangents:
-                    bend = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                    curvature = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
                     kept = left if damped else 1.0
-                    v1 = w[(first + 1) * L + j] + bend * w[first * L + j]
-                    v2 = w[(second + 1) * L + j] + bend * w[second * L + j]
+                    v1 = w[(first + 1) * L + j] + curvature * w[first * L + j]
+                    v2 = w[(second + 1) * L + j] + curvature * w[second * L + j]
                     w[first * L + j] += v1 * reach
                     w[second * L + j] += v2 * reach
                     w[(first + 1) * L + j] = v1 * kept
@@ -74,10 +74,10 @@ def make_fly(
                 w[r.X * L + j] = x
                 w[r.S * L + j] = restoring(x)
                 if damped:
-                    slowed = v * left
+                    slower = v * left
                     if works:
-                        w[r.LOSS * L + j] += 0.5 * (v - slowed) * (v + slowed)
-                    v = slowed
+                        w[r.LOSS * L + j] += 0.5 * (v - slower) * (v + slower)
+                    v = slower
                 w[r.V * L + j] = v
         b, at = kicks[stages], stages * r.TABLE_ROWS * L
         for j in range(width):
@@ -91,9 +91,9 @@ def make_fly(
                 w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
             w[r.V * L + j] = v + change
             if tangents:
-                bend = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
-                w[(first + 1) * L + j] += bend * w[first * L + j]
-                w[(second + 1) * L + j] += bend * w[second * L + j]
+                curvature = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                w[(first + 1) * L + j] += curvature * w[first * L + j]
+                w[(second + 1) * L + j] += curvature * w[second * L + j]
 
     @part
     def judge(w: Any) -> float:
@@ -241,7 +241,7 @@ def make_show(
             p0 = w[r.P0 * L + j] if energy else potential(x0, is_linear)
             p1 = w[r.P1 * L + j] if energy else potential(x1, is_linear)
             turns = w[r.TURN * L + j] if turn else turning_angle(h, x0, v0, a0, x1, v1, a1)
-            segment = Segment(
+            segment = Step(
                 t0, t0 + w[r.TAKEN * L + j] * h, x0, x1, v0, v1, a0, a1,
                 0.5 * v0 * v0 + stiffness * p0, 0.5 * v1 * v1 + stiffness * p1,
                 v0 * (a0 + stiffness * s0), v1 * (a1 + stiffness * s1), 0.0, turns,

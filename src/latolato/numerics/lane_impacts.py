@@ -11,16 +11,16 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics import lane_rows as r
-from latolato.numerics.bounce import hop, meet_wall
+from latolato.numerics.batch import Points, Progress, Scratch
+from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, Accumulators, Callbacks
 from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.record import REST
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing
-from latolato.numerics.lane_locate import GLIDE, MOST_DRAG
-from latolato.numerics.many import Points, Progress, Scratch
+from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
+from latolato.numerics.lane_locate import EXTENDABLE, MOST_DRAG
 from latolato.numerics.matrices import clear_matrix, write_matrix
-from latolato.numerics.watch import ON_STEP, ON_TANGENT, Eyes, Watch
-from latolato.observables import Segment
+from latolato.numerics.wall_contact import hop, wall_contact
+from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, wall_saltation
@@ -37,9 +37,9 @@ class LaneImpacts(NamedTuple):
 def make_lane_impacts(
     laws: Laws,
     rotation: Callable[..., tuple[float, float, float]],
-    swing: Swing,
+    swing: TautStep,
     store: Callable[..., None],
-    watch: Watch,
+    callbacks: Callbacks,
     part: Part,
 ) -> LaneImpacts:
     """Return the functions of impacts in lanes.
@@ -50,38 +50,40 @@ def make_lane_impacts(
         Of one ball.
     store : callable
         Writes a lane's motion back to its point.
-    watch : Watch
+    callbacks : Callbacks
         What observables are shown.
     """
     inline = inlined(part)
     restoring, potential = laws.restoring, laws.potential
-    watch_step, on_contact, watch_tangent, sees = (
-        watch.step, watch.contact, watch.tangent, watch.sees
+    on_step, on_contact, on_tangent, is_wanted = (
+        callbacks.step, callbacks.contact, callbacks.tangent, callbacks.is_wanted
     )  # fmt: skip
 
     @part
-    def follow_flight(run: Any, eyes: Eyes, t: float, x: float, v: float, hs: float) -> None:
+    def follow_flight(
+        run: Any, accumulators: Accumulators, t: float, x: float, v: float, hs: float
+    ) -> None:
         """Show the observables the matrix of a part of a step."""
         begin, run.t = run.inside[0], t
         begin.angle, begin.velocity, begin.sign = x, v, 1.0
-        swing.feel(run, 0, t, begin)
+        swing.write_forces(run, 0, t, begin)
         swing.prepare(run, 0, ANY_LENGTH, hs)
         write_matrix(run.jacobian, 0, swing.tangent(run, 0, ANY_LENGTH, begin))
-        watch_tangent(run, eyes, 0, 2, hs, -run.bodies[0].rate * hs, run.jacobian)
+        on_tangent(run, accumulators, 0, 2, hs, -run.bodies[0].damping_rate * hs, run.jacobian)
 
     @part
     def follow_impact(
-        run: Any, eyes: Eyes, before: float, after: float, rests: bool, free: float
+        run: Any, accumulators: Accumulators, before: float, after: float, rests: bool, free: float
     ) -> None:
         """Show the observables the matrix of an impact; rest forgets all."""
-        rate, e = run.bodies[0].rate, run.settings.restitution
+        rate, e = run.bodies[0].damping_rate, run.settings.restitution
         clear_matrix(run.jacobian, 2)
         spread = -math.inf
         if not rests and before != 0.0:
             pulls = free - rate * before, free - rate * after
             write_matrix(run.jacobian, 0, wall_saltation(before, after, pulls[0], pulls[1]))
             spread = 2.0 * math.log(e) if e > 0.0 else -math.inf
-        watch_tangent(run, eyes, 0, 2, 0.0, spread, run.jacobian)
+        on_tangent(run, accumulators, 0, 2, 0.0, spread, run.jacobian)
 
     @inline
     def is_impact(j: int, w: Any) -> bool:
@@ -123,17 +125,17 @@ def make_lane_impacts(
         z[r.IWALL * E + e] = w[r.LOW * L + j] if far < 0.0 else w[r.HIGH * L + j]
         z[r.IFAR * E + e] = far
         z[r.IG * E + e] = w[r.G * L + j]
-        strength, frequency, phase = rotation(points.stretches[points.firsts[k]])
+        strength, frequency, phase = rotation(points.segments[points.firsts[k]])
         t = w[r.T * L + j] + w[r.N * L + j] * h
-        z[r.ISCALE * E + e] = -h * h * strength * points.bodies[k, 0].coupling
+        z[r.ISCALE * E + e] = -h * h * strength * points.bodies[k, 0].inverse_length
         z[r.IPHASE * E + e], z[r.ITURN * E + e] = frequency * t + phase, frequency * h
         z[r.IDRAG * E + e] = drag
-        z[r.INEAR * E + e] = GLIDE * 2.0 * points.settings[k].sag
+        z[r.INEAR * E + e] = EXTENDABLE * 2.0 * points.settings[k].tension_dip
 
     @inline
     def rebound(
-        e: int, j: int, k: int, stop: float, w: Any, z: Any, eyes: Eyes, points: Points,
-        scratch: Scratch, progress: Progress,
+        e: int, j: int, k: int, stop: float, w: Any, z: Any, accumulators: Accumulators,
+        points: Points, scratch: Scratch, progress: Progress,
     ) -> None:  # fmt: skip
         """Let the ball of lane j rebound from the impact of column e; write the state of point k.
 
@@ -142,7 +144,7 @@ def make_lane_impacts(
         L, E = r.LANES, r.IMPACTS
         run, state = scratch.runs[0], progress.states[k]
         run.settings, run.bodies[0] = points.settings[k], points.bodies[k, 0]
-        run.stretch = points.stretches[points.firsts[k]]
+        run.segment = points.segments[points.firsts[k]]
         settings, body = run.settings, run.bodies[0]
         h, per_h = w[r.H * L + j], w[r.PER_H * L + j]
         far, wall = z[r.IFAR * E + e], z[r.IWALL * E + e]
@@ -157,15 +159,15 @@ def make_lane_impacts(
         driven = z[r.IDRIVEN * E + e] * z[r.IS * E + e]
         state.drive_work += scale * (z[r.IWORK * E + e] + driven * v * missing)
         state.damping_loss += scale * (z[r.ILOSS * E + e] + drag * v * v * missing)
-        stiffness = settings.gravity * body.coupling
+        stiffness = settings.gravity * body.inverse_length
         s1 = restoring(wall, settings.is_linear)
         level = stiffness * potential(wall, settings.is_linear)
-        watches, tangents = sees(run, ON_STEP), sees(run, ON_TANGENT)
+        watches, tangents = is_wanted(run, ON_STEP), is_wanted(run, ON_TANGENT)
         if watches:
             x0, v0 = z[r.IX0 * E + e], z[r.IV0 * E + e] * per_h
             a0 = z[r.IA0 * E + e] * per_h * per_h
-            a1 = z[r.IF * E + e] * per_h * per_h - body.rate * before
-            segment = Segment(
+            a1 = z[r.IF * E + e] * per_h * per_h - body.damping_rate * before
+            segment = Step(
                 t0, t, x0, wall, v0, before, a0, a1,
                 0.5 * v0 * v0 + stiffness * potential(x0, settings.is_linear),
                 0.5 * before * before + level,
@@ -173,27 +175,27 @@ def make_lane_impacts(
                 before * (a1 + stiffness * s1), 0.0,
                 turning_angle(t - t0, x0, v0, a0, wall, before, a1),
             )  # fmt: skip
-            watch_step(run, eyes, 0, segment)
+            on_step(run, accumulators, 0, segment)
         if tangents:
             x0, v0 = z[r.IX0 * E + e], z[r.IV0 * E + e] * per_h
-            follow_flight(run, eyes, t0, x0, v0, t - t0)
+            follow_flight(run, accumulators, t0, x0, v0, t - t0)
         while True:
             free = swing.free(run, 0, t, wall)
-            after, impact, caught, rests = meet_wall(
+            after, impact, caught, rests = wall_contact(
                 before, -free * far, settings.restitution, settings.rest_speed, 0.0
             )
             if tangents:
-                follow_impact(run, eyes, before, after, rests, free)
+                follow_impact(run, accumulators, before, after, rests, free)
             captures = rests and impact == 0.0
             kind = contacts.REST if captures else (BOTTOM if far < 0.0 else TOP)
-            on_contact(run, eyes, 0, t, kind, before, after, abs(before))
+            on_contact(run, accumulators, 0, t, kind, before, after, abs(before))
             state.contacts += 1
             state.impact_loss += body.inertia * impact
             state.capture_loss += body.inertia * caught
             if rests:
                 state.mode = REST
                 if not captures:
-                    on_contact(run, eyes, 0, t, contacts.REST, 0.0, 0.0, 0.0)
+                    on_contact(run, accumulators, 0, t, contacts.REST, 0.0, 0.0, 0.0)
                     state.contacts += 1
                 break
             short, back = hop(after, abs(free), 0.0)
@@ -206,18 +208,22 @@ def make_lane_impacts(
                     after * (free + stiffness * s1),
                     far * back * (free + stiffness * s1),
                 )
-                segment = Segment(
+                segment = Step(
                     t, t + short, wall, wall, after, far * back, free, free,
                     0.5 * after * after + level, 0.5 * back * back + level, p0, p1, 0.0,
                     turning_angle(short, wall, after, free, wall, far * back, free),
                 )  # fmt: skip
-                watch_step(run, eyes, 0, segment)
+                on_step(run, accumulators, 0, segment)
             if tangents:
                 write_matrix(run.jacobian, 0, (1.0, short, 0.0, 1.0))
-                watch_tangent(run, eyes, 0, 2, short, 0.0, run.jacobian)
+                on_tangent(run, accumulators, 0, 2, short, 0.0, run.jacobian)
             t, before = t + short, far * back
         state.t_base, state.steps = t, 0
         state.angle[0], state.velocity[0] = wall, after
         state.side = state.touch = far
 
-    return LaneImpacts(is_impact, note_impact, rebound)
+    return LaneImpacts(
+        is_impact=is_impact,
+        note_impact=note_impact,
+        rebound=rebound,
+    )

@@ -11,12 +11,12 @@ from typing import Any
 
 from latolato.core.scalar import cosine, formula
 from latolato.numerics import lane_rows as r
-from latolato.numerics.addresses import array_at
+from latolato.numerics.abi import array_at
 from latolato.numerics.engine.compiling import Part
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
 # the velocity's error is then about 1e-3 of the tolerance.
-GLIDE = 2.4e-4
+EXTENDABLE = 2.4e-4
 _MOST_LANDINGS = 4
 _MOST_TRIALS = 5
 
@@ -104,14 +104,14 @@ def make_locate(
                     z[r.IWORK * E + e] += b * u * driven * s * (v + 0.5 * change)
                 v += change
                 reach = a * u
-                slowed = v
+                slower = v
                 if damped:
                     reach *= reach_series(z[r.IDRAG * E + e] * reach)
-                    slowed = v - v * (z[r.IDRAG * E + e] * reach)
+                    slower = v - v * (z[r.IDRAG * E + e] * reach)
                     if works:
-                        z[r.ILOSS * E + e] += 0.5 * (v - slowed) * (v + slowed)
+                        z[r.ILOSS * E + e] += 0.5 * (v - slower) * (v + slower)
                 x = z[r.IX * E + e] + v * reach
-                z[r.IX * E + e], z[r.IV * E + e] = x, slowed
+                z[r.IX * E + e], z[r.IV * E + e] = x, slower
                 z[r.IS * E + e] = restoring(x)
                 turn = z[r.IPHASE * E + e] + z[r.ITURN * E + e] * (c * u)
                 z[r.IDRIVEN * E + e] = z[r.ISCALE * E + e] * cosine(turn)

@@ -32,7 +32,7 @@ ROWS = 37
 
 # Rows of the step's table: for each kick cosine and sine of the drive's turn since the start of the
 # step, for each drift its reach and what it leaves of the velocity.
-REACH, LEFT, COS, SIN = 0, 1, 2, 3
+DRIFT_TIME, LEFT, COS, SIN = 0, 1, 2, 3
 TABLE_ROWS = 4
 
 # The halt of a lane that waits for its impact to be located.

@@ -21,18 +21,18 @@ import numpy as np
 
 from latolato.core.scalar import cosine, sine
 from latolato.numerics import lane_rows as r
-from latolato.numerics.addresses import address_of, bundle_at, caller_of, kind_of
+from latolato.numerics.abi import address_of, bundle_at, caller_of, kind_of
+from latolato.numerics.batch import LaneSpace, Points, Progress, Task, empty_task, make_steering
+from latolato.numerics.callback_kernels import make_address_callbacks
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import Formula, laws_of
 from latolato.numerics.engine.record import FLIGHT
-from latolato.numerics.engine.swing import make_swing
+from latolato.numerics.engine.taut_step import make_taut_step
 from latolato.numerics.entry import make_caller
-from latolato.numerics.hooks import make_calling_watch
 from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
-from latolato.numerics.many import LaneSpace, Points, Progress, Task, empty_task, make_steering
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
-from latolato.numerics.watch import Eyes
 from latolato.physics.damping import decay_time
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
@@ -53,21 +53,21 @@ def make_lanes(
     rotation: Callable[..., tuple[float, float, float]],
     part: Part,
     *,
-    stretch: np.dtype[Any],
+    segment: np.dtype[Any],
 ) -> Callable[[int], None]:
     """Return the function ``(address)`` that runs the points of a `Task` in lanes.
 
     Parameters
     ----------
-    rotation : formula of a stretch
+    rotation : formula of a segment
         Strength [m/s^2], frequency [rad/s] and phase of the drive's acceleration.
-    stretch : dtype
-        The layout of the drive's stretches.
+    segment : dtype
+        The layout of the drive's segments.
     """
     # What every impact needs is inlined.
     inline = inlined(part)
-    watch, task_at = make_calling_watch(part), bundle_at(kind_of(empty_task(stretch)))
-    steering = make_steering(make_caller(part), watch, part)
+    callbacks, task_at = make_address_callbacks(part), bundle_at(kind_of(empty_task(segment)))
+    steering = make_steering(make_caller(part), callbacks, part)
     start, carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part=part)
     restoring, potential = laws.restoring, laws.potential
@@ -76,11 +76,13 @@ def make_lanes(
     @part
     def show_all(occasion: int, run: Any, space: LaneSpace) -> None:
         """Show the observables the step of every lane, or its matrix."""
-        hooks, slots, w = space.hooks, address_of(space.acc), address_of(space.w)
+        callbacks, slots, w = space.callbacks, address_of(space.acc), address_of(space.w)
         matrix, row = address_of(run.jacobian), 8 * r.LANES
-        at = hooks[occasion]
-        while hooks[at] != 0:
-            call_show(hooks[at], (slots + row * hooks[at + 1], w, matrix, run.settings.is_linear))
+        at = callbacks[occasion]
+        while callbacks[at] != 0:
+            call_show(
+                callbacks[at], (slots + row * callbacks[at + 1], w, matrix, run.settings.is_linear)
+            )
             at += 2
 
     @part
@@ -93,10 +95,10 @@ def make_lanes(
     def turn_phase(j: int, k: int, w: Any, points: Points) -> None:
         """Compute the drive's phase of a lane afresh."""
         L = r.LANES
-        strength, frequency, phase = rotation(points.stretches[points.firsts[k]])
+        strength, frequency, phase = rotation(points.segments[points.firsts[k]])
         t = w[r.T * L + j] + w[r.N * L + j] * w[r.H * L + j]
         turn = frequency * t + phase
-        scale = -w[r.H * L + j] * w[r.H * L + j] * strength * points.bodies[k, 0].coupling
+        scale = -w[r.H * L + j] * w[r.H * L + j] * strength * points.bodies[k, 0].inverse_length
         w[r.C * L + j] = scale * cosine(turn)
         w[r.D * L + j] = scale * sine(turn)
 
@@ -145,7 +147,7 @@ def make_lanes(
         state.damping_loss += scale * w[r.LOSS * L + j]
 
     is_impact, note_impact, rebound = make_lane_impacts(
-        laws, rotation, make_swing(laws, part), store, watch, part
+        laws, rotation, make_taut_step(laws, part), store, callbacks, part
     )
 
     @part
@@ -156,17 +158,17 @@ def make_lanes(
         w, table, acc = space.w, space.table, space.acc
         settings, body = points.settings[k], points.bodies[k, 0]
         h = settings.step
-        w[r.H * L + j], w[r.PER_H * L + j], w[r.RATE * L + j] = h, 1.0 / h, body.rate
-        w[r.G * L + j] = -h * h * settings.gravity * body.coupling
+        w[r.H * L + j], w[r.PER_H * L + j], w[r.RATE * L + j] = h, 1.0 / h, body.damping_rate
+        w[r.G * L + j] = -h * h * settings.gravity * body.inverse_length
         w[r.LOW * L + j], w[r.HIGH * L + j] = settings.low, settings.high
-        _, frequency, _ = rotation(points.stretches[points.firsts[k]])
+        _, frequency, _ = rotation(points.segments[points.firsts[k]])
         table[r.COS * L + j], table[r.SIN * L + j] = 1.0, 0.0
         for i in range(len(weights.drifts)):
             at, following = i * r.TABLE_ROWS * L + j, (i + 1) * r.TABLE_ROWS * L + j
-            reach = decay_time(body.rate, weights.drifts[i] * h)
+            reach = decay_time(body.damping_rate, weights.drifts[i] * h)
             turn = frequency * h * weights.nodes[i]
-            table[at + r.REACH * L] = reach / h
-            table[at + r.LEFT * L] = 1.0 - body.rate * reach
+            table[at + r.DRIFT_TIME * L] = reach / h
+            table[at + r.LEFT * L] = 1.0 - body.damping_rate * reach
             table[following + r.COS * L] = cosine(turn)
             table[following + r.SIN * L] = sine(turn)
         columns = len(progress.status)
@@ -269,8 +271,8 @@ def make_lanes(
             w[r.TAKEN * r.LANES + j] = 1.0  # seen to, for this turn
             if z[r.DONE * E + e] > 0.0:
                 stop = points.stops[k, space.index[j]]
-                eyes = Eyes(space.acc, j, r.LANES)
-                rebound(e, j, k, stop, w, z, eyes, points, scratch, progress)
+                accumulators = Accumulators(space.acc, j, r.LANES)
+                rebound(e, j, k, stop, w, z, accumulators, points, scratch, progress)
                 state = progress.states[k]
                 if state.mode == FLIGHT and state.contacts < points.contact_limit:
                     load(j, k, stop, w, points, progress)

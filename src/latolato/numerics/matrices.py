@@ -1,4 +1,4 @@
-"""Matrices of small deviations of the whole state: angle and angular velocity of each ball."""
+"""Matrices of perturbations of the whole state: angle and angular velocity of each ball."""
 
 from __future__ import annotations
 

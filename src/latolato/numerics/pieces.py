@@ -21,18 +21,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.observe_plane import PLANE_OBSERVED
-from latolato.numerics.recipes import Formula, Piece, Recipe
-from latolato.numerics.records import stretch_dtype
-from latolato.numerics.trajectory import motion_of
-from latolato.numerics.watch import (
+from latolato.numerics.callbacks import (
     OCCASIONS,
     ON_STEP,
     ON_TANGENT,
-    Hooks,
-    hooks_of,
+    Formulas,
+    formulas_of,
     slots_of,
 )
+from latolato.numerics.derived_plane import PLANE_OBSERVED
+from latolato.numerics.recipes import Formula, Piece, Recipe
+from latolato.numerics.records import segment_dtype
+from latolato.numerics.trajectory import motion_of
 from latolato.observables import Observable
 
 _lock = threading.RLock()
@@ -67,28 +67,28 @@ LOCATE = "void(int64, int64, int64, int64, int64)"
 # ``(slots, workspace, matrix, number of the restoring law)``
 SHOW = "void(int64, int64, int64, int64)"
 # ``(slots, index of the first one, distance of slots, words of what is shown)``
-HOOK = "void(int64, int64, int64, int64)"
+CALLBACK = "void(int64, int64, int64, int64)"
 
 
 def engine_recipe(
-    count: int, stretch: np.dtype[Any], *laws: Formula, motion: str = "exact"
+    count: int, segment: np.dtype[Any], *laws: Formula, motion: str = "exact"
 ) -> Recipe:
     """Return the engine of `count` balls.
 
     Parameters
     ----------
-    stretch : dtype
-        The layout of the drive's stretches.
+    segment : dtype
+        The layout of the drive's segments.
     laws : formulas
         Those of `trajectory.make_trajectory`.
     motion : str
         One of `trajectory.MOTIONS`.
     """
-    settings = ("count", count), ("stretch", stretch)
+    settings = ("count", count), ("segment", segment)
     return Recipe("entry:make_entry", ENGINE, (motion_of(motion), *laws), settings)
 
 
-# What prepares `prepare.Cases`, writes the stretches of a `whole.Shaking`, makes the record of a
+# What prepares `prepare.Cases`, writes the segments of a `whole.Shaking`, makes the record of a
 # `whole.Beginning`, and returns the error of the ledger that is allowed to the run at an address.
 PREPARE = Recipe("entry:make_prepare_entry", SWEEP)
 SHAKE = Recipe("entry:make_shake_entry", SWEEP)
@@ -96,25 +96,25 @@ BEGIN = Recipe("entry:make_begin_entry", SWEEP)
 ALLOWED = Recipe("entry:make_allowed_entry", "float64(int64, float64)")
 
 
-def many_recipe(balls: int, stretch: np.dtype[Any]) -> Recipe:
+def many_recipe(balls: int, segment: np.dtype[Any]) -> Recipe:
     """Return the recipe of the kernel that runs points of `balls` balls one after the other."""
-    settings = ("balls", balls), ("stretch", stretch)
+    settings = ("balls", balls), ("segment", segment)
     return Recipe("entry:make_many_entry", SWEEP, (), settings)
 
 
-def lanes_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
+def lanes_recipe(segment: np.dtype[Any], *laws: Formula) -> Recipe:
     """Return the recipe of the kernel that runs points in lanes; laws as for `lanes.make_lanes`."""
-    return Recipe("lanes:make_lanes", SWEEP, laws, (("stretch", stretch),))
+    return Recipe("lanes:make_lanes", SWEEP, laws, (("segment", segment),))
 
 
-def observer_recipe(stretch: np.dtype[Any], *laws: Formula) -> Recipe:
+def observer_recipe(segment: np.dtype[Any], *laws: Formula) -> Recipe:
     """Return the recipe of the kernel that fills an `observe.Observation`.
 
-    Laws are those of `observe.make_observer`, or all those of `observe_plane.make_plane_observer`.
+    Laws are those of `derived.make_observer`, or all those of `derived_plane.make_plane_observer`.
     """
     in_plane = len(laws) == PLANE_OBSERVED
     maker = "entry:make_plane_observer_entry" if in_plane else "entry:make_observer_entry"
-    return Recipe(maker, SWEEP, laws, (("stretch", stretch),))
+    return Recipe(maker, SWEEP, laws, (("segment", segment),))
 
 
 def fly_recipe(
@@ -160,12 +160,12 @@ def follow_recipe(formula: Formula) -> Recipe:
     return Recipe("lane_flight:make_follow", SHOW, (formula,))
 
 
-def hook_recipe(occasion: int, formula: Formula) -> Recipe:
+def callback_recipe(occasion: int, formula: Formula) -> Recipe:
     """Return the recipe of the callback of an observable on an occasion."""
-    return Recipe("hooks:make_hook", HOOK, (formula,), (("occasion", occasion),))
+    return Recipe("callback_kernels:make_callback", CALLBACK, (formula,), (("occasion", occasion),))
 
 
-def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int64]:
+def callback_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int64]:
     """Return the table of pieces that compiled code walks through, with their first slots.
 
     For each occasion it says where its pieces begin: pairs of address and first slot, up to an
@@ -181,11 +181,11 @@ def hook_table(pieces: Sequence[Sequence[tuple[int, Piece]]]) -> NDArray[np.int6
     return np.array(begins + pairs, dtype=np.int64)
 
 
-def pieces_of(hooks: tuple[Hooks, ...]) -> list[list[tuple[int, Piece]]]:
-    """Return for each occasion the pieces of `watch.hooks_of` with their first slots."""
+def pieces_of(formulas: tuple[Formulas, ...]) -> list[list[tuple[int, Piece]]]:
+    """Return for each occasion the pieces of `callbacks.formulas_of` with their first slots."""
     return [
-        [(first, piece_of(hook_recipe(occasion, formula))) for first, formula in formulas]
-        for occasion, formulas in enumerate(hooks)
+        [(first, piece_of(callback_recipe(occasion, formula))) for first, formula in formulas]
+        for occasion, formulas in enumerate(formulas)
     ]
 
 
@@ -202,7 +202,7 @@ def lane_pieces(watched: Sequence[Observable], *laws: Formula) -> list[list[tupl
     needs = frozenset[str]().union(*(needs for _, _, needs in watching)) & frozenset(SHARED)
     shared = [(0, piece_of(survey_recipe(needs, *laws)))] if needs else []
     steps = [(first, piece_of(show_recipe(step, own, *laws))) for first, step, own in watching]
-    matrices = hooks_of(watched)[ON_TANGENT]
+    matrices = formulas_of(watched)[ON_TANGENT]
     return [
         [*shared, *steps],
         [(first, piece_of(follow_recipe(formula))) for first, formula in matrices],
@@ -245,7 +245,7 @@ def _check_array(value: Any, example: NDArray[Any]) -> None:
 
 def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
     """Yield each piece that the package's laws and these kinds of observables need."""
-    from latolato.physics.drives.stretch import (
+    from latolato.physics.drives.segment import (
         pivot_acceleration,
         pivot_across,
         pivot_across_acceleration,
@@ -260,7 +260,7 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
         restoring_sine,
     )
 
-    usual, laws = stretch_dtype(), (restoring_sine, potential_sine)
+    usual, laws = segment_dtype(), (restoring_sine, potential_sine)
     for count, motion in ((1, "exact"), (2, "exact"), (1, "clamp")):
         yield engine_recipe(count, usual, pivot_acceleration, *laws, motion=motion)
     yield from (PREPARE, SHAKE, BEGIN, ALLOWED)
@@ -292,7 +292,7 @@ def every_recipe(observables: Iterable[type[Observable]]) -> Iterator[Recipe]:
             formula = getattr(observable, name)
             if formula is None:
                 continue
-            yield hook_recipe(occasion, formula)
+            yield callback_recipe(occasion, formula)
             if occasion == ON_STEP:
                 yield show_recipe(formula, observable.needs, *laws)
             if occasion == ON_TANGENT:

@@ -23,11 +23,11 @@ from latolato.numerics.engine.record import (
     run_dtype,
     write_back,
 )
-from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, stretch_dtype
+from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE, ContactLaw, meeting
-from latolato.physics.drives.stretch import fastest_frequency, largest_acceleration
-from latolato.physics.pair import joint_coupling, runs_through
+from latolato.physics.drives.segment import fastest_frequency, largest_acceleration
+from latolato.physics.pair import joint_inverse_length, runs_through
 from latolato.physics.pendulum import System
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
@@ -63,8 +63,8 @@ class Cases(NamedTuple):
     ----------
     cases : ndarray
         Records of `CASE`.
-    stretches : ndarray, shape (stretch,)
-        The drives' stretches; those of case k begin at ``firsts[k]``. They are read only where a
+    segments : ndarray, shape (segment,)
+        The drives' segments; those of case k begin at ``firsts[k]``. They are read only where a
         case leaves its drive's bounds open.
     firsts : ndarray, shape (case + 1,)
     settings, bodies, states : ndarray
@@ -74,7 +74,7 @@ class Cases(NamedTuple):
     """
 
     cases: Any
-    stretches: Any
+    segments: Any
     firsts: Any
     settings: Any
     bodies: Any
@@ -87,7 +87,7 @@ def empty_cases() -> Cases:
     """Return no cases, in arrays of the kinds that cases have."""
     numbers = np.zeros(0, dtype=np.int64)
     return Cases(
-        np.zeros(0, dtype=CASE), np.zeros(0, dtype=stretch_dtype()), numbers,
+        np.zeros(0, dtype=CASE), np.zeros(0, dtype=segment_dtype()), numbers,
         np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=STATE),
         numbers,
     )  # fmt: skip
@@ -111,17 +111,17 @@ def rate_of(
 
 
 @formula
-def step_for(rate: float, tolerance: float, is_rough: bool) -> float:
+def step_for(rate: float, tolerance: float, is_nonsmooth: bool) -> float:
     """Return the step [s] at which the fastest rates allow `tolerance`.
 
     ``5 step_factor tolerance^(1/order)`` over the rate.
     """
-    factor = _ROUGH if is_rough else _SMOOTH
+    factor = _ROUGH if is_nonsmooth else _SMOOTH
     return _STEP_AT_UNIT_TOLERANCE * factor * tolerance ** (1.0 / _ORDER) / rate
 
 
 @formula
-def has_rough_drag(balls: Any, count: int) -> bool:
+def has_nonsmooth_drag(balls: Any, count: int) -> bool:
     """Return whether the drag of any ball is not linear in its velocity."""
     for i in range(count):
         if balls[i].quadratic_damping > 0.0 or balls[i].coulomb_damping > 0.0:
@@ -147,27 +147,27 @@ def body_record(ball: Any) -> tuple[float, float, float, float, float, float, fl
 @formula
 def _write_body(body: Any, numbers: Any) -> None:
     """Write the numbers of a body in the order of `BODY`."""
-    body.coupling, body.rate, body.quadratic, body.coulomb = numbers[:4]
-    body.inertia, body.sail, body.sail_offset = numbers[4:]
+    body.inverse_length, body.damping_rate, body.quadratic, body.coulomb = numbers[:4]
+    body.inertia, body.wind_drag, body.wind_offset = numbers[4:]
 
 
 @formula
 def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
-    """Write the body that two balls form in lasting contact; return its angle offset [rad]."""
+    """Write the body that two balls form in sticking contact; return its angle offset [rad]."""
     one, other = right.inertia, left.inertia
     total = one + other
-    moments = one * right.coupling, other * left.coupling
-    coupling, offset = joint_coupling(*moments, total, separation)
-    sails = one * right.sail, other * left.sail
-    sail, sail_offset = joint_coupling(*sails, total, separation)
+    moments = one * right.inverse_length, other * left.inverse_length
+    inverse_length, offset = joint_inverse_length(*moments, total, separation)
+    sails = one * right.wind_drag, other * left.wind_drag
+    wind_drag, wind_offset = joint_inverse_length(*sails, total, separation)
     _write_body(body, (
-        coupling,
-        (one * right.rate + other * left.rate) / total,
+        inverse_length,
+        (one * right.damping_rate + other * left.damping_rate) / total,
         (one * right.quadratic + other * left.quadratic) / total,
         (one * right.coulomb + other * left.coulomb) / total,
         total,
-        sail,
-        sail_offset - offset,
+        wind_drag,
+        wind_offset - offset,
     ))  # fmt: skip
     return offset
 
@@ -204,7 +204,7 @@ def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, flo
     if case.is_exact != 0:
         return right, left, FINE
     gap = right - left if two else right
-    if case.clips != 0:
+    if case.clamps_start != 0:
         inside = _clamped(gap, low, high)
         right = right + 0.5 * (inside - gap) if two else inside
         left = left - 0.5 * (inside - gap) if two else left
@@ -273,13 +273,13 @@ def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
         speed = max(speed, abs(case.initial_angular_velocity[i]))
     for i in range(case.angles):
         b, length = bodies[i], case.balls[i].length
-        own = rate_of(case.gravity, length, bound, frequency, speed, b.rate, b.quadratic)
+        own = rate_of(case.gravity, length, bound, frequency, speed, b.damping_rate, b.quadratic)
         rate = max(rate, own)
     return rate
 
 
 @formula
-def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -> int:
+def prepare(case: Any, segments: Any, settings: Any, bodies: Any, state: Any) -> int:
     """Fill the settings, bodies and state of a case; return what is wrong with it."""
     touch, high, problem = _geometry(case)
     if problem != FINE:
@@ -287,22 +287,22 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
     for i in range(case.angles):
         _write_body(bodies[i], body_record(case.balls[i]))
     if case.angles == 2:
-        first, last = (touch, high) if case.meets != 0 else (0.0, 0.0)
+        first, last = (touch, high) if case.collides != 0 else (0.0, 0.0)
         settings.offset_low = _write_joint(bodies[2], bodies[0], bodies[1], first)
         settings.offset_high = _write_joint(bodies[3], bodies[0], bodies[1], last)
     bound, frequency = case.pivot_bound, case.drive_rate
     if math.isnan(bound):
-        bound = largest_acceleration(stretches, case.duration)
-        frequency = fastest_frequency(stretches, case.duration)
+        bound = largest_acceleration(segments, case.duration)
+        frequency = fastest_frequency(segments, case.duration)
     rate = _rate(case, bodies, bound, frequency)
-    step = case.step if case.step > 0.0 else step_for(rate, case.tolerance, case.is_rough != 0)
+    step = case.step if case.step > 0.0 else step_for(rate, case.tolerance, case.is_nonsmooth != 0)
     settings.gravity, settings.restitution = case.gravity, case.restitution
     settings.low, settings.high = -math.inf, math.inf
-    if case.meets != 0:
+    if case.collides != 0:
         settings.low, settings.high = touch, high
     settings.rest_speed, settings.step, settings.pivot_bound = case.rest_speed, step, bound
     settings.drive_rate = frequency
-    settings.sag = 0.5 * (step * rate) ** 2
+    settings.tension_dip = 0.5 * (step * rate) ** 2
     settings.follows_tension, settings.follows_ledger = case.follows_tension, case.follows_ledger
     settings.mirrored, settings.is_linear = case.mirrored, case.is_linear
     settings.law[0], settings.law[1] = case.law[0], case.law[1]
@@ -323,13 +323,15 @@ def prepare(case: Any, stretches: Any, settings: Any, bodies: Any, state: Any) -
         if case.initial_distance[i] > case.balls[i].length:
             return OVERLAP
     if case.is_exact == 0 and (state.is_slack[0] != 0 or state.is_slack[1] != 0):
-        problem = FINE if case.meets == 0 or _is_apart(case, state) else OVERLAP
+        problem = FINE if case.collides == 0 or _is_apart(case, state) else OVERLAP
     is_asked = case.angles == 2 and problem == FINE and case.mirrored != 0
     if is_asked and not _is_mirrored(case, right, left):
         return UNLIKE
     for i in range(case.angles):
         b = bodies[i]
-        if not math.isfinite(b.coupling + b.rate + b.quadratic + b.coulomb + b.inertia):
+        if not math.isfinite(
+            b.inverse_length + b.damping_rate + b.quadratic + b.coulomb + b.inertia
+        ):
             return OUT_OF_RANGE
     if not (step > 0.0 and math.isfinite(step)):
         return OUT_OF_RANGE
@@ -356,7 +358,7 @@ def cases_of(
         Of each ball at time zero [rad, rad/s].
     bounds : tuple of float
         Largest acceleration [m/s^2] and fastest frequency [rad/s] of the drive, if they are not to
-        be found from its stretches.
+        be found from its segments.
     numbers : float or ndarray
         Other fields of `CASE`.
     """
@@ -373,9 +375,9 @@ def cases_of(
     cases["pivot_bound"], cases["drive_rate"] = bounds
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0
-    cases["angles"], cases["meets"] = system.angles, system.has_contacts and law.meets
+    cases["angles"], cases["collides"] = system.angles, system.has_contacts and law.meets
     cases["is_linear"] = system.is_linear
-    cases["is_rough"] = choose_stepper(system) is BLANES_MOAN_GENERAL
+    cases["is_nonsmooth"] = choose_stepper(system) is BLANES_MOAN_GENERAL
     for name, value in numbers.items():
         cases[name] = value
     return cases
@@ -383,13 +385,15 @@ def cases_of(
 
 def choose_stepper(system: System) -> Stepper:
     """Return the splitting whose order holds for the motion and the works of this system."""
-    return BLANES_MOAN_GENERAL if has_rough_drag(system.balls, system.angles) else BLANES_MOAN_RKN
+    return (
+        BLANES_MOAN_GENERAL if has_nonsmooth_drag(system.balls, system.angles) else BLANES_MOAN_RKN
+    )
 
 
 def prepared_runs(
     cases: NDArray[Any],
     stepper: Stepper,
-    stretch: np.dtype[Any] | None = None,
+    segment: np.dtype[Any] | None = None,
     *,
     compiled: bool = True,
 ) -> tuple[NDArray[Any], int]:
@@ -399,14 +403,14 @@ def prepared_runs(
     ----------
     cases : ndarray, shape (1,)
         With its drive's bounds.
-    stretch : dtype, optional
-        The layout of the drive's stretches, if it is not the usual one.
+    segment : dtype, optional
+        The layout of the drive's segments, if it is not the usual one.
     """
-    runs = np.zeros(1, dtype=run_dtype(stretch))
+    runs = np.zeros(1, dtype=run_dtype(segment))
     none, problems = empty_cases(), np.zeros(1, dtype=np.int64)
     prepare_cases(
         Cases(
-            cases, none.stretches, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
+            cases, none.segments, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
             runs["state"], problems,
         ),
         compiled=compiled,
@@ -429,9 +433,9 @@ def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
     def prepare_all(work: Cases) -> None:
         for k in range(len(work.cases)):
             if work.problems[k] == FINE:
-                stretches = work.stretches[work.firsts[k] : work.firsts[k + 1]]
+                segments = work.segments[work.firsts[k] : work.firsts[k + 1]]
                 work.problems[k] = prepare(
-                    work.cases[k], stretches, work.settings[k], work.bodies[k], work.states[k]
+                    work.cases[k], segments, work.settings[k], work.bodies[k], work.states[k]
                 )
 
     return part(prepare_all)
@@ -449,7 +453,7 @@ def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
     objects = [as_objects(each) for each in records]
     bodies = [as_objects(row) for row in work.bodies]
     make_prepare()(work._replace(
-        cases=as_objects(work.cases), stretches=as_objects(work.stretches),
+        cases=as_objects(work.cases), segments=as_objects(work.segments),
         settings=objects[0], bodies=bodies, states=objects[1],
     ))  # fmt: skip
     for item, record in zip((*objects, *bodies), (*records, *work.bodies), strict=True):

@@ -9,20 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.physics.drives import Drive, Stretch
+from latolato.physics.drives import Drive, Segment
 from latolato.physics.pendulum import Ball
 
 BODY = np.dtype(
     [
-        ("coupling", "f8"),  # 1/length [1/m]
-        ("rate", "f8"),  # damping/(mass length) [1/s]
+        ("inverse_length", "f8"),  # 1/length [1/m]
+        ("damping_rate", "f8"),  # damping/(mass length) [1/s]
         ("quadratic", "f8"),  # quadratic_damping/(mass length) [1]
         ("coulomb", "f8"),  # coulomb_damping/(mass length) [rad/s^2]
         ("inertia", "f8"),  # mass length^2 [kg m^2]
-        # How air that moves past the pivot turns it: rate/length [1/(m s)], and at which angle from
-        # its own [rad]; that is zero but for two balls as one body.
-        ("sail", "f8"),
-        ("sail_offset", "f8"),
+        # How air that moves past the pivot turns it: damping_rate/length [1/(m s)], and at which
+        # angle from its own [rad]; that is zero but for two balls as one body.
+        ("wind_drag", "f8"),
+        ("wind_offset", "f8"),
     ],
     align=True,
 )
@@ -50,16 +50,16 @@ CASE = np.dtype(
         ("rest_speed", "f8"),  # rad/s
         ("step", "f8"),  # s; 0: to be chosen
         ("speed", "f8"),  # which the step must allow for beside those at the start [rad/s]
-        ("pivot_bound", "f8"),  # of the drive [m/s^2]; NaN: both are to be found from its stretches
+        ("pivot_bound", "f8"),  # of the drive [m/s^2]; NaN: both are to be found from its segments
         ("drive_rate", "f8"),  # its fastest frequency [rad/s]
         ("law", "f8", (2,)),  # numbers of the contact law, and its fastest rate [rad/s]
         ("law_rate", "f8"),
         ("angles", "i8"),  # of the state
-        ("meets", "i8"),  # whether balls meet
+        ("collides", "i8"),  # whether balls meet
         ("is_linear", "i8"),  # whether the restoring factor is the angle itself
-        ("is_rough", "i8"),  # whether the step is one of `steppers.BLANES_MOAN_GENERAL`
+        ("is_nonsmooth", "i8"),  # whether the step is one of `steppers.BLANES_MOAN_GENERAL`
         ("is_exact", "i8"),  # whether the start is taken as it is, wherever that may be
-        ("clips", "i8"),  # whether a start beyond a wall is moved there
+        ("clamps_start", "i8"),  # whether a start beyond a wall is moved there
         ("follows_tension", "i8"),
         ("follows_ledger", "i8"),
         ("mirrored", "i8"),  # whether two equal balls are kept mirror images of each other
@@ -72,17 +72,17 @@ CASE = np.dtype(
 )
 
 
-def stretch_records(drive: Drive, duration: float) -> NDArray[Any]:
-    """Return the drive's stretches as records, shape (stretch,)."""
-    result = drive.stretches(duration)
-    records = np.zeros(len(result), dtype=stretch_dtype(type(result[0])))
-    for k, stretch in enumerate(result):
-        records[k] = (*stretch, 0.0)[: len(records.dtype)]  # those without a jump have none
+def segment_records(drive: Drive, duration: float) -> NDArray[Any]:
+    """Return the drive's segments as records, shape (segment,)."""
+    result = drive.segments(duration)
+    records = np.zeros(len(result), dtype=segment_dtype(type(result[0])))
+    for k, segment in enumerate(result):
+        records[k] = (*segment, 0.0)[: len(records.dtype)]  # those without a jump have none
     return records
 
 
-def stretch_dtype(kind: type[Any] = Stretch) -> np.dtype[Any]:
-    """Return the layout of records of a kind of stretch, with a `jump` if that has none."""
+def segment_dtype(kind: type[Any] = Segment) -> np.dtype[Any]:
+    """Return the layout of records of a kind of segment, with a `jump` if that has none."""
     return _layout(kind._fields if "jump" in kind._fields else (*kind._fields, "jump"))
 
 
@@ -104,7 +104,7 @@ SETTINGS = np.dtype(
         ("drive_rate", "f8"),  # the drive's fastest angular frequency [rad/s]
         ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
         ("offset_high", "f8"),
-        ("sag", "f8"),  # relative dip of the tension within a step that is looked for
+        ("tension_dip", "f8"),  # relative dip of the tension within a step that is looked for
         ("follows_tension", "i8"),
         ("follows_ledger", "i8"),
         ("mirrored", "i8"),  # keep two equal balls mirror images of each other
@@ -129,7 +129,7 @@ S_DISTANCE, S_RETENSION, PLANE_ROWS = 10, 16, 17
 C_RADIAL, C_BALL, CONTACT_ROWS = 4, 8, 9
 
 # Status of one point of a sweep.
-CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID, TANGLED = range(7)
+CONVERGED, GRAZING, AT_REST, EVENT_LIMIT, FAILED, INVALID, OUTSIDE_MODEL = range(7)
 STATUS_NAMES = (
-    "converged", "grazing", "rest", "event_limit", "failed", "invalid", "tangled",
+    "converged", "grazing", "rest", "event_limit", "failed", "invalid", "outside_model",
 )  # fmt: skip

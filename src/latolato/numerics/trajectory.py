@@ -6,16 +6,16 @@ from collections.abc import Callable
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.numerics.callbacks import Callbacks
 from latolato.numerics.clamp import make_clamped
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
-from latolato.numerics.watch import Watch
 
 # What a contact law names: called with laws, the number of balls, the functions that observables
 # are shown by and what makes parts. Others may add their own, built by `make_engine` of their own
 # modes.
-MOTIONS: dict[str, Callable[[Laws, int, Watch, Part], Callable[..., int]]] = {
+MOTIONS: dict[str, Callable[[Laws, int, Callbacks, Part], Callable[..., int]]] = {
     "exact": make_engine,
     "clamp": make_clamped,
 }
@@ -37,7 +37,7 @@ def motion_of(name: str) -> Callable[..., Callable[..., int]]:
 def make_trajectory(
     *laws: Formula,
     count: int,
-    watch: Watch,
+    callbacks: Callbacks,
     motion: str = "exact",
     part: Part = as_it_stands,
 ) -> Callable[..., int]:
@@ -46,4 +46,4 @@ def make_trajectory(
     `laws` are the pivot's acceleration, the restoring factor, its potential and, in the plane, the
     formulas of `PlaneLaws`.
     """
-    return motion_of(motion)(laws_of(*laws, part=part), count, watch, part)
+    return motion_of(motion)(laws_of(*laws, part=part), count, callbacks, part)

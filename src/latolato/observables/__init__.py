@@ -15,7 +15,7 @@ from latolato.observables.angles import (
     MotionClass,
     SelfStart,
 )
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 from latolato.observables.contacts import BottomContacts, ImpactSpeed, RestFraction, TopContacts
 from latolato.observables.crossings import Crossings, Rotations
 from latolato.observables.energy import MeanEnergy
@@ -58,9 +58,9 @@ __all__ = [
     "RestFraction",
     "RetensionLoss",
     "Rotations",
-    "Segment",
     "SelfStart",
     "SlackFraction",
+    "Step",
     "TopContacts",
     "observables",
 ]

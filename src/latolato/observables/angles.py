@@ -8,17 +8,17 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import QUANTITIES, Quantity, Range, quantity_field
 from latolato.core.scalar import formula
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 
 
 @formula
-def largest_angle(s: Segment) -> float:
+def largest_angle(s: Step) -> float:
     """Return the largest |angle| of a step [rad]."""
     return max(abs(s.x0), abs(s.x1), abs(s.turn))
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _step(acc: Any, i: int, n: int, s: Step) -> None:
     """Keep the largest |angle|."""
     acc[i] = max(acc[i], largest_angle(s))
 
@@ -69,7 +69,7 @@ def _class_start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @formula
-def _class_step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _class_step(acc: Any, i: int, n: int, s: Step) -> None:
     """Keep the largest |angle| overall and after the transient."""
     now = largest_angle(s)
     acc[i + 2 * n] = max(acc[i + 2 * n], now)
@@ -129,7 +129,7 @@ def _moved_start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @formula
-def _moved_step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _moved_step(acc: Any, i: int, n: int, s: Step) -> None:
     """Keep the largest distance from the start."""
     acc[i + n] = max(acc[i + n], abs(s.x1 - acc[i + 2 * n]))
 

@@ -46,12 +46,12 @@ observables: Registry[type] = Registry("observable")
 STATE_SIZE = 4
 
 
-class Segment(NamedTuple):
+class Step(NamedTuple):
     """One accepted step of one ball: its ends, numbered 0 and 1.
 
     Times [s], angles [rad], angular velocities [rad/s], angular accelerations [rad/s^2], total
     energies over the moment of inertia [1/s^2] and their time derivatives [1/s^3]; `held` is 1 in
-    lasting contact or where friction holds the ball, else 0; `turn` is the angle at which the
+    sticking contact or where friction holds the ball, else 0; `turn` is the angle at which the
     velocity passes zero within the step, the angle at its end if it does not.
     """
 
@@ -103,7 +103,7 @@ class Observable:
         The variables of the dataset, in the order of their slots: one each, or as many as the
         further dimension is long, but always four for exponents.
     needs : set of str
-        What costs extra: ``"energy"`` and ``"turn"`` of a `Segment`, which sweeps find faster if
+        What costs extra: ``"energy"`` and ``"turn"`` of a `Step`, which sweeps find faster if
         you name them here, ``"works"``, ``"compression"``.
     start : formula ``(acc, i, n, angle)``
         Before the run; all slots behind the parameters are zero.
@@ -117,7 +117,7 @@ class Observable:
         When the transient ends; by default the slots keep their values.
     tangent : formula ``(acc, i, n, size, time, spread, jacobian)``
         After every step and event, with the matrix ``jacobian[row, column]`` by which it changes
-        small deviations of the `size` numbers of the state (angle and angular velocity of the
+        perturbations of the `size` numbers of the state (angle and angular velocity of the
         right, then of the left ball), the time that it took [s] and the logarithm of the
         determinant that the laws of motion give it. Columns 4 to 6 are free for scratch. It is
         called for the first ball only, and needs a contact law without a fixed step.
@@ -205,7 +205,7 @@ class Observable:
         import numpy as np
 
         acc = [*self.parameters, *[0.0] * (self.slots - len(self.parameters))]
-        nothing, end = Segment(*[0.0] * len(Segment._fields)), Outcome._make([*[0.0] * 13, 1])
+        nothing, end = Step(*[0.0] * len(Step._fields)), Outcome._make([*[0.0] * 13, 1])
         calls: dict[str, tuple[Any, ...]] = {
             "start": (0.0,), "step": (nothing,), "contact": (0.0, 0, 0.0, 0.0, 0.0),
             "mark": (max(self.marks - 1, 0), 0.0, 0.0, 0.0), "restart": (0.0, 0.0),

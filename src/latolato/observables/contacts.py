@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import Quantity
 from latolato.core.scalar import formula
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 from latolato.physics.contacts import BOTTOM, TOP
 
 
@@ -61,7 +61,7 @@ def _forget_speeds(acc: Any, i: int, n: int, angle: float, velocity: float) -> N
 
 
 @formula
-def _rest(acc: Any, i: int, n: int, s: Segment) -> None:
+def _rest(acc: Any, i: int, n: int, s: Step) -> None:
     """Add a time at rest."""
     acc[i] += s.held * (s.t1 - s.t0)
 
@@ -133,9 +133,9 @@ class ImpactSpeed(Observable):
 @observables.register("rest_fraction")
 @dataclass(frozen=True, kw_only=True)
 class RestFraction(Observable):
-    """Share of the time after the transient in lasting contact, or held by Coulomb friction.
+    """Share of the time after the transient in sticking contact, or held by Coulomb friction.
 
-    The balls of a `BallPair` may swing together in lasting contact; that time counts too.
+    The balls of a `BallPair` may swing together in sticking contact; that time counts too.
     """
 
     variables: ClassVar[Any] = {"rest_fraction": Quantity("1", "", "share of time at rest")}

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import QUANTITIES, Quantity, Range, quantity_field
 from latolato.core.scalar import floor, formula
-from latolato.observables.base import Observable, Segment, observables
+from latolato.observables.base import Observable, Step, observables
 
 # One over a period that no angle reaches: counts only the two levels themselves.
 _UNWRAPPED = 1e-200
@@ -21,7 +21,7 @@ def _level(x: float, angle: float, per_period: float) -> float:
 
 
 @formula
-def _passages(s: Segment, angle: float, per_period: float) -> float:
+def _passages(s: Step, angle: float, per_period: float) -> float:
     """Return how many levels are passed up to a turning point in the step, and from there on."""
     middle = _level(s.turn, angle, per_period)
     there = abs(middle - _level(s.x0, angle, per_period))
@@ -36,7 +36,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _step(acc: Any, i: int, n: int, s: Step) -> None:
     """Count the passages of a step."""
     acc[i + 2 * n] += _passages(s, acc[i], acc[i + 3 * n])
 
@@ -77,7 +77,7 @@ class Crossings(Observable):
 
 
 @formula
-def _top_step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _top_step(acc: Any, i: int, n: int, s: Step) -> None:
     """Count half a passage for each of +pi and -pi, whose levels are one position."""
     acc[i] += 0.5 * _passages(s, math.pi, 1.0 / math.tau)
 

@@ -1,4 +1,4 @@
-"""How small deviations evolve: the matrix of a run, and the Lyapunov exponents."""
+"""How perturbations evolve: the matrix of a run, and the Lyapunov exponents."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Deviations(Observable):
-    """The matrix by which a run changes small deviations; not registered, as it is not a number."""
+    """The matrix by which a run changes perturbations; not registered, as it is not a number."""
 
     start: ClassVar[Any] = staticmethod(_start)
     tangent: ClassVar[Any] = staticmethod(_gather)

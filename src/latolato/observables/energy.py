@@ -7,11 +7,11 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import QUANTITIES
 from latolato.core.scalar import formula
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _step(acc: Any, i: int, n: int, s: Step) -> None:
     """Add the integral of the energy, by the trapezoid with its end correction (order 4)."""
     h = s.t1 - s.t0
     acc[i] += 0.5 * h * (s.e0 + s.e1) + h * h / 12.0 * (s.p0 - s.p1)

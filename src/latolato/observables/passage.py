@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from latolato.core.quantities import QUANTITIES, Range, quantity_field
 from latolato.core.scalar import formula
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 from latolato.observables.hermite import quintic
 
 # Slots: the threshold, whether it was passed, and the step in which that happened.
@@ -25,7 +25,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _step(acc: Any, i: int, n: int, s: Step) -> None:
     """Keep the first step that passes the threshold; the passage in it is located at the end."""
     h = s.t1 - s.t0
     passes = max(abs(s.x1), abs(s.turn)) >= acc[i]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range, quantity_field
 from latolato.core.scalar import floor, formula
-from latolato.observables.base import Observable, Outcome, Segment, observables
+from latolato.observables.base import Observable, Outcome, Step, observables
 from latolato.observables.final import PoincareSection
 from latolato.physics.contacts import BOTTOM, TOP
 
@@ -166,7 +166,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @formula
-def _step(acc: Any, i: int, n: int, s: Segment) -> None:
+def _step(acc: Any, i: int, n: int, s: Step) -> None:
     """Count passages through the hanging position, keep extremes and the time held."""
     j = _running(acc, i, n)
     acc[j] += abs(floor(s.x1 / math.tau) - floor(s.x0 / math.tau))

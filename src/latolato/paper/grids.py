@@ -44,7 +44,7 @@ _LABELS = {
     "crossings": "crossings of 2 rad",
 }
 # The statuses with which a sweep leaves a point without numbers.
-WITHOUT_ANSWER = ("event_limit", "failed", "invalid", "tangled")
+WITHOUT_ANSWER = ("event_limit", "failed", "invalid", "outside_model")
 # Where the band of order 2 is looked for, and the ratios beside it that it is compared with.
 BAND, BESIDE_BAND = (0.95, 1.05), (0.85, 1.15)
 

@@ -66,10 +66,10 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _harmonics(drive: Drive, which: str) -> Floats:
     """Return the amplitudes of the first harmonics of a drive's height or acceleration."""
-    (stretch,) = drive.stretches(1.0)
+    (segment,) = drive.segments(1.0)
     period = 2.0 * math.pi / paper.SINGLE_FREQUENCY
     formula = getattr(drive, which)
-    samples = np.array([formula(i * period / 64, stretch) for i in range(64)])
+    samples = np.array([formula(i * period / 64, segment) for i in range(64)])
     return np.asarray(np.abs(np.fft.rfft(samples))[:6] / 32.0)
 
 

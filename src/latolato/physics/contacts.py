@@ -30,7 +30,7 @@ class ContactLaw:
     numbers : tuple of two floats
         What that motion reads as ``run.settings.law``.
     fixed_step : float or None
-        The step [s] of a law whose result depends on it; small deviations have no meaning then.
+        The step [s] of a law whose result depends on it; perturbations have no meaning then.
     fastest_rate : float
         The fastest angular rate of what the law adds to the motion [rad/s]; steps resolve it.
     stores_energy : bool

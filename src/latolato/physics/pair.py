@@ -1,4 +1,4 @@
-"""Two balls in lasting contact: they swing as one rigid body until the contact force would pull.
+"""Two balls in sticking contact: they swing as one rigid body until the contact force would pull.
 
 On strings a ball may also meet the string of the other one.
 """
@@ -12,7 +12,7 @@ from latolato.core.scalar import cosine, formula, sine
 
 
 @formula
-def joint_coupling(
+def joint_inverse_length(
     moment_1: float, moment_2: float, inertia: float, separation: float
 ) -> tuple[float, float]:
     """Return coupling [1/m] and angle offset [rad] of the body made of both balls.
@@ -42,7 +42,7 @@ def contact_torque(
 
 @formula
 def radial_push(torque: float, length: float, other_length: float, separation: float) -> float:
-    """Return the share of the contact in the tension of a ball in lasting contact [N].
+    """Return the share of the contact in the tension of a ball in sticking contact [N].
 
     The contact force acts along the line of centres; with its torque on ball 1 known, its
     component along the rod is ``torque (l1 - l2 cos(separation))/(l1 l2 sin(separation))``, written

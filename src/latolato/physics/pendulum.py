@@ -5,7 +5,8 @@ Every ball on a rod or a taut string obeys (Paper eq10, with the drags of
 
     angle'' = -(gravity + pivot_acceleration(t)) / length * sin(angle) - drag(angle')
 
-above a pivot that moves up and down. On a slack string it falls (`latolato.numerics.engine.fall`).
+above a pivot that moves up and down. On a slack string it falls
+(`latolato.numerics.engine.slack_step`).
 """
 
 from __future__ import annotations
@@ -58,14 +59,13 @@ systems: Registry[type] = Registry("system")
 
 
 @formula
-def swung(gravity: float, coupling: float, restored: float) -> float:
+def swung(gravity: float, inverse_length: float, restored: float) -> float:
     """Return the angular acceleration ``-gravity/length restored`` without drag [rad/s^2].
 
     The equation of motion of every ball: `gravity` is that of the pivot's frame, ``g + y0''``
-    [m/s^2], or the drive's part of it, `coupling` one over the length and `restored` the restoring
-    factor of the angle.
+    [m/s^2], or the drive's part of it, and `restored` the restoring factor of the angle.
     """
-    return -gravity * coupling * restored
+    return -gravity * inverse_length * restored
 
 
 @formula
@@ -105,7 +105,7 @@ def slope_linear(angle: float) -> float:
     return 1.0
 
 
-# The slope of each restoring factor, for what is linear in small deviations.
+# The slope of each restoring factor, for what is linear in perturbations.
 SLOPES: dict[Any, Any] = {restoring_sine: slope_sine, restoring_linear: slope_linear}
 
 

@@ -14,7 +14,7 @@ from latolato.core.registry import describe, flattened
 from latolato.core.versions import version_of
 from latolato.numerics import records
 from latolato.numerics.integrate import Floats, Start, Trajectory
-from latolato.numerics.observe import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS
+from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS
 from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, contact_laws
 from latolato.physics.drives import Drive, drives
 from latolato.physics.noise import VelocityKicks

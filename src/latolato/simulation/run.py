@@ -14,7 +14,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.registry import check_increasing, checked_array, in_unit
 from latolato.numerics import records
-from latolato.numerics.engine.book import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
+from latolato.numerics.engine.samples import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
     Floats,
     Trajectory,
@@ -24,7 +24,7 @@ from latolato.numerics.integrate import (
     moves_in_plane,
     observe,
 )
-from latolato.numerics.observe import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
+from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.numerics.prepare import MOST_STEPS, choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
@@ -370,14 +370,14 @@ def _observe(
     with_lab: bool,
 ) -> dict[str, Floats]:
     """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
-    stretches = records.stretch_records(drive, end)
+    segments = records.segment_records(drive, end)
     balls, in_plane = ball_records(system.balls), moves_in_plane(system, drive)
     names = (*PIVOT_ROWS, *ACROSS_ROWS) if in_plane else PIVOT_ROWS
     pivot = np.empty((len(names), len(times)))
     out = np.empty((len(balls), len(BALL_ROWS), len(times)))
     samples = trajectory.samples
     observation = Observation(
-        times, samples[records.S_MODE], samples, stretches, balls, float(system.gravity),
+        times, samples[records.S_MODE], samples, segments, balls, float(system.gravity),
         int(system.is_linear), int(system.drag_frame == "lab"), int(with_lab), pivot, out,
     )  # fmt: skip
     laws: tuple[Any, ...] = drive.height, drive.velocity, drive.acceleration

@@ -103,9 +103,9 @@ def sweep(
     xarray.Dataset
         The observables' variables over the axes (also on ``ball`` for a `BallPair`, on ``sample``
         where an observable gives several numbers), and `status`, a word: ``converged``,
-        ``grazing`` or ``rest``; where it is ``event_limit``, ``failed``, ``invalid`` or ``tangled``
-        everything else is NaN. Elsewhere NaN stands for what does not exist, such as a mean impact
-        speed without impacts.
+        ``grazing`` or ``rest``; where it is ``event_limit``, ``failed``, ``invalid`` or
+        ``outside_model`` everything else is NaN. Elsewhere NaN stands for what does not exist, such
+        as a mean impact speed without impacts.
 
     Raises
     ------

@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.integrate import laws_key
-from latolato.numerics.many import (
+from latolato.numerics.batch import (
     Job,
     Progress,
     Scratch,
@@ -22,10 +20,13 @@ from latolato.numerics.many import (
     make_many,
     make_scratch,
 )
+from latolato.numerics.callbacks import ON_TANGENT, formulas_of, make_callbacks
+from latolato.numerics.engine.record import as_objects, write_back
+from latolato.numerics.integrate import laws_key
 from latolato.numerics.pieces import (
+    callback_table,
     engine_recipe,
     fly_recipe,
-    hook_table,
     lane_pieces,
     lanes_recipe,
     locate_recipe,
@@ -37,7 +38,6 @@ from latolato.numerics.pieces import (
 from latolato.numerics.prepare import write_stepper
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
-from latolato.numerics.watch import ON_TANGENT, hooks_of, make_watch
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch, is_planar, is_smooth, laws_of_points
 
@@ -45,25 +45,25 @@ from latolato.sweeps.points import Batch, is_planar, is_smooth, laws_of_points
 @lru_cache(maxsize=16)
 def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
     """Return the same as plain Python, with everything folded in."""
-    balls, motion, hooks = plan_key
-    watch = make_watch(hooks)
-    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion)
-    return make_many(carry_on, watch, balls=balls)
+    balls, motion, formulas = plan_key
+    callbacks = make_callbacks(formulas)
+    carry_on = make_trajectory(*laws, count=balls, callbacks=callbacks, motion=motion)
+    return make_many(carry_on, callbacks, balls=balls)
 
 
 def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
     """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
-    stretch = batch.points.stretches.dtype
+    segment = batch.points.segments.dtype
     engine = piece_of(engine_recipe(
-        plan.system.angles, stretch, *laws_of_points(plan), motion=plan.contact.motion,
+        plan.system.angles, segment, *laws_of_points(plan), motion=plan.contact.motion,
     ))  # fmt: skip
-    looking = pieces_of(hooks_of(plan.observables))
-    table = hook_table(looking)
-    scratch = make_scratch(stretch)
+    looking = pieces_of(formulas_of(plan.observables))
+    table = callback_table(looking)
+    scratch = make_scratch(segment)
     write_stepper(scratch.runs, stepper)
     scratch.runs["settings"]["is_linear"] = plan.system.is_linear
     scratch.runs["engine"] = engine.address
-    scratch.runs["hooks"] = table.ctypes.data
+    scratch.runs["callbacks"] = table.ctypes.data
     return scratch, (engine, looking, table)
 
 
@@ -71,13 +71,13 @@ def run_reference(
     plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> None:
     """Run points one after the other as plain Python."""
-    key = plan.system.angles, plan.contact.motion, hooks_of(plan.observables)
+    key = plan.system.angles, plan.contact.motion, formulas_of(plan.observables)
     many = _reference(key, *laws_of_points(plan))
-    scratch = make_scratch(batch.points.stretches.dtype)
+    scratch = make_scratch(batch.points.segments.dtype)
     write_stepper(scratch.runs, stepper)
     points = batch.points._replace(
         settings=as_objects(batch.points.settings), bodies=as_objects(batch.points.bodies),
-        stretches=as_objects(batch.points.stretches),
+        segments=as_objects(batch.points.segments),
     )  # fmt: skip
     states = progress._replace(states=as_objects(progress.states), begun=as_objects(progress.begun))
     with np.errstate(all="ignore"):
@@ -100,8 +100,8 @@ def run_scalar(
     scratch, pieces = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
     job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
-    many = piece_of(many_recipe(plan.system.angles, batch.points.stretches.dtype))
-    words = np.array(words_of(job, empty_job(batch.points.stretches.dtype)))
+    many = piece_of(many_recipe(plan.system.angles, batch.points.segments.dtype))
+    words = np.array(words_of(job, empty_job(batch.points.segments.dtype)))
     many.call(words.ctypes.data)
     del pieces  # keeps the compiled code until here
 
@@ -119,13 +119,13 @@ def run_fastest(
     if not has_lanes(plan):
         run_scalar(plan, batch, stepper, order, progress, cancel=cancel)
         return
-    system, drive, hooks = plan.system, plan.drive, hooks_of(plan.observables)
-    damped = bool(np.any(batch.points.bodies[order]["rate"] > 0.0))
+    system, drive, formulas = plan.system, plan.drive, formulas_of(plan.observables)
+    damped = bool(np.any(batch.points.bodies[order]["damping_rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
     walled = system.has_contacts and plan.contact.meets
     fly = piece_of(fly_recipe(
         system.restoring, damped=damped, walled=walled, works=works,
-        tangents=bool(hooks[ON_TANGENT]),
+        tangents=bool(formulas[ON_TANGENT]),
     ))  # fmt: skip
     locate = None
     if walled:
@@ -134,15 +134,15 @@ def run_fastest(
     scratch, pieces = _prepared(plan, batch, stepper)
     space = make_lane_space(
         len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
-        0 if locate is None else locate.address, hook_table(looking),
+        0 if locate is None else locate.address, callback_table(looking),
     )  # fmt: skip
     weights = Weights(stepper.kicks, stepper.drifts, stepper.nodes)
     never = np.zeros(1, dtype=np.int64)
     stop = never if cancel is None else cancel
     task = Task(order, batch.points, weights, scratch, progress, space, stop)
     laws = drive.acceleration, *laws_key(system), drive.rotation
-    lanes = piece_of(lanes_recipe(batch.points.stretches.dtype, *laws))
-    words = np.array(words_of(task, empty_task(batch.points.stretches.dtype)))
+    lanes = piece_of(lanes_recipe(batch.points.segments.dtype, *laws))
+    words = np.array(words_of(task, empty_task(batch.points.segments.dtype)))
     lanes.call(words.ctypes.data)
     del pieces, looking, fly, locate, lanes  # keep the compiled code until here
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import records
-from latolato.numerics.many import Progress, make_progress
+from latolato.numerics.batch import Progress, make_progress
+from latolato.numerics.callbacks import blank_slots, slots_of
 from latolato.numerics.records import INVALID, STATUS_NAMES
 from latolato.numerics.steppers import Stepper
-from latolato.numerics.watch import blank_slots, slots_of
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch, Previous, make_batch, stepper_of
 

@@ -1,7 +1,7 @@
 """Turns points of a plan into the arrays that kernels read.
 
 Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
-rest, as for a single run. Objects are made for drives of several stretches, for noise, and to
+rest, as for a single run. Objects are made for drives of several segments, for noise, and to
 explain invalid points.
 """
 
@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError
 from latolato.core.registry import number_fields
 from latolato.numerics import records
+from latolato.numerics.batch import Points
 from latolato.numerics.engine.record import STATE
 from latolato.numerics.integrate import Start, motion_laws, moves_in_plane
-from latolato.numerics.many import Points
 from latolato.numerics.prepare import (
     MOST_STEPS,
     OUT_OF_RANGE,
     Cases,
     cases_of,
-    has_rough_drag,
+    has_nonsmooth_drag,
     prepare_cases,
     prepared_runs,
 )
@@ -84,7 +84,7 @@ def is_smooth(plan: Plan) -> bool:
     """Return whether no point of the plan has drag that is not smooth at rest."""
     names = {"quadratic_damping", "coulomb_damping"}
     varied = {p.removeprefix("right_").removeprefix("left_") for p in plan.varied}
-    return not (names & varied or has_rough_drag(plan.system.balls, plan.system.angles))
+    return not (names & varied or has_nonsmooth_drag(plan.system.balls, plan.system.angles))
 
 
 def is_planar(plan: Plan) -> bool:
@@ -154,14 +154,14 @@ def make_batch(
     stops, sensible = _stops(plan, columns)
     valid &= sensible
     cases = _cases(plan, columns, previous)
-    stretches, firsts = _stretches(plan, columns, cases, valid)
+    segments, firsts = _stretches(plan, columns, cases, valid)
     settings = np.zeros(count, dtype=SETTINGS)
     bodies = np.zeros((count, 1 if plan.system.angles == 1 else 4), dtype=BODY)
     states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
     # Drives with numbers of their own have given their bounds.
-    has_forms = stretches.dtype == records.stretch_dtype()
+    has_forms = segments.dtype == records.segment_dtype()
     prepare_cases(Cases(
-        cases, stretches if has_forms else np.zeros(0, dtype=records.stretch_dtype()),
+        cases, segments if has_forms else np.zeros(0, dtype=records.segment_dtype()),
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
     valid = problems == FINE
@@ -170,7 +170,7 @@ def make_batch(
     states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
     points = Points(
-        settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts,
+        settings, bodies, segments, firsts, kick_times, kick_sizes, kick_firsts,
         stops, plan.contact_limit,
     )  # fmt: skip
     reason = ""
@@ -193,7 +193,7 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
     """Return the points' cases, without the bounds of their drives."""
     cases = cases_of(
         plan.system, plan.contact, count=len(columns["gravity"]), duration=plan.duration,
-        tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
+        tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_nonsmooth=not is_smooth(plan),
         follows_tension=_follows_tension(plan), mirrored=any(o.mirrored for o in plan.observables),
     )  # fmt: skip
     for name in ("gravity", "restitution", "initial_offset", "string_restitution"):
@@ -210,7 +210,7 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
             if column is not None:
                 cases[name][:, i] = column
     if previous is not None:
-        cases["initial_offset"], cases["clips"] = math.nan, 1
+        cases["initial_offset"], cases["clamps_start"] = math.nan, 1
         for i in range(plan.system.angles):
             cases["initial_angle"][:, i] = previous.angles[i]
             cases["initial_angular_velocity"][:, i] = previous.velocities[i]
@@ -230,16 +230,16 @@ def _given_angles(cases: NDArray[Any]) -> Floats:
 def _stretches(
     plan: Plan, columns: Columns, cases: NDArray[Any], valid: NDArray[np.bool_]
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the stretches of all points' drives, and where those of each begin.
+    """Return the segments of all points' drives, and where those of each begin.
 
     A drive's bounds go into its case, and points whose drive is impossible become invalid; whole
-    columns turn into stretches where each point has one cosine.
+    columns turn into segments where each point has one cosine.
     """
     count = len(cases)
     if plan.drive.rotation is not None and plan.drive.write is not None:
-        stretches = np.zeros(count, dtype=records.stretch_dtype())
-        plan.drive.write([stretches.view(np.recarray)], SimpleNamespace(**columns))
-        return stretches, np.arange(count + 1)
+        segments = np.zeros(count, dtype=records.segment_dtype())
+        plan.drive.write([segments.view(np.recarray)], SimpleNamespace(**columns))
+        return segments, np.arange(count + 1)
     result: list[NDArray[Any]] = []
     firsts, known = np.zeros(count + 1, dtype=np.int64), None
     for k in range(count):
@@ -252,12 +252,12 @@ def _stretches(
             valid[k] = False
             continue
         if known is None or known[0] is not drive:
-            own = records.stretch_records(drive, plan.duration)
+            own = records.segment_records(drive, plan.duration)
             known = drive, own, drive.largest_acceleration, drive.fastest_frequency
         result.append(known[1])
         firsts[k + 1] += len(known[1])
         cases["pivot_bound"][k], cases["drive_rate"][k] = known[2:]
-    whole = np.concatenate(result) if result else np.zeros(0, dtype=records.stretch_dtype())
+    whole = np.concatenate(result) if result else np.zeros(0, dtype=records.segment_dtype())
     return whole, firsts
 
 
@@ -403,7 +403,7 @@ def _objects(
     case = cases_of(
         system, plan.contact, angles=start.angles, velocities=start.velocities, is_exact=1,
         bounds=(drive.largest_acceleration, drive.fastest_frequency), tolerance=plan.tolerance,
-        is_rough=not is_smooth(plan),
+        is_nonsmooth=not is_smooth(plan),
     )  # fmt: skip
     step = float(prepared_runs(case, stepper_of(plan))[0]["settings"]["step"][0])
     if not plan.duration <= MOST_STEPS * step:

@@ -78,9 +78,9 @@ test("a piece is called with the words of its arguments, in the order of the lay
   }
 });
 
-test("the table of hooks names pieces by their places", () => {
+test("the table of callbacks names pieces by their places", () => {
   const { kernels } = small();
-  const table = kernels.hooks([[], [[4, "angles.step"], [0, "engine"]], []]);
+  const table = kernels.callbacks([[], [[4, "angles.step"], [0, "engine"]], []]);
   assert.deepEqual([...kernels.numbers(table)].map(Number), [3, 4, 9, 0, 8, 4, 3, 0, 0, 0]);
-  assert.throws(() => kernels.hooks([[[0, "energy.step"]]]), /no piece energy.step/);
+  assert.throws(() => kernels.callbacks([[[0, "energy.step"]]]), /no piece energy.step/);
 });

@@ -6,7 +6,7 @@ import { inOrder } from "../../../src/latolato/app/static/js/map/plan.js";
 import { Pool } from "../../../src/latolato/app/static/js/map/pool.js";
 
 const PLAN = { drive: "harmonic", duration: 300, observables: [{ name: "crossings" }],
-  parameters: { gravity: 9.8, length: 1, mass: 0.8, radius: 0.1, restitution: 1, meets: 1,
+  parameters: { gravity: 9.8, length: 1, mass: 0.8, radius: 0.1, restitution: 1, collides: 1,
     tolerance: 1e-6, rest_speed: 1e-6, initial_angle: 0.4 },
   x: { name: "drive_frequency", values: Array.from({ length: 30 }, (_, i) => 1 + 0.2 * i) },
   y: { name: "drive_amplitude", values: Array.from({ length: 20 }, (_, i) => 0.01 * i) } };

@@ -24,20 +24,20 @@ Pull = Callable[[float], float]
 
 def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
     """Return what gives (g + y0'')/l at an instant of the table [1/s^2]."""
-    stretches = drive.stretches(_end_of(drive))
-    starts = [stretch.start for stretch in stretches]
+    segments = drive.segments(_end_of(drive))
+    starts = [segment.start for segment in segments]
     acceleration = drive.acceleration
 
     def pull(instant: float) -> float:
         t = instant - origin
         place = max(bisect_right(starts, t) - 1, 0)
-        return float((gravity + acceleration(t, stretches[place])) / length)
+        return float((gravity + acceleration(t, segments[place])) / length)
 
     return pull
 
 
 def _end_of(drive: Any) -> float:
-    """Return an instant up to which all stretches of a drive are known [s]."""
+    """Return an instant up to which all segments of a drive are known [s]."""
     times = getattr(drive, "times", None)
     return float(times[-1]) if times is not None and hasattr(drive, "pivot_heights") else 1e9
 

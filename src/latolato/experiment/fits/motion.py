@@ -12,7 +12,7 @@ from latolato.numerics.integrate import Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL
 from latolato.physics.contacts import ContactLaw, PassThrough
-from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, Stretch
+from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, Segment
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
@@ -25,7 +25,7 @@ _PASS_THROUGH = PassThrough()
 class LaterDrive:
     """A drive whose time zero is `origin` of another one's; what `integrate` asks of a drive.
 
-    Formulas read time only against a stretch's start, so shifting that is all.
+    Formulas read time only against a segment's start, so shifting that is all.
     """
 
     def __init__(self, drive: Drive, origin: float, duration: float) -> None:
@@ -39,13 +39,13 @@ class LaterDrive:
         end = origin + duration
         if isinstance(drive, MeasuredPivot):  # whose last piece holds a moment longer
             end = min(end, drive.times[-1])
-        stretches = drive.stretches(end)
-        begin = max((i for i, s in enumerate(stretches) if s.start <= origin), default=0)
-        self._stretches = [s._replace(start=s.start - origin) for s in stretches[begin:]]
+        segments = drive.segments(end)
+        begin = max((i for i, s in enumerate(segments) if s.start <= origin), default=0)
+        self._stretches = [s._replace(start=s.start - origin) for s in segments[begin:]]
 
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return the stretches that meet [0, duration]."""
-        return [stretch for stretch in self._stretches if stretch.start <= duration]
+    def segments(self, duration: float) -> list[Segment]:
+        """Return the segments that meet [0, duration]."""
+        return [segment for segment in self._stretches if segment.start <= duration]
 
 
 def step_of(system: System, drive: Any, speed: float) -> float:

@@ -16,7 +16,7 @@ _REASONS = {
     "event_limit": "the balls touch more often than can be followed",
     "failed": "the computation failed",
     "invalid": "these values describe no toy",
-    "tangled": "a string hits a ball, which the model does not describe",
+    "outside_model": "a string hits a ball, which the model does not describe",
 }
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"

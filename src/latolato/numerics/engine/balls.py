@@ -12,9 +12,14 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import GAP, crossing, make_root
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
-from latolato.numerics.engine.fall import NO_FALL, Fall, place_taut
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing, freed, slowed
+from latolato.numerics.engine.slack_step import NO_SLACK_STEP, SlackStep, place_taut
+from latolato.numerics.engine.taut_step import (
+    ANY_LENGTH,
+    TautStep,
+    acceleration_with_drag,
+    acceleration_with_friction,
+)
 from latolato.numerics.engine.tension import Tension, make_tension
 
 
@@ -31,7 +36,7 @@ class Balls(NamedTuple):
     guess: Callable[..., float]
     locate: Callable[..., float]
     leave: Callable[..., float]
-    parting: Callable[..., float]
+    separation_acceleration: Callable[..., float]
     energy: Callable[..., float]
     plan_length: Callable[..., None]
     shorten: Callable[..., None]
@@ -40,43 +45,43 @@ class Balls(NamedTuple):
 
 @formula
 def share_of(run: Any) -> float:
-    """Return the first ball's share of the inertia of two."""
+    """Share of the first ball in the moment of inertia of both."""
     share: float = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
     return share
 
 
 def make_balls(
-    swing: Swing, fall: Fall, laws: Laws, count: int, part: Part = as_it_stands
+    swing: TautStep, fall: SlackStep, laws: Laws, count: int, part: Part = as_it_stands
 ) -> Balls:
-    """Return the functions of one or two balls whose motion is that of `swing`.
+    """Make the functions of one or two balls whose motion is that of `swing`.
 
     In the plane the string of a ball may be slack, and it moves by `fall` then.
     """
-    two, in_plane = count == 2, fall is not NO_FALL
+    two, in_plane = count == 2, fall is not NO_SLACK_STEP
     fall_by, hang, slopes = fall.step_by, fall.hang, fall.slopes
     potential, push_potential = laws.potential, laws.push_potential
 
     @inlined(part)
     def gap(points: Any) -> float:
-        """Return the gap [rad]."""
+        """The gap [rad]."""
         angle: float = points[0].angle - points[1].angle if two else points[0].angle
         return angle
 
     @inlined(part)
     def gap_rate(points: Any) -> float:
-        """Return how fast the gap grows [rad/s]."""
+        """Rate of the gap [rad/s]."""
         speed: float = points[0].velocity - points[1].velocity if two else points[0].velocity
         return speed
 
     @inlined(part)
     def gap_acceleration(run: Any, points: Any) -> float:
-        """Return the gap's acceleration with all drag [rad/s^2]."""
-        bend: float = slowed(points[0], run.bodies[0])
-        return bend - slowed(points[1], run.bodies[1]) if two else bend
+        """Acceleration of the gap with all drag [rad/s^2]."""
+        curvature: float = acceleration_with_drag(points[0], run.bodies[0])
+        return curvature - acceleration_with_drag(points[1], run.bodies[1]) if two else curvature
 
     @part
     def gap_course(run: Any, wall: float) -> tuple[float, float, float, float, float, float]:
-        """Return how far the gap is above a wall, its rate and acceleration, at both ends."""
+        """The gap above a wall, its rate and acceleration, at both ends of the step."""
         a0, a1 = gap_acceleration(run, run.now), gap_acceleration(run, run.end)
         begin, end = gap(run.now) - wall, gap(run.end) - wall
         return begin, gap_rate(run.now), a0, end, gap_rate(run.end), a1
@@ -103,7 +108,7 @@ def make_balls(
             else:
                 swing.step(run, i, i, run.now[i], run.end[i])
                 if in_plane and two:
-                    place_taut(run.end[i], 1.0 / run.bodies[i].coupling)
+                    place_taut(run.end[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
     def fly_by(run: Any, length: float, points: Any) -> None:
@@ -114,11 +119,11 @@ def make_balls(
             else:
                 swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], points[i])
                 if in_plane and two:
-                    place_taut(points[i], 1.0 / run.bodies[i].coupling)
+                    place_taut(points[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
     def settle(run: Any) -> None:
-        """Find the directions in which the balls move, and what pulls at them."""
+        """Find the directions in which the balls move, and the forces on them."""
         for i in range(count):
             if not in_plane or run.state.is_slack[i] == 0:
                 swing.settle(run, i, run.t, run.now[i])
@@ -130,34 +135,34 @@ def make_balls(
         what: int, low: float, high: float, far: float, h: float,
         course: tuple[float, float, float, float, float, float],
     ) -> float:  # fmt: skip
-        """Return the `crossing` of a course through a step: one copy of its code."""
+        """The `crossing` of a course through a step: one copy of its code."""
         return crossing(what, low, high, far, h, *course)
 
     @part
-    def glide(run: Any, s: float, missing: float) -> None:
-        """Take ``run.end``, that far into the step, on by a time that is missing; all are taut."""
+    def extend_step(run: Any, s: float, missing: float) -> None:
+        """Extend ``run.end``, s seconds into the step, by a tiny missing time; all are taut."""
         if run.settings.in_lab != 0:  # what moving air takes is counted in whole steps
             fly_by(run, s + missing, run.end)
             return
         for i in range(count):
-            swing.glide(run, i, run.t + s + missing, missing, run.end[i])
+            swing.extend_step(run, i, run.t + s + missing, missing, run.end[i])
             if in_plane and two:
-                place_taut(run.end[i], 1.0 / run.bodies[i].coupling)
+                place_taut(run.end[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
     def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
-        """Return the value whose zero is located, its slope and curvature, a time into the step."""
+        """The guard to be located, its slope and curvature, s seconds into the step."""
         fly_by(run, s, run.end)
-        rate, bend = gap_rate(run.end), gap_acceleration(run, run.end)
+        rate, curvature = gap_rate(run.end), gap_acceleration(run, run.end)
         if what == GAP:
-            return gap(run.end) - target, rate, bend
-        return rate - target, bend, 0.0
+            return gap(run.end) - target, rate, curvature
+        return rate - target, curvature, 0.0
 
     find = make_root(value_at, part)
 
     @part
     def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
-        """Return the length in [low, high] of a step to where gap or rate reaches `target`.
+        """Length in [low, high] of a step to where the gap or its rate reaches `target` [s].
 
         ``run.end``, where the step of length `high` ends, becomes where that one ends. The value
         minus the target changes its sign between the ends. Bracketed Newton on the step itself.
@@ -168,12 +173,12 @@ def make_balls(
         far, wall = 1.0 if value > 0.0 else -1.0, target if what == GAP else 0.0
         s = guess(what, low, high, far, high, gap_course(run, wall))
         s, missing = find(run, s, low, high, far, what, target)
-        glide(run, s, missing)
+        extend_step(run, s, missing)
         return s + missing
 
     @part
     def leave(run: Any, target: float, far: float, high: float) -> float:
-        """Return the length of a step after which the gap has left `target`, on the near side.
+        """Length of a step after which the gap has left `target`, on the near side [s].
 
         Zero if the motion on the near side is too small to be seen in double precision.
         """
@@ -186,25 +191,27 @@ def make_balls(
         return 0.0
 
     @part
-    def parting(run: Any, far: float, t: float, points: Any) -> float:
-        """Return the gap's acceleration away from a contact, with all drag [rad/s^2]."""
+    def separation_acceleration(run: Any, far: float, t: float, points: Any) -> float:
+        """Acceleration of the gap away from a contact, with all drag [rad/s^2]."""
         apart = 0.0
         for i in range(count):
             free = swing.free(run, i, t, points[i].angle)
-            pulled = freed(free, points[i].velocity, run.bodies[i])
+            pulled = acceleration_with_friction(free, points[i].velocity, run.bodies[i])
             apart += pulled if i == 0 else -pulled
         return -far * apart
 
     @inlined(part)
     def energy(run: Any) -> float:
-        """Return the energy of all balls [J]."""
+        """Energy of all balls [J]."""
         total, settings = 0.0, run.settings
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
             if in_plane and run.state.is_slack[i] != 0:
                 total += b.inertia * slopes(run, i, point)[1]
                 continue
-            height = settings.gravity * b.coupling * potential(point.angle, settings.is_linear)
+            height = (
+                settings.gravity * b.inverse_length * potential(point.angle, settings.is_linear)
+            )
             held = push_potential(point.angle, run)
             total += b.inertia * (0.5 * point.velocity * point.velocity + height + held)
         return total
@@ -220,10 +227,23 @@ def make_balls(
 
     @inlined(part)
     def shorten(run: Any, length: float) -> None:
-        """Let the step end earlier."""
+        """End the step earlier."""
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 
     return Balls(
-        gap, gap_rate, gap_course, place, fly, fly_by, settle, guess, locate, leave, parting,
-        energy, plan_length, shorten, make_tension(swing, part),
-    )  # fmt: skip
+        gap=gap,
+        gap_rate=gap_rate,
+        gap_course=gap_course,
+        place=place,
+        fly=fly,
+        fly_by=fly_by,
+        settle=settle,
+        guess=guess,
+        locate=locate,
+        leave=leave,
+        separation_acceleration=separation_acceleration,
+        energy=energy,
+        plan_length=plan_length,
+        shorten=shorten,
+        tension=make_tension(swing, part),
+    )

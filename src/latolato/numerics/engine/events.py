@@ -1,4 +1,4 @@
-"""Events at the end of a step: what each does to the motion and to small deviations."""
+"""Events at the end of a step: what each does to the motion and to perturbations."""
 
 from __future__ import annotations
 
@@ -7,23 +7,28 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.bounce import meet_wall
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
-    JOINT,
-    JOINT_ROW,
+    PAIR_ROW,
     RELEASE,
     REST,
     SETTLE,
+    STICKING,
     TURN,
 )
-from latolato.numerics.engine.swing import SHORTEST, Swing, freed, slowed
+from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.taut_step import (
+    SHORTEST,
+    TautStep,
+    acceleration_with_drag,
+    acceleration_with_friction,
+)
 from latolato.numerics.matrices import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
-from latolato.numerics.watch import Eyes
+from latolato.numerics.wall_contact import wall_contact
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
 from latolato.physics.pair import write_pair_saltation
@@ -48,7 +53,7 @@ class Output(NamedTuple):
 
 
 class Event(NamedTuple):
-    """What happens at the end of a step: ``apply(run, output, eyes)``."""
+    """What happens at the end of a step: ``apply(run, output, accumulators)``."""
 
     number: int
     apply: Callable[..., None]
@@ -56,16 +61,16 @@ class Event(NamedTuple):
 
 @formula
 def logarithm(ratio: float) -> float:
-    """Return the logarithm, minus infinity at 0."""
+    """Natural logarithm, minus infinity at 0."""
     return math.log(ratio) if ratio > 0.0 else -math.inf
 
 
 def make_events(
-    swing: Swing, balls: Balls, look: Look, count: int, part: Part = as_it_stands
+    swing: TautStep, balls: Balls, report: Report, count: int, part: Part = as_it_stands
 ) -> tuple[Event, ...]:
-    """Return the events of `count` balls under exact contact."""
+    """Make the events of `count` balls under exact contact."""
     two = count == 2
-    lasting = JOINT if two else REST
+    sticking = STICKING if two else REST
 
     @part
     def write_row(run: Any, output: Output, kind: int, before_1: float, before_2: float) -> None:
@@ -79,18 +84,18 @@ def make_events(
         run.rows += 1
 
     @part
-    def unite(run: Any, eyes: Eyes) -> None:
-        """Report the matrix of the start of lasting contact: deviations from it are lost."""
+    def report_sticking_start(run: Any, accumulators: Accumulators) -> None:
+        """Report the tangent map of a start of sticking contact: perturbations off it are lost."""
         clear_matrix(run.jacobian, 4)
         if two:
             write_joint_matrix(run.jacobian, share_of(run), UNCHANGED)
-        look.matrix(run, eyes, 2 * count, 0.0, -math.inf)
+        report.matrix(run, accumulators, 2 * count, 0.0, -math.inf)
 
     @part
-    def turn(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let a ball turn round, or begin to move, or stop: friction changes its direction."""
-        if run.state.mode == JOINT:
-            turned_jointly(run, eyes)
+    def turn(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: a ball turns round, begins to move or stops, so friction changes its direction."""
+        if run.state.mode == STICKING:
+            turn_together(run, accumulators)
             return
         point = run.now[run.ball]
         was_held, before = point.sign == 0.0, point.acceleration
@@ -103,25 +108,27 @@ def make_events(
         for i in range(count):
             write_matrix(run.jacobian, i, UNCHANGED)
         write_matrix(run.jacobian, run.ball, (1.0, 0.0, 0.0, ratio))
-        look.matrix(run, eyes, 2 * count, 0.0, logarithm(ratio))
+        report.matrix(run, accumulators, 2 * count, 0.0, logarithm(ratio))
 
     @part
-    def turned_jointly(run: Any, eyes: Eyes) -> None:
-        """Let two balls in lasting contact turn round."""
+    def turn_together(run: Any, accumulators: Accumulators) -> None:
+        """Turn of two balls in sticking contact."""
         body = 2 if run.state.side < 0.0 else 3
-        end = run.end[JOINT_ROW]
-        pulled = freed(swing.free(run, body, run.t, end.angle), 0.0, run.bodies[body])
+        end = run.end[PAIR_ROW]
+        pulled = acceleration_with_friction(
+            swing.free(run, body, run.t, end.angle), 0.0, run.bodies[body]
+        )
         ratio = pulled / end.acceleration if end.acceleration != 0.0 else 0.0
         balls.settle(run)
         write_joint_matrix(run.jacobian, share_of(run), (1.0, 0.0, 0.0, ratio))
-        look.matrix(run, eyes, 4, 0.0, -math.inf)
+        report.matrix(run, accumulators, 4, 0.0, -math.inf)
 
     @part
-    def strike_wall(run: Any, side: float) -> bool:
-        """Let one ball meet a wall; return whether it rests there."""
+    def collide_with_wall(run: Any, side: float) -> bool:
+        """Apply the impact of one ball on a wall; whether it rests there."""
         settings, b, point = run.settings, run.bodies[0], run.now[0]
         outward = -side * swing.free(run, 0, run.t, point.angle)
-        point.velocity, lost, caught, rests = meet_wall(
+        point.velocity, lost, caught, rests = wall_contact(
             point.velocity, outward, settings.restitution, settings.rest_speed, b.coulomb
         )
         run.state.impact_loss += b.inertia * lost
@@ -130,14 +137,14 @@ def make_events(
 
     @part
     def strike(run: Any, side: float) -> bool:
-        """Let two balls collide; return whether they rest on each other.
+        """Apply the impact of two balls; whether they rest on each other.
 
         The capture speed counts for each of two mirrored balls, so twice it for the gap's rate.
         """
         one, two = run.now[0], run.now[1]
         i1, i2 = run.bodies[0].inertia, run.bodies[1].inertia
         speed, e = one.velocity - two.velocity, run.settings.restitution
-        presses = balls.parting(run, side, run.t, run.now) <= 0.0
+        presses = balls.separation_acceleration(run, side, run.t, run.now) <= 0.0
         energy = 0.5 * i1 * i2 / (i1 + i2) * speed * speed
         slow = speed == 0.0 or (e < 1.0 and abs(speed) <= 2.0 * run.settings.rest_speed)
         captures = presses and slow
@@ -156,14 +163,14 @@ def make_events(
         return captures or (presses and joins)
 
     @part
-    def meet(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let the balls meet on ``run.side``, now: an impact, a capture, or both."""
+    def meet(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: balls meet on ``run.side``, with an impact, a capture, or both."""
         side, state = run.side, run.state
         v1, v2 = run.now[0].velocity, run.now[1].velocity
         b1, b2 = run.bodies[0], run.bodies[1]
-        a1, a2 = slowed(run.now[0], b1), slowed(run.now[1], b2)
+        a1, a2 = acceleration_with_drag(run.now[0], b1), acceleration_with_drag(run.now[1], b2)
         lost = state.impact_loss
-        rests = strike(run, side) if two else strike_wall(run, side)
+        rests = strike(run, side) if two else collide_with_wall(run, side)
         captures = rests and state.impact_loss == lost
         closing = v1 - v2 if two else v1
         if closing != 0.0 or run.t > 0.0:
@@ -173,17 +180,23 @@ def make_events(
                 write_row(run, output, contacts.REST, run.now[0].velocity, run.now[1].velocity)
         balls.settle(run)
         state.touch = state.side = side
-        state.mode = lasting if rests else FLIGHT
+        state.mode = sticking if rests else FLIGHT
         if rests and (closing == 0.0 or not two):
-            unite(run, eyes)
-        elif closing != 0.0 and look.sees_matrices(run):
-            show_impact(run, eyes, v1, v2, a1, a2, rests)
+            report_sticking_start(run, accumulators)
+        elif closing != 0.0 and report.wants_tangent_map(run):
+            report_impact(run, accumulators, v1, v2, a1, a2, rests)
 
     @part
-    def show_impact(
-        run: Any, eyes: Eyes, v1: float, v2: float, a1: float, a2: float, rests: bool
+    def report_impact(
+        run: Any,
+        accumulators: Accumulators,
+        v1: float,
+        v2: float,
+        a1: float,
+        a2: float,
+        rests: bool,
     ) -> None:
-        """Show the saltation matrix; velocities and accelerations are those just before.
+        """Report the saltation matrix; velocities and accelerations are those just before.
 
         Two balls that rest move as one from then on, with the mean of their accelerations.
         """
@@ -191,7 +204,10 @@ def make_events(
         e = 0.0 if rests else run.settings.restitution
         if two:
             share = share_of(run)
-            pull_1, pull_2 = slowed(run.now[0], b1), slowed(run.now[1], b2)
+            pull_1, pull_2 = (
+                acceleration_with_drag(run.now[0], b1),
+                acceleration_with_drag(run.now[1], b2),
+            )
             if rests:
                 pull_1 = pull_2 = share * pull_1 + (1.0 - share) * pull_2
             after = (run.now[0].velocity, run.now[1].velocity)
@@ -200,12 +216,16 @@ def make_events(
             )
         else:
             after_1 = run.now[0].velocity
-            write_matrix(run.jacobian, 0, wall_saltation(v1, after_1, a1, slowed(run.now[0], b1)))
-        look.matrix(run, eyes, 2 * count, 0.0, 2.0 * logarithm(e))
+            write_matrix(
+                run.jacobian,
+                0,
+                wall_saltation(v1, after_1, a1, acceleration_with_drag(run.now[0], b1)),
+            )
+        report.matrix(run, accumulators, 2 * count, 0.0, 2.0 * logarithm(e))
 
     @part
-    def settle_down(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let balls rest that part too little to be seen, at first without a check for release."""
+    def start_sticking(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: sticking contact begins where a separation is below rounding; release waits."""
         state, settings = run.state, run.settings
         state.grazes += 1
         v1, v2 = run.now[0].velocity, run.now[1].velocity
@@ -217,8 +237,8 @@ def make_events(
         else:
             state.capture_loss += 0.5 * b1 * v1 * v1
             run.now[0].velocity = 0.0
-        unite(run, eyes)
-        state.mode, state.side, state.touch = lasting, run.side, 0.0
+        report_sticking_start(run, accumulators)
+        state.mode, state.side, state.touch = sticking, run.side, 0.0
         h = settings.step
         least = max(_HOLD * min(h, run.goal - run.t), _SHORTEST_REST * h, SHORTEST * run.t)
         state.held_until = min(run.t + least, run.goal)
@@ -229,14 +249,14 @@ def make_events(
         balls.settle(run)
 
     @part
-    def release(run: Any, output: Output, eyes: Eyes) -> None:
-        """End lasting contact."""
+    def release(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: sticking contact ends."""
         state = run.state
         state.mode, state.touch = FLIGHT, state.side
         write_row(run, output, contacts.RELEASE, run.now[0].velocity, run.now[1].velocity)
         balls.settle(run)
 
     return (
-        Event(TURN, turn), Event(CONTACT, meet), Event(SETTLE, settle_down),
+        Event(TURN, turn), Event(CONTACT, meet), Event(SETTLE, start_sticking),
         Event(RELEASE, release),
     )  # fmt: skip

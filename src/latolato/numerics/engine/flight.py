@@ -6,18 +6,23 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from latolato.numerics.bounce import hop
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
-from latolato.numerics.engine.held import Held, add_compression
-from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
+from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.stiction import Stiction, add_compression
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
-from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, slowed
+from latolato.numerics.engine.taut_step import (
+    ANY_LENGTH,
+    SHORTEST,
+    TautStep,
+    acceleration_with_drag,
+)
 from latolato.numerics.matrices import clear_matrix, write_matrix
-from latolato.numerics.watch import Eyes
+from latolato.numerics.wall_contact import hop
 from latolato.observables.hermite import quintic_bounds
 
 # A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
@@ -28,16 +33,16 @@ _ROUNDING = 1e-15
 
 
 def make_cut_at_turn(
-    swing: Swing, balls: Balls, held: Held, part: Part = as_it_stands
+    swing: TautStep, balls: Balls, stiction: Stiction, part: Part = as_it_stands
 ) -> Callable[..., None]:
-    """Return the function ``(run, i)`` that ends a step where friction changes ball i's motion."""
+    """Make the function ``(run, i)`` that ends a step where friction changes ball i's motion."""
 
     @part
     def cut_at_turn(run: Any, i: int) -> None:
         """Shorten a step where a ball turns, or where friction lets go of it."""
         s = math.inf
         if run.now[i].sign == 0.0:
-            s = held.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
+            s = stiction.release_time(run, i, 0.0, run.now[i].angle, run.t, run.t_end) - run.t
         elif not run.end[i].velocity * run.now[i].sign >= 0.0:  # NaN: far beyond the turn
             s = swing.turn(run, i, ANY_LENGTH + i, run.length, run.now[i], run.end[i])
         if s <= run.length:
@@ -49,18 +54,18 @@ def make_cut_at_turn(
 
 
 def make_flight(
-    swing: Swing, balls: Balls, held: Held, look: Look, strings: Strings, count: int,
+    swing: TautStep, balls: Balls, stiction: Stiction, report: Report, strings: Strings, count: int,
     part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
-    """Return the mode of `count` balls in flight; strings, if they hang on such, are taut."""
+    """Make the mode of `count` balls in flight; their strings, if any, are taut."""
     two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
     gap_course = balls.gap_course
-    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, stiction, part)
 
     @inlined(part)
     def plan(run: Any) -> None:
-        """Fly a step, up to the first thing that happens in it."""
+        """Plan a step, up to the first event in it."""
         balls.plan_length(run)
         is_still = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
         if is_still and run.settings.is_string == 0:  # nothing moves till then
@@ -72,7 +77,7 @@ def make_flight(
         soon = hop_time(run)
         if soon == 0.0:
             cut_beside_contact(run)
-            if run.is_rough != 0:
+            if run.is_nonsmooth != 0:
                 for i in range(count):
                     cut_at_turn(run, i)
         side = contact_ahead(run, soon)
@@ -85,7 +90,7 @@ def make_flight(
 
     @inlined(part)
     def hop_time(run: Any) -> float:
-        """Return how long a rebound lasts that is too small for the angle's digits, 0 if larger."""
+        """Duration of a rebound that is too small for the angle's digits, 0 if larger [s]."""
         touch, speed = run.state.touch, gap_rate(run.now)
         if speed * touch >= 0.0:
             return 0.0
@@ -96,7 +101,7 @@ def make_flight(
             if rubs and slowest < 100.0 * abs(speed):
                 return 0.0
             friction = 0.0
-        soon, _ = hop(speed, -balls.parting(run, touch, run.t, run.now), friction)
+        soon, _ = hop(speed, -balls.separation_acceleration(run, touch, run.t, run.now), friction)
         return soon if soon < run.goal - run.t else 0.0
 
     @inlined(part)
@@ -115,7 +120,7 @@ def make_flight(
 
     @inlined(part)
     def contact_ahead(run: Any, soon: float) -> float:
-        """Return the side of the contact that a step reaches or may dip into, 0 for none."""
+        """Side of the contact that a step reaches or may dip into, 0 for none."""
         low, high = run.settings.low, run.settings.high
         if soon > 0.0:
             return run.state.touch
@@ -154,7 +159,7 @@ def make_flight(
 
     @part
     def dips_beyond(run: Any, side: float, wall: float) -> bool:
-        """Return whether the gap dips beyond a contact within the step; end it at the bottom."""
+        """Whether the gap dips beyond a contact within the step, which then ends at the bottom."""
         length, was_whole, t_end = run.length, run.is_whole, run.t_end
         balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
         depth = (gap(run.end) - wall) * side
@@ -168,9 +173,9 @@ def make_flight(
 
     @part
     def land(run: Any, side: float, wall: float, soon: float) -> None:
-        """Take a rebound that the angle's digits cannot show as a parabola."""
+        """Take a rebound that the angle's digits cannot show as a parabola in time."""
         before, friction = gap_rate(run.now), 0.0 if two else run.bodies[0].coulomb
-        _, back = hop(before, -balls.parting(run, side, run.t, run.now), friction)
+        _, back = hop(before, -balls.separation_acceleration(run, side, run.t, run.now), friction)
         balls.shorten(run, soon)
         fly_by(run, soon, run.end)
         balls.place(run, run.end, wall, side * back)
@@ -180,7 +185,7 @@ def make_flight(
 
     @part
     def stay(run: Any, side: float, wall: float) -> None:
-        """Find out whether balls that part too little to be seen begin to part or rest."""
+        """Decide whether balls whose separation is below rounding begin to part or rest."""
         fly_by(run, run.length, run.end)
         tiny = 10.0 * _ROUNDING
         for i in range(count):
@@ -202,12 +207,12 @@ def make_flight(
             run.work += b.inertia * point.work
             run.loss += b.inertia * point.loss
             if point.sign == 0.0:
-                swing.shake(run, t, point)
+                swing.write_pivot_motion(run, t, point)
             if run.settings.follows_tension != 0:
                 point.tension = swing.tension(run, i, point)
 
     @part
-    def look_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Any, length: float) -> None:
         """Fly a part of the step."""
         fly_by(run, length, run.inside)
         if run.event == CONTACT:
@@ -225,7 +230,7 @@ def make_flight(
         begin, end = run.now[i], run.end[i]
         state = run.state
         if begin.sign == 0.0:
-            held.note_compression(run, i, begin.angle)
+            stiction.note_compression(run, i, begin.angle)
             return
         margin = tension.margin(run, i)
         if max(begin.tension, end.tension) < -margin:
@@ -247,29 +252,31 @@ def make_flight(
             left, right = middle, end.tension
 
     @inlined(part)
-    def note(run: Any, eyes: Eyes) -> None:
-        """Note compression, and show the observables the step and its matrix."""
+    def note(run: Any, accumulators: Accumulators) -> None:
+        """Add up compression, and report the step and its tangent map."""
         for i in range(count):
             if run.settings.follows_tension != 0 and run.settings.is_string == 0:
                 note_compression(run, i)
-            a0, a1 = slowed(run.now[i], run.bodies[i]), slowed(run.end[i], run.bodies[i])
-            look.step(run, eyes, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)
-        if look.sees_matrices(run):
-            note_matrix(run, eyes)
+            a0, a1 = (
+                acceleration_with_drag(run.now[i], run.bodies[i]),
+                acceleration_with_drag(run.end[i], run.bodies[i]),
+            )
+            report.step(run, accumulators, i, a0, a1, 1.0 if run.now[i].sign == 0.0 else 0.0)
+        if report.wants_tangent_map(run):
+            note_matrix(run, accumulators)
 
     @part
-    def note_matrix(run: Any, eyes: Eyes) -> None:
-        """Show the matrix of the step, one block a ball."""
+    def note_matrix(run: Any, accumulators: Accumulators) -> None:
+        """Report the tangent map of the step, one block a ball."""
         spread = 0.0
         clear_matrix(run.jacobian, 4)
         for i in range(count):
             b, begin, end = run.bodies[i], run.now[i], run.end[i]
             swing.prepare(run, i, ANY_LENGTH + i, run.length)
             write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, begin))
-            spread -= b.rate * run.length + 2.0 * b.quadratic * abs(end.angle - begin.angle)
+            spread -= b.damping_rate * run.length + 2.0 * b.quadratic * abs(end.angle - begin.angle)
             if begin.sign == 0.0:
                 spread = -math.inf
-        look.matrix(run, eyes, 2 * count, run.length, spread)
+        report.matrix(run, accumulators, 2 * count, run.length, spread)
 
-    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
-    return Mode(FLIGHT, *functions)
+    return Mode(FLIGHT, plan=plan, evaluate_inside=evaluate_inside, note=note)

@@ -21,7 +21,7 @@ Formula = Callable[..., float]
 
 
 class PlaneLaws(NamedTuple):
-    """What else of the pivot's motion counts in the plane: formulas ``(t, stretch)``.
+    """What else of the pivot's motion counts in the plane: formulas ``(t, segment)``.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Laws(NamedTuple):
 
     Attributes
     ----------
-    pivot_acceleration : formula ``(t, stretch)``
+    pivot_acceleration : formula ``(t, segment)``
         Of the drive [m/s^2].
     restoring, slope, potential : formulas ``(angle, is_linear)``
         The restoring factor, its slope and its potential; `is_linear` selects the package's law.
@@ -63,25 +63,25 @@ class Laws(NamedTuple):
 
 @formula
 def no_push(angle: float, run: Any) -> float:
-    """Return 0."""
+    """Zero."""
     return 0.0
 
 
 @formula
 def _restoring(angle: float, is_linear: int) -> float:
-    """Return the restoring factor of a system of the package."""
+    """Restoring factor of a system of the package."""
     return restoring_linear(angle) if is_linear != 0 else restoring_sine(angle)
 
 
 @formula
 def _slope(angle: float, is_linear: int) -> float:
-    """Return the slope of `_restoring`."""
+    """Slope of `_restoring`."""
     return slope_linear(angle) if is_linear != 0 else slope_sine(angle)
 
 
 @formula
 def _potential(angle: float, is_linear: int) -> float:
-    """Return the potential of `_restoring`."""
+    """Potential of `_restoring`."""
     return potential_linear(angle) if is_linear != 0 else potential_sine(angle)
 
 
@@ -98,7 +98,11 @@ def restoring_laws(
 ) -> RestoringLaws:
     """Return a restoring law with its slope and potential; those of the package share all code."""
     if restoring in (restoring_sine, restoring_linear):
-        return RestoringLaws(_restoring, _slope, _potential)
+        return RestoringLaws(
+            restoring=_restoring,
+            slope=_slope,
+            potential=_potential,
+        )
     part, own_slope = inlined(part), SLOPES[restoring]
 
     @part
@@ -113,7 +117,11 @@ def restoring_laws(
     def own_potential(angle: float, is_linear: int) -> float:
         return potential(angle)
 
-    return RestoringLaws(own_restoring, slope, own_potential)
+    return RestoringLaws(
+        restoring=own_restoring,
+        slope=slope,
+        potential=own_potential,
+    )
 
 
 def laws_of(

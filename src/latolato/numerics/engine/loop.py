@@ -8,35 +8,35 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.numerics.engine.apart import Apart, make_apart
+from latolato.numerics.callbacks import Accumulators, Callbacks
 from latolato.numerics.engine.balls import Balls, make_balls
-from latolato.numerics.engine.book import follow_ledger, write_place, write_sample
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
-from latolato.numerics.engine.fall import NO_FALL, Fall, make_fall
 from latolato.numerics.engine.flight import make_flight
-from latolato.numerics.engine.held import make_held
-from latolato.numerics.engine.image import make_image
-from latolato.numerics.engine.joint import make_joint
+from latolato.numerics.engine.gaps import Gaps, make_gaps
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.look import Look, make_look
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
-    JOINT,
     NOTHING,
     RELEASE,
     REST,
     SLACK,
+    STICKING,
     UNSETTLED,
 )
+from latolato.numerics.engine.report import Report, make_report
 from latolato.numerics.engine.rest import make_rest
+from latolato.numerics.engine.samples import follow_ledger, write_place, write_sample
 from latolato.numerics.engine.slack import make_slack
+from latolato.numerics.engine.slack_step import NO_SLACK_STEP, SlackStep, make_slack_step
+from latolato.numerics.engine.sticking import make_sticking
+from latolato.numerics.engine.stiction import make_stiction
 from latolato.numerics.engine.strings import NO_STRINGS, Strings, make_strings
-from latolato.numerics.engine.swing import Swing, make_swing
+from latolato.numerics.engine.tangent_map import make_tangent_map
+from latolato.numerics.engine.taut_step import TautStep, make_taut_step
 from latolato.numerics.matrices import clear_matrix, write_matrix
-from latolato.numerics.watch import Eyes, Watch
 from latolato.physics.pendulum import swung
 
 # As many rows of the contact table as one step may need: on rods, and on strings.
@@ -46,9 +46,9 @@ _TOUCH = 1e-12
 
 
 class Timetable(NamedTuple):
-    """When the drive or a kick changes something: arrays of shape (stretch,) or (kick,)."""
+    """When the drive or a kick changes something: arrays of shape (segment,) or (kick,)."""
 
-    stretches: Any
+    segments: Any
     kick_times: Any
     kick_sizes: Any  # rad/s, shape (ball, kick)
 
@@ -58,35 +58,35 @@ class Arguments(NamedTuple):
 
     timetable: Timetable
     output: Output
-    eyes: Eyes
+    accumulators: Accumulators
 
 
 @functools.cache
-def empty_arguments(stretch: np.dtype[Any]) -> Arguments:
-    """Return arrays of the kinds that an engine is given, without content."""
+def empty_arguments(segment: np.dtype[Any]) -> Arguments:
+    """Empty arrays of the kinds that an engine takes."""
     floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
     kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
     return Arguments(
-        Timetable(np.empty(0, dtype=stretch), floats, kicks),
+        Timetable(np.empty(0, dtype=segment), floats, kicks),
         Output(floats, table, floats, numbers, table),
-        Eyes(floats, 0, 0),
+        Accumulators(floats, 0, 0),
     )
 
 
 class Plane(NamedTuple):
     """What motions in the plane have besides."""
 
-    fall: Fall
-    apart: Apart
+    fall: SlackStep
+    gaps: Gaps
     strings: Strings
 
 
 class Kit(NamedTuple):
     """What modes and events are built from; see `make_engine`."""
 
-    swing: Swing
+    swing: TautStep
     balls: Balls
-    look: Look
+    report: Report
     laws: Laws
     balls_count: int
     part: Part
@@ -94,28 +94,32 @@ class Kit(NamedTuple):
 
 
 def usual_modes(kit: Kit) -> tuple[Mode, ...]:
-    """Return the modes of exact contact."""
-    swing, balls, look, laws, count, part, plane = kit
-    held = make_held(swing, laws, part)
+    """Make the modes of exact contact."""
+    swing, balls, report, laws, count, part, plane = kit
+    stiction = make_stiction(swing, laws, part)
     strings = plane.strings if plane is not None else NO_STRINGS
-    flight = make_flight(swing, balls, held, look, strings, count, part)
-    lasting = make_joint(swing, balls, look, part) if count == 2 else make_rest(held, look, part)
+    flight = make_flight(swing, balls, stiction, report, strings, count, part)
+    sticking = (
+        make_sticking(swing, balls, report, part)
+        if count == 2
+        else make_rest(stiction, report, part)
+    )
     if plane is None:
-        return flight, lasting
-    fall, apart, strings = plane
-    slack = make_slack(swing, fall, balls, held, apart, strings, look, count, part)
-    return flight, lasting, slack
+        return flight, sticking
+    fall, gaps, strings = plane
+    slack = make_slack(swing, fall, balls, stiction, gaps, strings, report, count, part)
+    return flight, sticking, slack
 
 
 def usual_events(kit: Kit) -> tuple[Event, ...]:
-    """Return the events of exact contact."""
+    """Make the events of exact contact."""
     if kit.plane is not None:
         return kit.plane.strings.events
-    return make_events(kit.swing, kit.balls, kit.look, kit.balls_count, kit.part)
+    return make_events(kit.swing, kit.balls, kit.report, kit.balls_count, kit.part)
 
 
 def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]:
-    """Return the function that calls what the present mode has under this name."""
+    """Make the function that calls the one of this name of the present mode."""
     first, *others = modes
     function, number = getattr(first, what), first.number
     if not others:
@@ -133,17 +137,17 @@ def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]
 
 
 def by_event(events: Sequence[Event], part: Part) -> Callable[..., None]:
-    """Return the function that applies the present event."""
+    """Make the function that applies the present event."""
     first, *others = events
     function, number = first.apply, first.number
     otherwise = by_event(others, part) if others else None
 
     @part
-    def chosen(run: Any, output: Output, eyes: Eyes) -> None:
+    def chosen(run: Any, output: Output, accumulators: Accumulators) -> None:
         if run.event == number:
-            function(run, output, eyes)
+            function(run, output, accumulators)
         elif otherwise is not None:
-            otherwise(run, output, eyes)
+            otherwise(run, output, accumulators)
 
     return chosen
 
@@ -151,52 +155,56 @@ def by_event(events: Sequence[Event], part: Part) -> Callable[..., None]:
 def make_engine(
     laws: Laws,
     count: int,
-    watch: Watch,
+    callbacks: Callbacks,
     part: Part = as_it_stands,
     *,
     make_modes: Callable[[Kit], tuple[Mode, ...]] = usual_modes,
     make_all_events: Callable[[Kit], tuple[Event, ...]] = usual_events,
 ) -> Callable[..., int]:
-    """Return the function that carries the motion of `count` balls on.
+    """Make the function that carries the motion of `count` balls on.
 
-    ``carry_on(run, timetable, output, eyes, stop, most_steps)`` begins where ``run.state`` is and
-    stops at `stop` [s], after `most_steps` steps or when the contact table is full; it returns the
-    rows written there and can be called again to go on.
+    ``carry_on(run, timetable, output, accumulators, stop, most_steps)`` begins where ``run.state``
+    is and stops at `stop` [s], after `most_steps` steps or when the contact table is full; it
+    returns the rows written there and can be called again to go on.
     """
     two = count == 2
-    lasting = JOINT if two else REST
-    swing = make_swing(laws, part)
+    sticking = STICKING if two else REST
+    swing = make_taut_step(laws, part)
     in_plane = laws.plane is not None
-    fall = make_fall(swing, part) if in_plane else NO_FALL
+    fall = make_slack_step(swing, part) if in_plane else NO_SLACK_STEP
     balls = make_balls(swing, fall, laws, count, part)
-    look = make_look(laws, watch, part)
+    report = make_report(laws, callbacks, part)
     plane, strings, kick = None, NO_STRINGS, fall.kick
     if in_plane:
-        apart, usual = make_apart(count, part), make_events(swing, balls, look, count, part)
-        image = make_image(swing, fall, apart, look, count, part)
-        strings = make_strings(swing, balls, apart, image, usual, count, part)
-        plane = Plane(fall, apart, strings)
-    loosen, jolt, throw_image = strings.loosen, strings.jolt, strings.throw_image
-    kit = Kit(swing, balls, look, laws, count, part, plane)
+        gaps, usual = make_gaps(count, part), make_events(swing, balls, report, count, part)
+        tangent_map = make_tangent_map(swing, fall, gaps, report, count, part)
+        strings = make_strings(swing, balls, gaps, tangent_map, usual, count, part)
+        plane = Plane(fall, gaps, strings)
+    release_string, resolve_contacts, kick_tangent_map = (
+        strings.release_string,
+        strings.resolve_contacts,
+        strings.kick_tangent_map,
+    )
+    kit = Kit(swing, balls, report, laws, count, part, plane)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
-    look_inside, apply = by_mode(modes, "look_inside", part), by_event(events, part)
+    evaluate_inside, apply = by_mode(modes, "evaluate_inside", part), by_event(events, part)
     meet = next(event.apply for event in events if event.number == CONTACT)
     release = next(event.apply for event in events if event.number == RELEASE)
     restoring, slope = laws.restoring, laws.slope
 
     @part
     def begin(run: Any, timetable: Timetable) -> None:
-        """Make everything of the step from the state."""
+        """Set up everything that a step needs from the state."""
         state, h = run.state, run.settings.step
-        run.stretch = timetable.stretches[state.stretch]
+        run.segment = timetable.segments[state.segment]
         run.t = state.t_base + state.steps * h
-        run.rows = run.done = run.is_rough = 0
+        run.rows = run.done = run.is_nonsmooth = 0
         for i in range(count):
             b = run.bodies[i]
             swing.prepare(run, i, i, h)
             if b.quadratic > 0.0 or b.coulomb > 0.0:
-                run.is_rough = 1
+                run.is_nonsmooth = 1
             run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
             if in_plane:
                 run.now[i].x, run.now[i].y = state.place[i, 0], state.place[i, 1]
@@ -204,8 +212,8 @@ def make_engine(
         balls.settle(run)
 
     @part
-    def settle_contact(run: Any, output: Output, eyes: Eyes) -> None:
-        """Find out at time zero whether the balls touch, and whether they rest or strike then."""
+    def settle_contact(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Apply the contact of balls that touch at time zero."""
         state, settings = run.state, run.settings
         state.mode = FLIGHT
         if settings.follows_ledger != 0:
@@ -218,15 +226,15 @@ def make_engine(
             state.touch = state.side = -1.0 if gap <= settings.low + margin else 1.0
             if balls.gap_rate(run.now) * state.side >= 0.0:
                 run.side = state.side
-                meet(run, output, eyes)
+                meet(run, output, accumulators)
 
     @inlined(part)
-    def aim(run: Any, timetable: Timetable, stop: float) -> None:
-        """Find the next instant at which a step must end; no event is assumed before it."""
+    def set_goal(run: Any, timetable: Timetable, stop: float) -> None:
+        """Set the next instant at which a step must end; no event is known before it."""
         state = run.state
         run.goal, run.event, run.keeps_touch = stop, NOTHING, 0
-        if state.stretch + 1 < len(timetable.stretches):
-            run.goal = min(run.goal, timetable.stretches[state.stretch + 1].start)
+        if state.segment + 1 < len(timetable.segments):
+            run.goal = min(run.goal, timetable.segments[state.segment + 1].start)
         if state.kick < len(timetable.kick_times):
             run.goal = min(run.goal, timetable.kick_times[state.kick])
 
@@ -235,13 +243,13 @@ def make_engine(
         """Write the samples that fall into the step."""
         times, state = output.sample_times, run.state
         while state.sample < len(times) and times[state.sample] < run.t_end:
-            look_inside(run, times[state.sample] - run.t)
+            evaluate_inside(run, times[state.sample] - run.t)
             if in_plane:
                 write_place(run, output, run.inside, count)
             write_sample(run, output, run.inside, count, run.work_inside, run.loss_inside)
 
     @inlined(part)
-    def take(run: Any) -> None:
+    def accept_step(run: Any) -> None:
         """Go to the end of the step."""
         state = run.state
         for i in range(count):
@@ -268,25 +276,25 @@ def make_engine(
             follow_ledger(state, balls.energy(run))
 
     @part
-    def shove(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
-        """Let a jump of the pivot's velocity and a kick change velocities; return if they do."""
+    def apply_jump_and_kick(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
+        """Apply a jump of the pivot's velocity and a kick; whether any velocity changes."""
         state, moved = run.state, False
-        jump = timetable.stretches[state.stretch + 1].jump if is_jump else 0.0
+        jump = timetable.segments[state.segment + 1].jump if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
             thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
             if in_plane and run.settings.is_string != 0:
                 if jump != 0.0 and state.is_slack[i] == 0:
-                    loosen(run, i)  # it tightens again where the jump pulls at it
+                    release_string(run, i)  # it tightens again where the jump pulls at it
                 if state.is_slack[i] != 0:
                     worked, noise = kick(run, i, jump, thrown)
                     state.drive_work += worked
                     state.noise_work += noise
-                    if thrown != 0.0 and state.has_image != 0:
-                        throw_image(run, i, thrown)
+                    if thrown != 0.0 and state.has_tangent_map != 0:
+                        kick_tangent_map(run, i, thrown)
                     moved = moved or jump != 0.0 or thrown != 0.0
                     continue
-            pushed = swung(jump, b.coupling, restoring(point.angle, run.settings.is_linear))
+            pushed = swung(jump, b.inverse_length, restoring(point.angle, run.settings.is_linear))
             state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
             state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
             point.velocity += pushed + thrown
@@ -294,42 +302,44 @@ def make_engine(
         return moved
 
     @part
-    def change(run: Any, timetable: Timetable, output: Output, eyes: Eyes) -> None:
-        """Start the drive's next stretch or apply a kick, if due."""
-        state, kick_times, following = run.state, timetable.kick_times, run.state.stretch + 1
-        stretches = timetable.stretches
-        is_jump = following < len(stretches) and stretches[following].start <= run.t
+    def change(run: Any, timetable: Timetable, output: Output, accumulators: Accumulators) -> None:
+        """Start the drive's next segment or apply a kick, if due."""
+        state, kick_times, following = run.state, timetable.kick_times, run.state.segment + 1
+        segments = timetable.segments
+        is_jump = following < len(segments) and segments[following].start <= run.t
         is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
         if not (is_jump or is_kick):
             return
-        moved = shove(run, timetable, is_jump, is_kick)
+        moved = apply_jump_and_kick(run, timetable, is_jump, is_kick)
         is_slack = in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0)
         if is_jump:
-            state.stretch += 1
-            run.stretch = stretches[state.stretch]
+            state.segment += 1
+            run.segment = segments[state.segment]
         if is_jump and not is_slack:
             clear_matrix(run.jacobian, 4)
             for i in range(count):
-                jump, coupling = run.stretch.jump, run.bodies[i].coupling
-                bend = swung(jump, coupling, slope(run.now[i].angle, run.settings.is_linear))
-                write_matrix(run.jacobian, i, (1.0, 0.0, bend, 1.0))
-            look.matrix(run, eyes, 2 * count, 0.0, 0.0)
+                jump, inverse_length = run.segment.jump, run.bodies[i].inverse_length
+                curvature = swung(
+                    jump, inverse_length, slope(run.now[i].angle, run.settings.is_linear)
+                )
+                write_matrix(run.jacobian, i, (1.0, 0.0, curvature, 1.0))
+            report.matrix(run, accumulators, 2 * count, 0.0, 0.0)
         if is_kick:
             state.kick += 1
         balls.settle(run)
         state.t_base, state.steps = run.t, 0
         if is_slack:
             state.mode = SLACK
-            jolt(run, output, eyes)
+            resolve_contacts(run, output, accumulators)
         elif moved:
             closing = balls.gap_rate(run.now) * state.side
-            rests = state.mode == lasting
+            rests = state.mode == sticking
             touches = rests or (state.mode == FLIGHT and state.touch != 0.0)
             if touches and closing > 0.0:
                 run.side = state.side
-                meet(run, output, eyes)
+                meet(run, output, accumulators)
             elif rests and closing < 0.0:
-                release(run, output, eyes)
+                release(run, output, accumulators)
 
     @part
     def finish(run: Any, output: Output, stop: float) -> None:
@@ -346,30 +356,35 @@ def make_engine(
                 state.place[i, 0], state.place[i, 1] = point.x, point.y
                 state.place[i, 2], state.place[i, 3] = point.vx, point.vy
         held = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
-        state.rests = 1 if held or state.mode == lasting else 0
+        state.rests = 1 if held or state.mode == sticking else 0
         state.contacts += run.rows
         state.total_steps += run.done
 
     def carry_on(
-        run: Any, timetable: Timetable, output: Output, eyes: Eyes, stop: float, most_steps: int
+        run: Any,
+        timetable: Timetable,
+        output: Output,
+        accumulators: Accumulators,
+        stop: float,
+        most_steps: int,
     ) -> int:
         begin(run, timetable)
         room = len(output.contact_times) - (SPARE_IN_PLANE if in_plane else SPARE_ROWS)
         if run.state.mode == UNSETTLED:
-            settle_contact(run, output, eyes)
+            settle_contact(run, output, accumulators)
         while run.t < stop and run.done < most_steps and run.rows < room:
-            if in_plane and run.state.is_tangled != 0:
+            if in_plane and run.state.is_outside_model != 0:
                 break
             run.done += 1
-            aim(run, timetable, stop)
+            set_goal(run, timetable, stop)
             if run.goal > run.t:
                 plan(run)
                 write_samples(run, output)
-                note(run, eyes)
-                take(run)
-                apply(run, output, eyes)
+                note(run, accumulators)
+                accept_step(run)
+                apply(run, output, accumulators)
             if run.t >= run.goal:
-                change(run, timetable, output, eyes)
+                change(run, timetable, output, accumulators)
         finish(run, output, stop)
         rows: int = run.rows
         return rows

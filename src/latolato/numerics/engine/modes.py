@@ -15,13 +15,13 @@ class Mode(NamedTuple):
         What ``run.state.mode`` is then.
     plan : callable ``(run)``
         Fill ``run.end`` for a step from ``run.t``, up to the goal or to the first event in it.
-    look_inside : callable ``(run, length)``
+    evaluate_inside : callable ``(run, length)``
         Fill ``run.inside``, with works and losses, for that part of the planned step [s].
-    note : callable ``(run, eyes)``
-        Note compression, and show the observables the step and its matrix.
+    note : callable ``(run, accumulators)``
+        Add up compression, and report the step and its tangent map.
     """
 
     number: int
     plan: Callable[..., None]
-    look_inside: Callable[..., None]
+    evaluate_inside: Callable[..., None]
     note: Callable[..., None]

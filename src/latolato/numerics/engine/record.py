@@ -13,21 +13,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.records import BODY, SETTINGS, stretch_dtype
+from latolato.numerics.records import BODY, SETTINGS, segment_dtype
 
 # The largest stepper has so many drifts; its table has one kick more.
 MOST_STAGES = 12
 
 # Modes of motion. In flight all strings are taut.
-UNSETTLED, FLIGHT, REST, JOINT, SLACK = -1, 0, 1, 2, 3
+UNSETTLED, FLIGHT, REST, STICKING, SLACK = -1, 0, 1, 2, 3
 # Events at the end of a step.
-NOTHING, TURN, CONTACT, SETTLE, RELEASE, SLACKEN, TAUTEN = range(7)
-# Which motion a row belongs to: two balls in lasting contact swing as a joint body.
-JOINT_ROW = 2
+NOTHING, TURN, CONTACT, SETTLE, RELEASE, GO_SLACK, RETENSION = range(7)
+# Which motion a row belongs to: two balls in sticking contact swing as a joint body.
+PAIR_ROW = 2
 # Rows of a step's table.
-KICK, REACH, OFFSET = 0, 1, 2
-# The last rows of `image`: by how much deviations delay the event under way, for each ball [s].
-IMAGE_DELAY = 8
+KICK, DRIFT_TIME, OFFSET = 0, 1, 2
+# The last rows of `tangent_map`: by how much perturbations delay the present event, for each ball
+# [s].
+DELAY_ROWS = 8
 
 # What is kept of a trajectory from one call of the engine to the next.
 STATE = np.dtype(
@@ -38,7 +39,7 @@ STATE = np.dtype(
         ("side", "f8"),  # of the contact that lasts or was left last: -1 bottom, 1 top
         ("touch", "f8"),  # the side that balls in flight have just left; 0 away from contacts
         ("held_until", "f8"),  # no check for release before this time [s]
-        ("stretch", "i8"),  # which stretch of the drive, which kick, which sample comes next
+        ("segment", "i8"),  # which segment of the drive, which kick, which sample comes next
         ("kick", "i8"),
         ("sample", "i8"),
         ("contacts", "i8"),  # rows written
@@ -62,11 +63,11 @@ STATE = np.dtype(
         ("slack_start", "f8", (2,)),  # s, NaN before
         ("slack_time", "f8", (2,)),  # s
         ("string_impulse", "f8"),  # the largest that tightened a string [N s]
-        # Small deviations since a string went slack; see `image`.
-        ("has_image", "i8"),
-        ("image_start", "f8"),  # s
-        ("image", "f8", (IMAGE_DELAY + 2, 4)),  # a column each; rows x, y, vx, vy of each ball
-        ("is_tangled", "i8"),  # whether something happened that the engine does not describe
+        # Perturbations since a string went slack; see `tangent_map`.
+        ("has_tangent_map", "i8"),
+        ("tangent_map_start", "f8"),  # s
+        ("tangent_map", "f8", (DELAY_ROWS + 2, 4)),  # a column each; rows x, y, vx, vy of each ball
+        ("is_outside_model", "i8"),  # whether something happened that the engine does not describe
         ("first_energy", "f8"),  # J; these three tell how well the ledger closes
         ("largest_energy", "f8"),
         ("ledger_error", "f8"),
@@ -101,15 +102,15 @@ POINT = np.dtype(
 # Rows are those of the state; the further columns are free for scratch.
 MATRIX_SHAPE = (4, 7)
 
-# As many words as an observable is shown at most; see `hooks`.
+# As many words as an observable is shown at most; see `callbacks`.
 _SHOWN = 14
 # As many words as say where everything lies that compiled code is given; see `pieces.words_of`.
 _WORDS = 48
 
 
 @functools.cache
-def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
-    """Return the layout of `run`; `stretch` is that of the drive's stretches."""
+def run_dtype(segment: np.dtype[Any] | None = None) -> np.dtype[Any]:
+    """Return the layout of `run`; `segment` is that of the drive's segments."""
     return np.dtype(
         [
             ("state", STATE),
@@ -135,21 +136,21 @@ def run_dtype(stretch: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("keeps_touch", "i8"),  # whether the balls still touch at the end
             ("rows", "i8"),  # of the contact table, written in this call
             ("done", "i8"),  # steps taken in this call
-            ("is_rough", "i8"),  # whether any drag is not smooth where the velocity is zero
+            ("is_nonsmooth", "i8"),  # whether any drag is not smooth where the velocity is zero
             # The stepper's weights, and tables of what steps need: kicks, reaches, offsets.
             ("stages", "i8"),
             ("kicks", "f8", (MOST_STAGES + 1,)),
             ("drifts", "f8", (MOST_STAGES,)),
             ("nodes", "f8", (MOST_STAGES,)),
             ("tables", "f8", (5, 3, MOST_STAGES + 1)),
-            # What observables are shown: words of it, and a matrix of small deviations.
+            # What observables are shown: words of it, and a matrix of perturbations.
             ("shown", "i8", (_SHOWN,)),
             ("jacobian", "f8", MATRIX_SHAPE),
             ("words", "i8", (_WORDS,)),
-            # Addresses of the engine's piece and of the observables'; see `hooks.hook_table`.
+            # Addresses of the engine's piece and of the observables'; see `pieces.callback_table`.
             ("engine", "i8"),
-            ("hooks", "i8"),
-            ("stretch", stretch or stretch_dtype()),  # last: a drive may bring its own layout
+            ("callbacks", "i8"),
+            ("segment", segment or segment_dtype()),  # last: a drive may bring its own layout
         ],
         align=True,
     )

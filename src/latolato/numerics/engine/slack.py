@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 from latolato.core.scalar import formula
-from latolato.numerics.bounce import SMALLEST_HOP
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE, make_root
-from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.fall import Fall, place_taut, radial_rate
 from latolato.numerics.engine.flight import make_cut_at_turn
-from latolato.numerics.engine.held import Held
-from latolato.numerics.engine.look import Look
+from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import CONTACT, SLACK, TAUTEN
+from latolato.numerics.engine.record import CONTACT, RETENSION, SLACK
+from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.slack_step import SlackStep, place_taut, radial_rate
+from latolato.numerics.engine.stiction import Stiction
 from latolato.numerics.engine.strings import Strings
-from latolato.numerics.engine.swing import SHORTEST, Swing, slowed
-from latolato.numerics.watch import Eyes
+from latolato.numerics.engine.taut_step import SHORTEST, TautStep, acceleration_with_drag
+from latolato.numerics.wall_contact import SMALLEST_HOP
 from latolato.observables.hermite import quintic_bounds
 
 # What a search looks at: a string's spare length or the gap between balls, or its rate.
@@ -42,33 +41,41 @@ def place_at_end(point: Any, length: float, outward: float) -> None:
 
 
 def make_slack(
-    swing: Swing, fall: Fall, balls: Balls, held: Held, apart: Apart, strings: Strings, look: Look,
-    count: int, part: Part = as_it_stands,
+    swing: TautStep, fall: SlackStep, balls: Balls, stiction: Stiction, gaps: Gaps,
+    strings: Strings, report: Report, count: int, part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
-    """Return the mode of `count` balls of which at least one has a slack string."""
-    await_slack, stop_at_once, await_tangle = strings[:3]
-    follow_image = strings.follow_image
-    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, held, part)
-    slopes, pull, spare_of, gap_of = fall.slopes, fall.pull, apart.spare, apart.gap
+    """Make the mode of `count` balls of which at least one has a slack string."""
+    await_slack, stop_at_once, await_string_contact = strings[:3]
+    follow_tangent_map = strings.follow_tangent_map
+    tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, stiction, part)
+    slopes, acceleration, spare_length_of, gap_of = (
+        fall.slopes,
+        fall.acceleration,
+        gaps.spare_length,
+        gaps.gap,
+    )
 
     @part
     def measured(run: Any, points: Any, what: int, i: int) -> tuple[float, float]:
-        """Return a spare length or the gap [m], and its rate [m/s]."""
+        """Guard of an event, a spare length or the gap [m], and its rate [m/s]."""
         if what == _STRING:
-            value, rate = spare_of(run, i, points[i])
+            value, rate = spare_length_of(run, i, points[i])
             return value, rate
         value, rate = gap_of(run, points)
         return value, rate
 
     @part
-    def bend(run: Any, points: Any, what: int, i: int) -> float:
-        """Return its acceleration [m/s^2]."""
-        point, (ax, ay) = points[i], pull(run, i, points[i])
+    def curvature(run: Any, points: Any, what: int, i: int) -> float:
+        """Acceleration of a guard [m/s^2].
+
+        The second derivative of a distance r: ``(|x cross v|^2/r^2 + x a)/r``.
+        """
+        point, (ax, ay) = points[i], acceleration(run, i, points[i])
         x, y, vx, vy = point.x, point.y, point.vx, point.vy
         if what == _GAP:
             if count == 1:
                 return ax
-            other, (bx, by) = points[1], pull(run, 1, points[1])
+            other, (bx, by) = points[1], acceleration(run, 1, points[1])
             x, y, vx, vy = x - other.x, y - other.y, vx - other.vx, vy - other.vy
             ax, ay = ax - bx, ay - by
         distance, turned = math.hypot(x, y), x * vy - y * vx
@@ -79,24 +86,24 @@ def make_slack(
 
     @part
     def course(run: Any, what: int, i: int) -> tuple[float, float, float, float, float, float]:
-        """Return it, its rate and its acceleration, at both ends of the step."""
+        """A guard, its rate and its acceleration, at both ends of the step."""
         begin, begin_rate = measured(run, run.now, what, i)
         end, end_rate = measured(run, run.end, what, i)
-        a0, a1 = bend(run, run.now, what, i), bend(run, run.end, what, i)
+        a0, a1 = curvature(run, run.now, what, i), curvature(run, run.end, what, i)
         return begin, begin_rate, a0, end, end_rate, a1
 
     @part
     def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float, float]:
-        """Return the same and its acceleration that far into the step."""
+        """A guard, its rate and its acceleration s seconds into the step."""
         balls.fly_by(run, s, run.inside)
         value, rate = measured(run, run.inside, what, i)
-        return value, rate, bend(run, run.inside, what, i)
+        return value, rate, curvature(run, run.inside, what, i)
 
     find_end = make_root(value_at, part)
 
     @part
     def leave_time(run: Any, high: float, what: int, i: int) -> float:
-        """Return a length of a step after which a value that begins at zero is positive, or 0."""
+        """A length of a step after which a guard that begins at zero is positive, or 0 [s]."""
         s = 0.5 * high
         for _ in range(50):
             value, _, _ = value_at(run, s, what, i)
@@ -112,7 +119,7 @@ def make_slack(
         What begins at zero leaves it first, like the third power of the time from a string; what
         does not get away from zero by more than rounding is no event.
         """
-        least = -ROUNDING / run.bodies[i].coupling if leaves else 0.0
+        least = -ROUNDING / run.bodies[i].inverse_length if leaves else 0.0
         motion = course(run, what, i)
         begin, begin_rate, _, end, end_rate, _ = motion
         high = run.length
@@ -143,15 +150,15 @@ def make_slack(
 
     @part
     def pulls(run: Any, i: int, point: Any) -> bool:
-        """Return whether a string would pull here, by more than it does by rounding."""
-        least = _PULLS * tension.margin(run, i) / run.settings.sag
+        """Whether a string would pull here, by more than rounding."""
+        least = _PULLS * tension.margin(run, i) / run.settings.tension_dip
         result: bool = swing.tension(run, i, point) > least
         return result
 
     @part
     def bounce_time(run: Any, i: int) -> float:
-        """Return how long a bounce off a string lasts that is too small to be seen, or 0."""
-        state, point, length = run.state, run.now[i], 1.0 / run.bodies[i].coupling
+        """Duration of a bounce off a string that is too small for the digits, or 0 [s]."""
+        state, point, length = run.state, run.now[i], 1.0 / run.bodies[i].inverse_length
         if state.is_slack[i] == 0 or state.leaves[i] == 0:
             return 0.0
         inward, pull = -radial_rate(point), length * swing.tension(run, i, point)
@@ -164,7 +171,7 @@ def make_slack(
 
     @part
     def bends_beside_end(run: Any, i: int) -> bool:
-        """Return whether what pulls a ball outwards turns round in the step near its string's end.
+        """Whether the pull on a ball changes its sign in the step near its string's end.
 
         Then it may run out of spare length and come back, which the ends of the step do not show.
         """
@@ -173,11 +180,11 @@ def make_slack(
         if pulls(run, i, run.now[i]) == pulls(run, i, run.end[i]):
             return False
         lowest, _ = quintic_bounds(run.length, *course(run, _STRING, i))
-        return lowest < -THERE / run.bodies[i].coupling
+        return lowest < -THERE / run.bodies[i].inverse_length
 
     @part
     def steadied(run: Any, i: int) -> float:
-        """Return the share of the step in which the speed of a falling ball stays smooth.
+        """Share of the step within which quadratic drag stays smooth.
 
         Quadratic drag has a kink at rest: past it the velocity must change by less than the least
         speed in the step, or by a little.
@@ -194,7 +201,7 @@ def make_slack(
 
     @part
     def plan(run: Any) -> None:
-        """Fall and swing up to the first thing that happens."""
+        """Plan a step of slack and taut balls, up to the first event in it."""
         balls.plan_length(run)
         soon, bounced = math.inf, 0
         for i in range(count):
@@ -214,22 +221,22 @@ def make_slack(
                 balls.fly_by(run, run.length, run.end)
         if is_brief:
             back = max(radial_rate(run.end[bounced]), 0.0)
-            place_at_end(run.end[bounced], 1.0 / run.bodies[bounced].coupling, back)
-            run.event, run.ball = TAUTEN, bounced
+            place_at_end(run.end[bounced], 1.0 / run.bodies[bounced].inverse_length, back)
+            run.event, run.ball = RETENSION, bounced
         for i in range(count):
             if run.state.is_slack[i] == 0:
-                if run.is_rough != 0:
+                if run.is_nonsmooth != 0:
                     cut_at_turn(run, i)
                 await_slack(run, i)
             elif not (is_brief and i == bounced):
-                await_end(run, _STRING, i, run.state.leaves[i] != 0, TAUTEN)
+                await_end(run, _STRING, i, run.state.leaves[i] != 0, RETENSION)
         await_end(run, _GAP, 0, run.state.touch != 0.0, CONTACT)
         if run.state.touch != 0.0 and abs(gap_of(run, run.end)[0]) <= (
-            THERE / run.bodies[0].coupling
+            THERE / run.bodies[0].inverse_length
         ):
             run.keeps_touch = 1
         if count == 2:
-            await_tangle(run)
+            await_string_contact(run)
         sum_up(run)
 
     @part
@@ -241,7 +248,7 @@ def make_slack(
             run.loss += run.bodies[i].inertia * run.end[i].loss
 
     @part
-    def look_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Any, length: float) -> None:
         """Fly a part of the step."""
         balls.fly_by(run, length, run.inside)
         run.work_inside, run.loss_inside = 0.0, 0.0
@@ -250,25 +257,27 @@ def make_slack(
             run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
 
     @part
-    def note(run: Any, eyes: Eyes) -> None:
-        """Note how long strings are slack, and show the observables the step."""
+    def note(run: Any, accumulators: Accumulators) -> None:
+        """Add up the time that strings are slack, and report the step."""
         state = run.state
         for i in range(count):
             begin, end = run.now[i], run.end[i]
             if state.is_slack[i] == 0:
                 held = 1.0 if begin.sign == 0.0 else 0.0
-                a0, a1 = slowed(begin, run.bodies[i]), slowed(end, run.bodies[i])
-                look.step(run, eyes, i, a0, a1, held)
+                a0, a1 = (
+                    acceleration_with_drag(begin, run.bodies[i]),
+                    acceleration_with_drag(end, run.bodies[i]),
+                )
+                report.step(run, accumulators, i, a0, a1, held)
                 continue
             if math.isnan(state.slack_start[i]):
                 state.slack_start[i] = run.t
             state.slack_time[i] += run.t_end - run.t
-            if spare_of(run, i, end)[0] > THERE / run.bodies[i].coupling:
+            if spare_length_of(run, i, end)[0] > THERE / run.bodies[i].inverse_length:
                 state.leaves[i] = 0
             a0, e0, p0 = slopes(run, i, begin)
             a1, e1, p1 = slopes(run, i, end)
-            look.show(run, eyes, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
-        follow_image(run)
+            report.show(run, accumulators, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
+        follow_tangent_map(run)
 
-    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
-    return Mode(SLACK, *functions)
+    return Mode(SLACK, plan=plan, evaluate_inside=evaluate_inside, note=note)

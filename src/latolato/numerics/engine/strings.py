@@ -11,25 +11,25 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.engine.apart import ROUNDING, THERE, Apart
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Event, Output
-from latolato.numerics.engine.fall import place_taut, radial_rate
-from latolato.numerics.engine.image import Image
+from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
+    GO_SLACK,
     NOTHING,
     RELEASE,
+    RETENSION,
     SETTLE,
     SLACK,
-    SLACKEN,
-    TAUTEN,
 )
-from latolato.numerics.engine.swing import SHORTEST, STILL, Swing
+from latolato.numerics.engine.slack_step import place_taut, radial_rate
+from latolato.numerics.engine.tangent_map import TangentMap
+from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
 from latolato.numerics.records import C_BALL, C_RADIAL
-from latolato.numerics.watch import Eyes
 from latolato.physics import contacts
 from latolato.physics.pair import runs_through
 
@@ -41,7 +41,7 @@ _BRINK, _LITTLE = 1e-11, 1.0 / 64.0
 _STRIDES, _SHARP = 8, 1e-12
 # More impacts at one instant than string and ball can need; also the rows that they may fill.
 MOST_AT_ONCE = 6
-# Balls that part more slowly than this at the end of lasting contact press [rad/s^2].
+# Balls that part more slowly than this at the end of sticking contact press [rad/s^2].
 _PRESS = 1e-6
 
 
@@ -50,11 +50,11 @@ class Strings(NamedTuple):
 
     await_slack: Callable[..., None]
     stop_at_once: Callable[..., None]
-    await_tangle: Callable[..., None]
-    loosen: Callable[..., None]
-    jolt: Callable[..., None]
-    follow_image: Callable[..., None]
-    throw_image: Callable[..., None]
+    await_string_contact: Callable[..., None]
+    release_string: Callable[..., None]
+    resolve_contacts: Callable[..., None]
+    follow_tangent_map: Callable[..., None]
+    kick_tangent_map: Callable[..., None]
     events: tuple[Event, ...]
 
 
@@ -68,10 +68,10 @@ NO_STRINGS = Strings(*(_nothing,) * 7, ())
 
 
 def make_strings(
-    swing: Swing, balls: Balls, apart: Apart, image: Image, usual: tuple[Event, ...], count: int,
-    part: Part = as_it_stands,
+    swing: TautStep, balls: Balls, gaps: Gaps, tangent_map: TangentMap, usual: tuple[Event, ...],
+    count: int, part: Part = as_it_stands,
 ) -> Strings:  # fmt: skip
-    """Return the functions of the strings of `count` balls; `usual` are the events on rods."""
+    """Make the functions of the strings of `count` balls; `usual` are the events on rods."""
     two = count == 2
     meet = next(event.apply for event in usual if event.number == CONTACT)
     release = next(event.apply for event in usual if event.number == RELEASE)
@@ -79,7 +79,7 @@ def make_strings(
 
     @part
     def stop_at_once(run: Any, event: int, i: int) -> None:
-        """Let the step end where it begins, with an event."""
+        """End the step where it begins, with an event."""
         balls.shorten(run, 0.0)
         run.event, run.ball, run.keeps_touch = event, i, 1
         for ball in range(count):
@@ -88,8 +88,8 @@ def make_strings(
 
     @part
     def brink(run: Any, i: int) -> float:
-        """Return how small a tension may be by rounding, over mass and length [1/s^2]."""
-        result: float = _BRINK * (tension.margin(run, i) / run.settings.sag)
+        """Tension below which rounding decides its sign, over mass and length [1/s^2]."""
+        result: float = _BRINK * (tension.margin(run, i) / run.settings.tension_dip)
         return result
 
     @part
@@ -104,7 +104,7 @@ def make_strings(
             low = _LITTLE * high
             little = tension.seen(run, i, low)
             if left < -least or little <= 0.0:
-                stop_at_once(run, SLACKEN, i)
+                stop_at_once(run, GO_SLACK, i)
                 return
             left = little
         right = swing.tension(run, i, run.end[i])
@@ -117,9 +117,9 @@ def make_strings(
         elif right < 0.0:
             left, low = middle, half
         else:  # the lowest point of the parabola through all three
-            bend, s = left - 2.0 * middle + right, half
-            if bend > 0.0:
-                s += 0.5 * half * (left - right) / bend
+            curvature, s = left - 2.0 * middle + right, half
+            if curvature > 0.0:
+                s += 0.5 * half * (left - right) / curvature
             if not low < s < high:
                 return
             right, high = tension.seen(run, i, s), s
@@ -127,39 +127,39 @@ def make_strings(
                 return
         s = tension.zero(run, i, low, high, left, right)
         balls.shorten(run, max(s, SHORTEST * run.t))
-        run.event, run.ball = SLACKEN, i
+        run.event, run.ball = GO_SLACK, i
         balls.fly_by(run, run.length, run.end)
 
     @part
     def place_beside(run: Any, points: Any, i: int) -> tuple[float, float]:
-        """Return how far along a string and beside it the centre of the other ball is [m]."""
-        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].coupling
+        """Place of the other ball's centre along a string and across it [m]."""
+        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].inverse_length
         along = (one.x * other.x + one.y * other.y) / length
         return along, (one.x * other.y - one.y * other.x) / length
 
     @part
     def runs_through_ball(run: Any, points: Any) -> bool:
-        """Return whether a taut string runs through the other ball."""
+        """Whether a taut string runs through the other ball."""
         for i in range(2):
             if run.state.is_slack[i] == 0:
-                along, beside = place_beside(run, points, i)
-                length, radius = 1.0 / run.bodies[i].coupling, run.settings.radius[1 - i]
-                if runs_through(length, along, beside, radius):
+                along, tangential_part = place_beside(run, points, i)
+                length, radius = 1.0 / run.bodies[i].inverse_length, run.settings.radius[1 - i]
+                if runs_through(length, along, tangential_part, radius):
                     return True
         return False
 
     @part
     def clearance(run: Any, points: Any, i: int) -> tuple[float, float]:
-        """Return how far a taut string is from the other ball [m], and its rate at most [m/s]."""
-        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].coupling
-        along, beside = place_beside(run, points, i)
-        apart = math.hypot(beside, max(-along, along - length, 0.0))
+        """Distance of a taut string from the other ball [m], and a bound of its rate [m/s]."""
+        one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].inverse_length
+        along, tangential_part = place_beside(run, points, i)
+        apart = math.hypot(tangential_part, max(-along, along - length, 0.0))
         speed = abs(one.velocity) * math.hypot(other.x, other.y)
         return apart - run.settings.radius[1 - i], speed + math.hypot(other.vx, other.vy)
 
     @part
-    def may_tangle(run: Any) -> bool:
-        """Return whether a taut string may meet the other ball in the step: most are too far.
+    def string_may_touch_ball(run: Any) -> bool:
+        """Whether a taut string may touch the other ball in the step: most are too far.
 
         The way there and back is not longer than the path, which is taken as twice what the speeds
         at both ends make it, in case they are larger in between.
@@ -173,30 +173,30 @@ def make_strings(
         return False
 
     @part
-    def await_tangle(run: Any) -> None:
+    def await_string_contact(run: Any) -> None:
         """End the step where a taut string meets the other ball, which is not described.
 
         A ball that only brushes the string may be past it at the end of the step, so the step is
         looked at in strides, and from the first that shows the string in the ball on halved ones.
         """
         passes = run.settings.high == math.inf  # all through all
-        if passes or not may_tangle(run):
+        if passes or not string_may_touch_ball(run):
             return
-        low, stride, meets = 0.0, run.length / _STRIDES, False
+        low, stride, collides = 0.0, run.length / _STRIDES, False
         least = max(SHORTEST * run.t, _SHARP * run.length)
         while stride > least and low < run.length - 0.5 * stride:
             balls.fly_by(run, low + stride, run.inside)
             if runs_through_ball(run, run.inside):
-                meets = True
+                collides = True
             else:
                 low += stride
-            if meets:
+            if collides:
                 stride *= 0.5
-        if not meets:
+        if not collides:
             return
         balls.shorten(run, max(low + 2.0 * stride, SHORTEST * run.t))
         balls.fly_by(run, run.length, run.end)
-        run.event, run.state.is_tangled = NOTHING, 1
+        run.event, run.state.is_outside_model = NOTHING, 1
 
     @part
     def write_row(run: Any, output: Output, kind: int, ball: int, before: Any) -> None:
@@ -213,31 +213,36 @@ def make_strings(
 
     @part
     def velocities(run: Any) -> tuple[float, float, float, float]:
-        """Return angular velocities [rad/s] and velocities along the strings [m/s]."""
+        """Angular velocities [rad/s] and velocities along the strings [m/s], of both balls."""
         other = count - 1
         one_out = radial_rate(run.now[0]) if run.state.is_slack[0] != 0 else 0.0
         other_out = radial_rate(run.now[other]) if run.state.is_slack[other] != 0 else 0.0
         return run.now[0].velocity, run.now[other].velocity, one_out, other_out
 
     @part
-    def loosen(run: Any, i: int) -> None:
-        """Let a taut string go slack."""
-        image.begin(run)
+    def release_string(run: Any, i: int) -> None:
+        """Make a taut string slack; its ball stays where it is."""
+        tangent_map.begin(run)
         run.state.is_slack[i] = run.state.leaves[i] = 1
-        place_taut(run.now[i], 1.0 / run.bodies[i].coupling)
+        place_taut(run.now[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
     def tighten(run: Any, output: Output, i: int, holds: bool) -> None:
-        """Let a string tighten: its ball is thrown back, or held in any case if `holds`."""
+        """Apply the impulse of a string that tightens.
+
+        The velocity along the string is reversed times the string's restitution, that around the
+        pivot stays. The ball is kept at the string's length if it is so slow that a pull ends the
+        bounce within rounding, or in any case if `holds`.
+        """
         state, settings, point, b = run.state, run.settings, run.now[i], run.bodies[i]
-        before, length = velocities(run), 1.0 / b.coupling
+        before, length = velocities(run), 1.0 / b.inverse_length
         outward, e = radial_rate(point), settings.string_restitution
         pulls = swing.tension(run, i, point) > 0.0
         slow = settings.rest_speed if pulls else STILL
         if holds or outward <= slow * length:
             e = 0.0
-        image.tighten(run, i, e)
-        mass = b.inertia * b.coupling * b.coupling
+        tangent_map.tighten(run, i, e)
+        mass = b.inertia * b.inverse_length * b.inverse_length
         state.retension_loss += 0.5 * mass * outward * outward * (1.0 - e * e)
         state.string_impulse = max(state.string_impulse, mass * outward * (1.0 + e))
         around = length * point.velocity
@@ -253,25 +258,31 @@ def make_strings(
 
     @part
     def strike(run: Any, output: Output, closing: float, captures: bool) -> None:
-        """Let balls collide, of which one at least is on a slack string or would loosen one."""
+        """Apply the impulse of a collision that involves a slack string.
+
+        A ball on a taut string that the impulse would push inwards loses its string at once and
+        counts as free. With the unit vector n along the line of centres each ball then yields by
+        ``(1 - (n r)^2)/m`` per impulse, r the unit vector along a taut string (zero if slack):
+        the string takes the component along itself. The impulse is ``(1 + e) closing / yields``.
+        """
         state, settings, before = run.state, run.settings, velocities(run)
         e = 0.0 if captures else settings.restitution
-        nx, ny, _ = apart.line(run.now)
-        yields, loosened = 0.0, -1  # the gap's rate per impulse [1/kg]
+        nx, ny, _ = gaps.line_of_centres(run.now)
+        mobility, loosened = 0.0, -1  # the gap's rate per impulse [1/kg]
         for i in range(count):
             point, b = run.now[i], run.bodies[i]
-            mass, sign = b.inertia * b.coupling * b.coupling, 1.0 - 2.0 * i
-            outward = sign * (nx * point.x + ny * point.y) * b.coupling
+            mass, sign = b.inertia * b.inverse_length * b.inverse_length, 1.0 - 2.0 * i
+            outward = sign * (nx * point.x + ny * point.y) * b.inverse_length
             if state.is_slack[i] == 0 and outward < 0.0:
-                loosen(run, i)
+                release_string(run, i)
                 loosened = i
             share = 1.0 if state.is_slack[i] != 0 else 1.0 - outward * outward
-            yields += share / mass
-        image.strike(run, e)
-        impulse = (1.0 + e) * closing / yields
+            mobility += share / mass
+        tangent_map.collide(run, e)
+        impulse = (1.0 + e) * closing / mobility
         for i in range(count):
             point, b = run.now[i], run.bodies[i]
-            mass, sign = b.inertia * b.coupling * b.coupling, 1.0 - 2.0 * i
+            mass, sign = b.inertia * b.inverse_length * b.inverse_length, 1.0 - 2.0 * i
             px, py = sign * impulse * nx, sign * impulse * ny
             if state.is_slack[i] != 0:
                 point.vx += px / mass
@@ -281,37 +292,37 @@ def make_strings(
                 point.velocity = (point.x * point.vy - point.y * point.vx) / squared
             else:
                 point.velocity += (px * -point.y + py * point.x) / b.inertia
-                pulled = (px * point.x + py * point.y) * b.coupling
+                pulled = (px * point.x + py * point.y) * b.inverse_length
                 state.string_impulse = max(state.string_impulse, pulled)
-                place_taut(point, 1.0 / b.coupling)
-        lost = 0.5 * closing * closing / yields * (1.0 - e * e)
+                place_taut(point, 1.0 / b.inverse_length)
+        lost = 0.5 * closing * closing / mobility * (1.0 - e * e)
         if captures:
             state.capture_loss += lost
         else:
             state.impact_loss += lost
-        kind = contacts.TOP if apart.side(run.now) > 0.0 else contacts.BOTTOM
+        kind = contacts.TOP if gaps.side(run.now) > 0.0 else contacts.BOTTOM
         write_row(run, output, contacts.REST if captures else kind, 0, before)
         if loosened >= 0:
             write_row(run, output, contacts.SLACK, loosened + 1 if two else 0, velocities(run))
 
     @part
     def meets_again(run: Any) -> bool:
-        """Return whether balls that part no more press against each other."""
+        """Whether balls after a capture press against each other."""
         length = 1e-3 * run.settings.step
         balls.fly_by(run, length, run.inside)
-        gap, _ = apart.gap(run, run.inside)
-        return gap < -ROUNDING / run.bodies[0].coupling
+        gap, _ = gaps.gap(run, run.inside)
+        return gap < -ROUNDING / run.bodies[0].inverse_length
 
     @part
     def comes_at_once(run: Any) -> bool:
-        """Return whether balls meet just where a string tightens: chance decides what is first."""
-        gap, rate = apart.gap(run, run.now)
-        slow = -run.settings.rest_speed / run.bodies[0].coupling
-        if gap > THERE / run.bodies[0].coupling or not (two or rate < slow):
+        """Whether balls meet just where a string tightens: rounding decides which is first."""
+        gap, rate = gaps.gap(run, run.now)
+        slow = -run.settings.rest_speed / run.bodies[0].inverse_length
+        if gap > THERE / run.bodies[0].inverse_length or not (two or rate < slow):
             return False
         for i in range(count):
-            spare, slower = apart.spare(run, i, run.now[i])
-            is_there = spare <= THERE / run.bodies[i].coupling
+            spare_length, slower = gaps.spare_length(run, i, run.now[i])
+            is_there = spare_length <= THERE / run.bodies[i].inverse_length
             if run.state.is_slack[i] != 0 and is_there and slower < slow:
                 return True
         return False
@@ -322,30 +333,30 @@ def make_strings(
 
         What two balls on taut strings do that a push would only tighten is left to the rods' rule.
         """
-        state, length = run.state, 1.0 / run.bodies[0].coupling
+        state, length = run.state, 1.0 / run.bodies[0].inverse_length
         state.touch = 0.0
         balls.settle(run)
-        if state.has_image != 0 and comes_at_once(run):
-            image.spoil(run)
+        if state.has_tangent_map != 0 and comes_at_once(run):
+            tangent_map.mark_undefined(run)
         for _ in range(MOST_AT_ONCE):
             is_over = True
             for i in range(count):
-                spare, slower = apart.spare(run, i, run.now[i])
-                is_there = spare <= THERE / run.bodies[i].coupling
+                spare_length, slower = gaps.spare_length(run, i, run.now[i])
+                is_there = spare_length <= THERE / run.bodies[i].inverse_length
                 if state.is_slack[i] != 0 and is_there and slower < 0.0:
                     tighten(run, output, i, False)
                     is_over = False
-            gap, rate = apart.gap(run, run.now)
+            gap, rate = gaps.gap(run, run.now)
             if gap <= THERE * length:
-                state.touch = state.side = apart.side(run.now)
+                state.touch = state.side = gaps.side(run.now)
                 is_slack = state.is_slack[0] != 0 or state.is_slack[count - 1] != 0
-                if rate < 0.0 and (is_slack or not apart.is_tensile(run, run.now)):
+                if rate < 0.0 and (is_slack or not gaps.is_tensile(run, run.now)):
                     slow = -rate <= 2.0 * run.settings.rest_speed * length
                     captures = slow and run.settings.restitution < 1.0
                     strike(run, output, -rate, captures)
                     balls.settle(run)
                     if captures and meets_again(run):
-                        state.is_tangled = 1
+                        state.is_outside_model = 1
                     is_over = False
             if is_over:
                 break
@@ -355,49 +366,49 @@ def make_strings(
 
     @part
     def let_slack(run: Any, output: Output, i: int) -> None:
-        """Let the string of a ball go slack in flight."""
+        """Make the string of a ball slack in flight, with its row of the table."""
         before = velocities(run)
-        loosen(run, i)
+        release_string(run, i)
         write_row(run, output, contacts.SLACK, i + 1 if two else 0, before)
         run.state.mode = SLACK
         balls.settle(run)
 
     @part
-    def slacken(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let a string go slack at the end of a step."""
+    def go_slack(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: a string goes slack at the end of a step."""
         let_slack(run, output, run.ball)
 
     @part
-    def meet_taut(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let balls on taut strings meet as on rods, and note what that pulls at the strings."""
+    def apply_impact_taut(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Apply an impact as on rods, and keep the largest impulse that it pulls at the strings."""
         before = run.now[0].velocity
-        meet(run, output, eyes)
-        nx, ny, _ = apart.line(run.now)
+        meet(run, output, accumulators)
+        nx, ny, _ = gaps.line_of_centres(run.now)
         one, b = run.now[0], run.bodies[0]
         around = abs(ny * one.x - nx * one.y)
         if run.settings.is_string != 0 and around > 0.0:
             impulse = b.inertia * abs(one.velocity - before) / around
             for i in range(count):
-                point, coupling = run.now[i], run.bodies[i].coupling
-                pulled = impulse * abs(nx * point.x + ny * point.y) * coupling
+                point, inverse_length = run.now[i], run.bodies[i].inverse_length
+                pulled = impulse * abs(nx * point.x + ny * point.y) * inverse_length
                 run.state.string_impulse = max(run.state.string_impulse, pulled)
 
     @part
-    def go_on(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let balls on taut strings meet as those on rods do."""
+    def continue_as_on_rods(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Go on as on rods once all strings are taut, with an impact if the balls still touch."""
         state, settings = run.state, run.settings
         gap = balls.gap(run.now)
         if two and not settings.low - THERE <= gap <= settings.high + THERE:
-            state.is_tangled = 1  # they have changed places
+            state.is_outside_model = 1  # they have changed places
         elif state.touch != 0.0 and balls.gap_rate(run.now) * state.touch >= 0.0:
             wall = settings.low if state.touch < 0.0 else settings.high
             balls.place(run, run.now, wall, balls.gap_rate(run.now))
             run.side = state.touch
-            meet_taut(run, output, eyes)
+            apply_impact_taut(run, output, accumulators)
 
     @part
-    def jolt(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let strings tighten and balls meet after velocities have changed."""
+    def resolve_contacts(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Resolve all contacts of strings and balls that a change of velocities brings about."""
         state = run.state
         collide(run, output)
         if state.touch == 0.0 or balls.gap_rate(run.now) * state.touch < 0.0:
@@ -405,48 +416,57 @@ def make_strings(
                 pushes = swing.tension(run, i, run.now[i]) < -brink(run, i)
                 if state.is_slack[i] == 0 and pushes and run.t >= state.taut_until[i]:
                     let_slack(run, output, i)
-        image.leave(run)
+        tangent_map.leave_event(run)
         if state.mode == FLIGHT:
-            image.finish(run, eyes)
-            go_on(run, output, eyes)
+            tangent_map.finish(run, accumulators)
+            continue_as_on_rods(run, output, accumulators)
 
     @part
-    def tauten(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let a string tighten, and let its ball meet the other one if that is there too."""
+    def retension(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: a string reaches its full length, perhaps where its ball meets the other one."""
         balls.settle(run)
-        image.reach(run)
-        _, slower = apart.spare(run, run.ball, run.now[run.ball])
+        tangent_map.reach_full_length(run)
+        _, slower = gaps.spare_length(run, run.ball, run.now[run.ball])
         if slower >= 0.0:
             tighten(run, output, run.ball, True)
-        jolt(run, output, eyes)
+        resolve_contacts(run, output, accumulators)
 
     @part
-    def meet_in_plane(run: Any, output: Output, eyes: Eyes) -> None:
-        """Let balls meet: as on rods where that pulls at taut strings only."""
+    def apply_impact_in_plane(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """Event: balls meet, as on rods if the impulse only pulls at taut strings."""
         balls.settle(run)
-        taut = run.state.mode != SLACK and apart.is_tensile(run, run.now)
+        taut = run.state.mode != SLACK and gaps.is_tensile(run, run.now)
         if taut or run.settings.is_string == 0:
-            meet_taut(run, output, eyes)
+            apply_impact_taut(run, output, accumulators)
             return
         rows = run.rows
-        image.meet(run)
-        jolt(run, output, eyes)
+        tangent_map.reach_contact(run)
+        resolve_contacts(run, output, accumulators)
         if run.state.mode == SLACK and run.rows == rows:
-            run.state.is_tangled = 1  # they press against each other, which slack strings allow
+            run.state.is_outside_model = (
+                1  # they press against each other, which slack strings allow
+            )
 
     @part
-    def let_go(run: Any, output: Output, eyes: Eyes) -> None:
-        """End lasting contact. Where balls still press, a string let go: that is not described."""
+    def release_sticking(run: Any, output: Output, accumulators: Accumulators) -> None:
+        """End sticking contact. Where balls still press, a string let go: that is not described."""
         presses = run.settings.is_string != 0 and two
-        if presses and balls.parting(run, run.state.side, run.t, run.now) < -_PRESS:
-            run.state.is_tangled = 1
-        release(run, output, eyes)
+        if presses and balls.separation_acceleration(run, run.state.side, run.t, run.now) < -_PRESS:
+            run.state.is_outside_model = 1
+        release(run, output, accumulators)
 
     kept = tuple(e for e in usual if e.number not in (CONTACT, RELEASE))
     events = (
-        Event(CONTACT, meet_in_plane), Event(RELEASE, let_go), *kept, Event(SLACKEN, slacken),
-        Event(TAUTEN, tauten),
+        Event(CONTACT, apply_impact_in_plane), Event(RELEASE, release_sticking), *kept,
+        Event(GO_SLACK, go_slack), Event(RETENSION, retension),
     )  # fmt: skip
     return Strings(
-        await_slack, stop_at_once, await_tangle, loosen, jolt, image.step, image.throw, events
+        await_slack=await_slack,
+        stop_at_once=stop_at_once,
+        await_string_contact=await_string_contact,
+        release_string=release_string,
+        resolve_contacts=resolve_contacts,
+        follow_tangent_map=tangent_map.step,
+        kick_tangent_map=tangent_map.kick,
+        events=events,
     )

@@ -1,4 +1,4 @@
-"""Looks for the instant within a step at which a rod is pushed first, or a string goes slack."""
+"""Locates the instant within a step at which a rod is first compressed, or a string goes slack."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.swing import ANY_LENGTH, Swing, slowed
+from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep, acceleration_with_drag
 from latolato.observables.hermite import quintic_terms
 
 # How well a root is located by what is seen, and by the steps then, whose last one leaves an error
@@ -23,31 +23,33 @@ class Tension(NamedTuple):
     margin: Callable[..., float]
 
 
-def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
-    """Return the functions of the tension within the step of a ball."""
+def make_tension(swing: TautStep, part: Part = as_it_stands) -> Tension:
+    """Make the functions of the tension within the step of a ball."""
 
     @part
     def after(run: Any, i: int, length: float) -> float:
-        """Return the tension over mass and length that far into the step [1/s^2]."""
+        """Tension over mass and length, `length` seconds into the step [1/s^2]."""
         swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], run.inside[i])
         return swing.tension(run, i, run.inside[i])
 
     @part
     def seen(run: Any, i: int, s: float) -> float:
-        """Return nearly the same, without a step: the quintic through both ends of the whole."""
+        """Nearly the same without a step, from the quintic through both ends of the whole step."""
         b, begin, end, point = run.bodies[i], run.now[i], run.end[i], run.inside[i]
-        h, x0, v0, a0 = run.length, begin.angle, begin.velocity, slowed(begin, b)
-        b1, c, p3, p4, p5 = quintic_terms(h, x0, v0, a0, end.angle, end.velocity, slowed(end, b))
+        h, x0, v0, a0 = run.length, begin.angle, begin.velocity, acceleration_with_drag(begin, b)
+        b1, c, p3, p4, p5 = quintic_terms(
+            h, x0, v0, a0, end.angle, end.velocity, acceleration_with_drag(end, b)
+        )
         u = s / h if h > 0.0 else 0.0
         point.angle = x0 + u * (b1 + u * (c + u * (p3 + u * (p4 + u * p5))))
         rate = u * (2.0 * c + u * (3.0 * p3 + u * (4.0 * p4 + u * 5.0 * p5)))
         point.velocity = v0 + (rate / h if h > 0.0 else 0.0)
-        swing.shake(run, run.t + s, point)
+        swing.write_pivot_motion(run, run.t + s, point)
         return swing.tension(run, i, point)
 
     @part
     def zero(run: Any, i: int, low: float, high: float, left: float, right: float) -> float:
-        """Return the time into the step at which the tension changes its sign.
+        """Time into the step at which the tension changes its sign [s].
 
         Regula falsi with kept ends halved (Illinois) on what is `seen`; then Newton on the step
         with its slope.
@@ -79,11 +81,15 @@ def make_tension(swing: Swing, part: Part = as_it_stands) -> Tension:
 
     @part
     def margin(run: Any, i: int) -> float:
-        """Return how far the tension may dip below its values at both ends of the step [1/s^2]."""
+        """Bound of the dip of the tension below its values at both ends of the step [1/s^2]."""
         begin, end = run.now[i], run.end[i]
-        strongest = (run.settings.gravity + run.settings.pivot_bound) * run.bodies[i].coupling
+        strongest = (run.settings.gravity + run.settings.pivot_bound) * run.bodies[i].inverse_length
         speeds = begin.velocity * begin.velocity + end.velocity * end.velocity
-        result: float = (speeds + strongest) * run.settings.sag
+        result: float = (speeds + strongest) * run.settings.tension_dip
         return result
 
-    return Tension(seen, zero, margin)
+    return Tension(
+        seen=seen,
+        zero=zero,
+        margin=margin,
+    )

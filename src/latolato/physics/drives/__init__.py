@@ -1,7 +1,7 @@
-"""Motions of the pivot: each a sequence of smooth stretches with scalar formulas.
+"""Motions of the pivot: each a sequence of smooth segments with scalar formulas.
 
 A drive is a frozen class with its parameters as fields, which the formula `write` turns into smooth
-stretches of the motion; integrators end a step where a stretch begins. A `Stretch` is of one of a
+segments of the motion; integrators end a step where a segment begins. A `Segment` is of one of a
 few forms (at rest, a cosine, a crank, a polynomial), and one compiled kernel serves all of them. To
 add a drive, write one file in this folder with one class and the `register` decorator: every module
 here is discovered and loaded. A drive whose motion has another form provides its own formulas; see
@@ -20,8 +20,8 @@ from latolato.physics.drives.schedule import Chirp, FrequencySchedule  # isort: 
 from latolato.physics.drives.crank import CrankSlider
 from latolato.physics.drives.measured import MeasuredPivot
 from latolato.physics.drives.planar import PlanarHarmonic
+from latolato.physics.drives.segment import Segment
 from latolato.physics.drives.stages import StagedHarmonic
-from latolato.physics.drives.stretch import Stretch
 
 __all__ = [
     "Chirp",
@@ -33,8 +33,8 @@ __all__ = [
     "MeasuredPivot",
     "PeriodicDrive",
     "PlanarHarmonic",
+    "Segment",
     "StagedHarmonic",
-    "Stretch",
     "drives",
 ]
 

@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
 from latolato.core.registry import Registry, check_fields, check_increasing, checked_array
-from latolato.physics.drives.stretch import (
-    Stretch,
+from latolato.physics.drives.segment import (
+    Segment,
     fastest_frequency,
     largest_acceleration,
     pivot_acceleration,
@@ -35,17 +35,17 @@ class Drive:
     moves : bool
         Whether the pivot moves at all.
     height, velocity, acceleration : formula
-        Of ``(time, stretch)`` [m, m/s, m/s^2]. Those of the package handle every form of `Stretch`;
+        Of ``(time, segment)`` [m, m/s, m/s^2]. Those of the package handle every form of `Segment`;
         a class with its own formulas has its own kernels.
     across, across_velocity, across_acceleration : formula
         The same for the horizontal position, positive to the right; called only if the drive
         `moves_across`.
     rotation : formula or None
         If the acceleration is ``strength cos(frequency t + phase)``: returns these three numbers
-        of a stretch. Lanes then rotate the phase instead of computing cosines. Such a drive is one
-        stretch, and its `write` works for arrays too.
+        of a segment. Lanes then rotate the phase instead of computing cosines. Such a drive is one
+        segment, and its `write` works for arrays too.
     write : formula or None
-        ``number = write(out, drive)`` writes the drive's stretches, at most two for each of its
+        ``number = write(out, drive)`` writes the drive's segments, at most two for each of its
         `times` and two more.
     """
 
@@ -61,32 +61,32 @@ class Drive:
 
     def __init_subclass__(cls) -> None:
         if hasattr(cls, "velocity_jumps"):
-            raise TypeError(f"{cls.__name__}.velocity_jumps is not read: a stretch has its `jump`")
+            raise TypeError(f"{cls.__name__}.velocity_jumps is not read: a segment has its `jump`")
 
     def __post_init__(self) -> None:
         check_fields(self)
 
-    def stretches(self, duration: float) -> list[Stretch]:
-        """Return every smooth stretch that meets [0, duration].
+    def segments(self, duration: float) -> list[Segment]:
+        """Return every smooth segment that meets [0, duration].
 
         Formulas of one's own may read numbers of their own, from named tuples with a `start` [s]
         and, if its velocity jumps there and the balls are given that, a `jump` [m/s].
         """
         if self.write is None:
-            raise TypeError(f"{type(self).__name__} must define stretches(duration)")
+            raise TypeError(f"{type(self).__name__} must define segments(duration)")
         result = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self)
-        return [stretch for stretch in result if stretch.start <= duration]
+        return [segment for segment in result if segment.start <= duration]
 
-    def course(self) -> tuple[list[Stretch], float]:
-        """Return all stretches and the time at which the last one ends [s].
+    def course(self) -> tuple[list[Segment], float]:
+        """Return all segments and the time at which the last one ends [s].
 
-        A stretch that never ends must be steady.
+        A segment that never ends must be steady.
         """
         if self.write is None:
             raise TypeError(
                 f"{type(self).__name__} must define fastest_frequency and largest_acceleration"
             )
-        return self.stretches(math.inf), math.inf
+        return self.segments(math.inf), math.inf
 
     @property
     def is_cosine(self) -> bool:

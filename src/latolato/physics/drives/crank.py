@@ -9,14 +9,14 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, choice_field, quantity_field
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import PeriodicDrive, drives
-from latolato.physics.drives.stretch import CRANK, write_stretch
+from latolato.physics.drives.segment import CRANK, write_segment
 
 
 @formula
 def write_crank(out: Any, drive: Any) -> int:
-    """Write the one stretch of a `CrankSlider`; return 1."""
+    """Write the one segment of a `CrankSlider`; return 1."""
     s, phase, frequency = out[0], drive.drive_phase, drive.drive_frequency
-    write_stretch(s, 0.0, CRANK, phase, frequency, 0.0, drive.drive_amplitude)
+    write_segment(s, 0.0, CRANK, phase, frequency, 0.0, drive.drive_amplitude)
     s.rod, s.side = drive.connecting_rod_length, drive.side
     return 1
 

@@ -7,21 +7,21 @@ from typing import Any, ClassVar
 
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import Drive, PeriodicDrive, drives
-from latolato.physics.drives.stretch import COSINE, STILL, rotation, write_stretch
+from latolato.physics.drives.segment import COSINE, STILL, rotation, write_segment
 
 
 @formula
 def write_rest(out: Any, drive: Any) -> int:
-    """Write one stretch of rest; return 1."""
-    write_stretch(out[0], 0.0, STILL, 0.0, 0.0, 0.0, 0.0)
+    """Write one segment of rest; return 1."""
+    write_segment(out[0], 0.0, STILL, 0.0, 0.0, 0.0, 0.0)
     return 1
 
 
 @formula
 def write_cosine(out: Any, drive: Any) -> int:
-    """Write the one stretch of a `Harmonic` drive; return 1."""
+    """Write the one segment of a `Harmonic` drive; return 1."""
     phase, frequency, amplitude = drive.drive_phase, drive.drive_frequency, drive.drive_amplitude
-    write_stretch(out[0], 0.0, COSINE, phase, frequency, 0.0, amplitude)
+    write_segment(out[0], 0.0, COSINE, phase, frequency, 0.0, amplitude)
     return 1
 
 

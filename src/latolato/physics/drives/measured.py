@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, array_field, quantity_field
 from latolato.core.registry import check_increasing, checked_array
 from latolato.physics.drives.base import Drive, drives
-from latolato.physics.drives.stretch import POLYNOMIAL, Stretch
+from latolato.physics.drives.segment import POLYNOMIAL, Segment
 
 # How often the curve is looked at between two samples, and by how many times their range it may
 # leave the range of the samples; less than this share of them is rounding.
@@ -58,7 +58,7 @@ class MeasuredPivot(Drive):
         description="standard deviation of the horizontal positions",
         default=0.0,
     )
-    _pieces: list[Stretch] = field(init=False, repr=False, compare=False)
+    _pieces: list[Segment] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -91,8 +91,8 @@ class MeasuredPivot(Drive):
         """Whether any of `pivot_across` differs from zero."""
         return any(self.pivot_across or ())
 
-    def _fit(self) -> list[Stretch]:
-        """Return the pieces of the splines as stretches."""
+    def _fit(self) -> list[Segment]:
+        """Return the pieces of the splines as segments."""
         curves = [self._spline(self.pivot_heights, self.height_sigma, "heights")]
         if self.pivot_across is not None:
             across = self._spline(self.pivot_across, self.across_sigma, "horizontal positions")
@@ -101,7 +101,7 @@ class MeasuredPivot(Drive):
         starts = sorted({instant for pieces in curves for instant in pieces.x.tolist()})[:-1]
         columns = zip(starts, *(_coefficients(pieces, starts) for pieces in curves), strict=True)
         return [
-            Stretch(start, POLYNOMIAL, 0.0, 0.0, 0.0, *(c for each in found for c in each))
+            Segment(start, POLYNOMIAL, 0.0, 0.0, 0.0, *(c for each in found for c in each))
             for start, *found in columns
         ]
 
@@ -145,7 +145,7 @@ class MeasuredPivot(Drive):
                 way_out="leave out the samples before or after the gap",
             )
 
-    def stretches(self, duration: float) -> list[Stretch]:
+    def segments(self, duration: float) -> list[Segment]:
         """Return the pieces between 0 and `duration`.
 
         Raises
@@ -162,7 +162,7 @@ class MeasuredPivot(Drive):
         begin = max(i for i, piece in enumerate(self._pieces) if piece.start <= 0.0)
         return [piece for piece in self._pieces[begin:] if piece.start <= duration]
 
-    def course(self) -> tuple[list[Stretch], float]:
+    def course(self) -> tuple[list[Segment], float]:
         """Return all pieces, and the last instant [s]."""
         return self._pieces, self.times[-1]
 

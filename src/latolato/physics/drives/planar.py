@@ -8,14 +8,14 @@ from typing import Any, ClassVar
 from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives.base import Drive, drives
-from latolato.physics.drives.stretch import COSINE, write_stretch
+from latolato.physics.drives.segment import COSINE, write_segment
 
 
 @formula
 def write_ellipse(out: Any, drive: Any) -> int:
-    """Write the one stretch of a `PlanarHarmonic` drive; return 1."""
+    """Write the one segment of a `PlanarHarmonic` drive; return 1."""
     phase = drive.vertical_phase
-    write_stretch(out[0], 0.0, COSINE, phase, drive.drive_frequency, 0.0, drive.vertical_amplitude)
+    write_segment(out[0], 0.0, COSINE, phase, drive.drive_frequency, 0.0, drive.vertical_amplitude)
     lead = drive.horizontal_phase - phase
     out[0].x0 = drive.horizontal_amplitude * cosine(lead)
     out[0].x1 = -drive.horizontal_amplitude * sine(lead)

@@ -17,7 +17,7 @@ from latolato.physics.drives.base import (
     checked_lists,
     drives,
 )
-from latolato.physics.drives.stretch import COSINE, SWEPT, write_next, write_stretch
+from latolato.physics.drives.segment import COSINE, SWEPT, write_next, write_segment
 
 # A ramp may exceed its stage by so much, relatively: differences of decimal times are rounded.
 _ROUNDING = 1e-12
@@ -25,10 +25,10 @@ _ROUNDING = 1e-12
 
 @formula
 def write_schedule(out: Any, drive: Any) -> int:
-    """Write the stretches of a `FrequencySchedule`; return their number."""
+    """Write the segments of a `FrequencySchedule`; return their number."""
     times, frequencies, ramp = drive.times, drive.drive_frequencies, drive.ramp
     amplitude = drive.drive_amplitude
-    write_stretch(out[0], 0.0, COSINE, drive.drive_phase, frequencies[0], 0.0, amplitude)
+    write_segment(out[0], 0.0, COSINE, drive.drive_phase, frequencies[0], 0.0, amplitude)
     n = 1
     for k in range(1, len(times)):
         old, new = frequencies[k - 1], frequencies[k]
@@ -46,11 +46,11 @@ def write_schedule(out: Any, drive: Any) -> int:
 
 @formula
 def write_chirp(out: Any, drive: Any) -> int:
-    """Write both stretches of a `Chirp`; return 2."""
+    """Write both segments of a `Chirp`; return 2."""
     first, last = drive.drive_frequency, drive.drive_frequency_final
     rate = (last - first) / drive.sweep_time
     form = COSINE if rate == 0.0 else SWEPT
-    write_stretch(out[0], 0.0, form, drive.drive_phase, first, rate, drive.drive_amplitude)
+    write_segment(out[0], 0.0, form, drive.drive_phase, first, rate, drive.drive_amplitude)
     return write_next(out, 1, drive.sweep_time, last, 0.0)
 
 

@@ -15,14 +15,14 @@ from latolato.physics.drives.base import (
     checked_lists,
     drives,
 )
-from latolato.physics.drives.stretch import COSINE, write_change, write_stretch
+from latolato.physics.drives.segment import COSINE, write_change, write_segment
 
 
 @formula
 def write_stages(out: Any, drive: Any) -> int:
-    """Write the stretches of a `StagedHarmonic` and of its changes; return their number."""
+    """Write the segments of a `StagedHarmonic` and of its changes; return their number."""
     amplitude, frequency = drive.drive_amplitudes[0], drive.drive_frequencies[0]
-    write_stretch(out[0], 0.0, COSINE, drive.drive_phase, frequency, 0.0, amplitude)
+    write_segment(out[0], 0.0, COSINE, drive.drive_phase, frequency, 0.0, amplitude)
     n = 1
     for k in range(1, len(drive.times)):
         if out[n - 1].start >= drive.times[k]:  # the last change has not ended

@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
 from latolato.core.errors import InputError, import_extra
 from latolato.core.registry import checked_count
+from latolato.numerics.batch import Points, Progress, Scratch, make_many, make_scratch
+from latolato.numerics.callbacks import formulas_of, make_callbacks
 from latolato.numerics.engine.record import STATE, as_objects, run_dtype, write_back
-from latolato.numerics.many import Points, Progress, Scratch, make_many, make_scratch
 from latolato.numerics.prepare import write_stepper
-from latolato.numerics.records import stretch_dtype
+from latolato.numerics.records import segment_dtype
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
-from latolato.numerics.watch import hooks_of, make_watch
 from latolato.sweeps.chunk import Cancelled, Values, run_chunk
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.points import Batch, laws_of_points
@@ -112,14 +112,14 @@ def kernel_of(plan: Plan, stepper: Stepper) -> Any:
     return _kernel(
         plan.system.angles,
         plan.contact.motion,
-        hooks_of(plan.observables),
-        stretch_dtype(type(plan.drive.stretches(plan.duration)[0])),
+        formulas_of(plan.observables),
+        segment_dtype(type(plan.drive.segments(plan.duration)[0])),
         *laws_of_points(plan),
     )
 
 
 @lru_cache(maxsize=64)
-def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[..., Any]) -> Any:
+def _kernel(balls: int, motion: str, formulas: Any, segment: Any, *laws: Callable[..., Any]) -> Any:
     """Return the kernel in which every thread carries one point to its end.
 
     Arguments are those of `kernel_arguments`. Arrays come one by one, since the simulator sees
@@ -130,15 +130,15 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
     def part(function: Callable[..., Any], *, inline: bool = False) -> Any:
         return cuda.jit(device=True)(function)  # NVVM decides itself what it inlines
 
-    watch = make_watch(hooks, part)
-    carry_on = make_trajectory(*laws, count=balls, watch=watch, motion=motion, part=part)
-    many = part(make_many(part(carry_on), watch, part, balls=balls))
+    callbacks = make_callbacks(formulas, part)
+    carry_on = make_trajectory(*laws, count=balls, callbacks=callbacks, motion=motion, part=part)
+    many = part(make_many(part(carry_on), callbacks, part, balls=balls))
     sizes = make_scratch()
     rows, values_shape = len(sizes.contact_times), sizes.contact_values.shape
-    run_type = from_dtype(run_dtype(stretch))
+    run_type = from_dtype(run_dtype(segment))
 
     def kernel(
-        order: Any, settings: Any, bodies: Any, stretches: Any, firsts: Any, kick_times: Any,
+        order: Any, settings: Any, bodies: Any, segments: Any, firsts: Any, kick_times: Any,
         kick_sizes: Any, kick_firsts: Any, stops: Any,
         contact_limit: int, template: Any, states: Any, begun: Any, status: Any, acc: Any,
         cancel: Any,
@@ -155,7 +155,7 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
         many(
             order[i : i + 1],
             Points(
-                settings, bodies, stretches, firsts, kick_times, kick_sizes, kick_firsts, stops,
+                settings, bodies, segments, firsts, kick_times, kick_sizes, kick_firsts, stops,
                 contact_limit,
             ),
             Scratch(runs, times, kinds, values, times[:0], values[:, :0]),
@@ -169,14 +169,14 @@ def _kernel(balls: int, motion: str, hooks: Any, stretch: Any, *laws: Callable[.
 def _simulated(many: Callable[..., None]) -> Callable[..., None]:
     """Return the kernel as numba's simulator runs it, whose records have no nested ones."""
 
-    def kernel(order: Any, settings: Any, bodies: Any, stretches: Any, *others: Any) -> None:
+    def kernel(order: Any, settings: Any, bodies: Any, segments: Any, *others: Any) -> None:
         i = cuda.grid(1)
         if i >= len(order):
             return
         *rest, template, states, begun, status, acc, cancel = others
         scratch = make_scratch()._replace(runs=as_objects(template.copy_to_host()))
         moved = as_objects(states.copy_to_host()), as_objects(begun.copy_to_host())
-        laws = (as_objects(a.copy_to_host()) for a in (settings, bodies, stretches))
+        laws = (as_objects(a.copy_to_host()) for a in (settings, bodies, segments))
         points, progress = Points(*laws, *rest), Progress(*moved, status, acc)
         many(order[i : i + 1], points, scratch, progress, cancel)
         k, row = order[i], np.zeros(1, dtype=STATE)
@@ -191,7 +191,7 @@ def kernel_arguments(
     batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
 ) -> tuple[Any, ...]:
     """Return a kernel's arguments on the host, all but the last, the flag of cancelling."""
-    template = make_scratch(batch.points.stretches.dtype).runs
+    template = make_scratch(batch.points.segments.dtype).runs
     write_stepper(template, stepper)
     return (order, *map(_for_device, batch.points), template, *progress)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.registry import checked_count
-from latolato.numerics.many import Progress
+from latolato.numerics.batch import Progress
 from latolato.numerics.steppers import Stepper
 from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import Cancelled, Values, run_chunk

@@ -1,4 +1,4 @@
-/** From the parameters of a drive and a run to the run's beginning, as `latolato.numerics.whole`. */
+/** From the parameters of a drive and a run to the run's beginning, as `latolato.numerics.host_entry`. */
 
 /**
  * @typedef {import("./memory.js").Held} Held
@@ -12,18 +12,18 @@ export const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN,
 const BELOW = -1;
 
 /**
- * Return the stretches of a drive's motion.
+ * Return the segments of a drive's motion.
  * @param {Kernels} kernels
- * @param {string} kind such as `harmonic`; a measured pivot has its stretches from Python
+ * @param {string} kind such as `harmonic`; a measured pivot has its segments from Python
  * @param {Record<string, number | number[]>} parameters by the names that Python has, but `side`
  *   for a crank's guide: 1 above, -1 below
  */
 export function shake(kernels, kind, parameters) {
-  return shakeAll(kernels, kind, parameters, 1).stretches;
+  return shakeAll(kernels, kind, parameters, 1).segments;
 }
 
 /**
- * Return the stretches of several drives one after the other, and where those of each begin.
+ * Return the segments of several drives one after the other, and where those of each begin.
  * @param {Kernels} kernels
  * @param {string} kind
  * @param {Record<string, number | number[] | Float64Array>} parameters as for `shake`; a
@@ -37,13 +37,13 @@ export function shakeAll(kernels, kind, parameters, count) {
   const wrong = Object.keys(parameters).find((name) => !known.includes(name));
   if (wrong !== undefined) throw new Error(`no drive has the parameter ${wrong}`);
   const times = parameters.times ?? [];
-  // A change takes two stretches; one more lies before all of them, and one behind.
+  // A change takes two segments; one more lies before all of them, and one behind.
   const room = 2 * (Array.isArray(times) ? times.length : 1) + 2;
-  const stretches = kernels.take("stretch", count * room);
+  const segments = kernels.take("segment", count * room);
   const firsts = kernels.take("i8", count + 1);
   const number = kernels.take("i8", 1);
   /** @type {Record<string, Held | number>} */
-  const values = { stretches, number };
+  const values = { segments, number };
   /** @type {[number, Float64Array][]} */
   const columns = [];
   for (const { name, dimensions } of bundles.shaking) {
@@ -60,16 +60,16 @@ export function shakeAll(kernels, kind, parameters, count) {
   const floats = kernels.numbers({ ...words, type: "f8" });
   const begins = kernels.numbers(firsts);
   const written = kernels.numbers(number);
-  const place = kernels.place("shaking", "stretches");
+  const place = kernels.place("shaking", "segments");
   let size = 0;
   for (let k = 0; k < count; k += 1) {
     for (const [at, column] of columns) floats[at] = column[k];
-    integers[place] = BigInt(stretches.at + size * kernels.size("stretch"));
+    integers[place] = BigInt(segments.at + size * kernels.size("segment"));
     kernels.exports.shake(words.at);
     size += Number(written[0]);
     begins[k + 1] = BigInt(size);
   }
-  return { stretches: { ...stretches, shape: [size] }, firsts };
+  return { segments: { ...segments, shape: [size] }, firsts };
 }
 
 /**
@@ -78,16 +78,16 @@ export function shakeAll(kernels, kind, parameters, count) {
  * @param {Kernels} kernels of a module that runs so many balls
  * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
  *   such as `balls.0.mass`; others are zero, an offset, distances and bounds of the drive not given
- * @param {Held} stretches of the drive
+ * @param {Held} segments of the drive
  */
-export function begin(kernels, parameters, stretches) {
+export function begin(kernels, parameters, segments) {
   const run = kernels.take("run", 1);
   const number = kernels.take("i8", 1);
   const record = kernels.take("case", 1);
   for (const [path, value] of Object.entries({ ...ABSENT, ...parameters })) {
     kernels.set(record, path, ...[value].flat());
   }
-  kernels.call("begin", "beginning", { case: record, stretches, run, problem: number });
+  kernels.call("begin", "beginning", { case: record, segments, run, problem: number });
   const problem = kernels.layout.problems[Number(kernels.numbers(number)[0])];
   return { run, problem, driveRate: kernels.get(run, "settings.drive_rate") };
 }

@@ -38,9 +38,9 @@ import { runPoints } from "./points.js";
 const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping",
   "balls.1.quadratic_damping", "balls.1.coulomb_damping"];
 // What is found out here, or is the same for all points.
-const OWN = ["angles", "is_rough", "follows_tension", "mirrored"];
-const FLAGS = ["is_linear", "meets", "is_string", "in_lab"];
-// Both balls, and both as one body in lasting contact at the bottom and at the top.
+const OWN = ["angles", "is_nonsmooth", "follows_tension", "mirrored"];
+const FLAGS = ["is_linear", "collides", "is_string", "in_lab"];
+// Both balls, and both as one body in sticking contact at the bottom and at the top.
 const BODIES_OF_PAIR = 4;
 
 /** @type {(column: Column, k: number) => number} */
@@ -113,12 +113,12 @@ function prepared(kernels, question) {
   const marks = Math.max(0, ...observers.map(({ about }) => about.marks));
   const slots = observers.reduce((sum, { about }) => sum + about.slots, 0);
   const needs = new Set(observers.flatMap(({ about }) => about.needs));
-  const isRough = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
+  const isNonsmooth = ROUGH.some((name) => some(question.parameters[name] ?? 0, (value) => value > 0));
   const followsTension = needs.has("compression") && !question.parameters.is_linear;
-  const { stretches, firsts } = shakeAll(kernels, drive.kind, drive.parameters, count);
+  const { segments, firsts } = shakeAll(kernels, drive.kind, drive.parameters, count);
   const cases = kernels.take("case", count);
   const parameters = { ...ABSENT, ...question.parameters, duration, angles,
-    is_rough: Number(isRough), follows_tension: Number(followsTension),
+    is_nonsmooth: Number(isNonsmooth), follows_tension: Number(followsTension),
     mirrored: Number(observers.some(({ about }) => about.mirrored)) };
   for (const [path, column] of Object.entries(parameters)) fill(kernels, cases, path, column);
   const settings = kernels.take("settings", count);
@@ -130,13 +130,13 @@ function prepared(kernels, question) {
   const refuse = (/** @type {number} */ k) => { kernels.numbers(held)[k] = impossible; };
   writeStops(kernels, question, marks, stops, refuse);
   question.impossible?.forEach((flag, k) => flag && refuse(k));
-  kernels.call("prepare", "cases", { cases, stretches, firsts, settings, bodies, states,
+  kernels.call("prepare", "cases", { cases, segments, firsts, settings, bodies, states,
     problems: held });
   const problems = Uint8Array.from(kernels.numbers(held), Number);
-  const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isRough && contact !== "clamp"
+  const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isNonsmooth && contact !== "clamp"
     && layout.rotating_drives.includes(drive.kind) && !needs.has("compression");
-  const points = { settings, bodies, stretches, firsts, stops, contact_limit };
-  return { points, states, problems, observers, slots, needs, isRough, in_lanes };
+  const points = { settings, bodies, segments, firsts, stops, contact_limit };
+  return { points, states, problems, observers, slots, needs, isNonsmooth, in_lanes };
 }
 
 /**
@@ -146,8 +146,8 @@ function prepared(kernels, question) {
 function computed(kernels, question) {
   const { layout } = kernels;
   const { count, angles = 1 } = question;
-  const { is_linear = 0, meets = 0 } = question.parameters;
-  const { points, states, problems, observers, slots, needs, isRough, in_lanes } =
+  const { is_linear = 0, collides = 0 } = question.parameters;
+  const { points, states, problems, observers, slots, needs, isNonsmooth, in_lanes } =
     prepared(kernels, question);
   const columns = angles * count;
   const progress = { states, begun: kernels.take("state", count), status: kernels.take("i8", count),
@@ -159,7 +159,7 @@ function computed(kernels, question) {
   }
   const order = longestFirst(kernels, points.settings, problems);
   if (order.shape[0]) {
-    const { kicks, drifts, nodes } = layout.steppers[isRough ? "rough" : "smooth"];
+    const { kicks, drifts, nodes } = layout.steppers[isNonsmooth ? "nonsmooth" : "smooth"];
     const stepper = { kicks: kernels.copy(kicks), drifts: kernels.copy(drifts),
       nodes: kernels.copy(nodes) };
     /** @type {import("./points.js").Points} */
@@ -167,7 +167,7 @@ function computed(kernels, question) {
       stepper, slots, is_linear: Boolean(is_linear),
       engine: question.contact === "clamp" ? "clamp" : "engine" };
     runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), in_lanes ? {
-      walled: Boolean(meets), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
+      walled: Boolean(collides), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
       needs: layout.shared_needs.filter((need) => needs.has(need)),
     } : null);
   }
@@ -192,7 +192,7 @@ function check(kernels, question) {
     const flag = parameters[name] ?? 0;
     if (flag !== 0 && flag !== 1) throw new Error(`${name} must be 0 or 1 for all points`);
   }
-  if (parameters.is_linear && parameters.meets) {
+  if (parameters.is_linear && parameters.collides) {
     throw new Error("the linear restoring law knows no walls");
   }
   const columns = { ...parameters, ...drive.parameters, ...noise, transient, period };

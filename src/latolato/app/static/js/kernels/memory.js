@@ -276,7 +276,7 @@ export class Kernels {
    * @param {[number, string][][]} occasions for each occasion pairs of first slot and piece
    * @returns {Held}
    */
-  hooks(occasions) {
+  callbacks(occasions) {
     /** @type {number[]} */
     const begins = [];
     /** @type {number[]} */

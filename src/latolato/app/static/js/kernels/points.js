@@ -18,14 +18,14 @@
  *
  * @param {Kernels} kernels of the module that `moduleOf` in `map.js` names
  * @param {Points} batch
- * @param {[number, string][][]} hooks what observables are shown on each occasion: pairs of first
+ * @param {[number, string][][]} callbacks what observables are shown on each occasion: pairs of first
  *   slot and piece
  * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
  *   are walls, what shows the observables all lanes' steps, and matrices, and what they need of each
  *   step; null runs one point after the other,
  *   as all must that `latolato.sweeps.batches.has_lanes` excludes
  */
-export function runPoints(kernels, batch, hooks, lanes) {
+export function runPoints(kernels, batch, callbacks, lanes) {
   const { layout } = kernels;
   const { order, stepper, slots, is_linear, engine = "engine" } = batch;
   const size = layout.scratch_contacts;
@@ -37,7 +37,7 @@ export function runPoints(kernels, batch, hooks, lanes) {
   }
   kernels.set(runs, "settings.is_linear", Number(is_linear));
   kernels.set(runs, "engine", kernels.pieces[engine]);
-  kernels.set(runs, "hooks", kernels.hooks(hooks).at);
+  kernels.set(runs, "callbacks", kernels.callbacks(callbacks).at);
   const job = {
     order, cancel: kernels.take("i8", 1),
     ...named("points", batch.points), ...named("progress", batch.progress),
@@ -57,7 +57,7 @@ export function runPoints(kernels, batch, hooks, lanes) {
 }
 
 /**
- * Return the memory of lanes and their pieces; see `many.make_lane_space`.
+ * Return the memory of lanes and their pieces; see `batch.make_lane_space`.
  * @param {Kernels} kernels
  * @param {number} stages
  * @param {number} slots
@@ -78,7 +78,7 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) 
     table: kernels.take("f8", (stages + 1) * table_rows * lanes),
     acc: kernels.take("f8", lanes * slots), point, index: kernels.take("i8", lanes),
     lane: kernels.take("i8", impacts), fly: kernels.pieces[fly],
-    locate: walled ? kernels.pieces[`locate_${law}`] : 0, hooks: kernels.hooks([[...shared, ...steps], matrices]),
+    locate: walled ? kernels.pieces[`locate_${law}`] : 0, callbacks: kernels.callbacks([[...shared, ...steps], matrices]),
   };
 }
 

@@ -10,15 +10,15 @@ import { WORD } from "./memory.js";
 
 /**
  * A run at its beginning: the record with its state, settings, bodies and stepper, the drive's
- * stretches, kicks, and the instants of the samples; see `begin` and `loop.Timetable`.
- * @typedef {{run: Held, stretches: Held, kick_times: Held, kick_sizes: Held,
+ * segments, kicks, and the instants of the samples; see `begin` and `loop.Timetable`.
+ * @typedef {{run: Held, segments: Held, kick_times: Held, kick_sizes: Held,
  *   times: Held}} Prepared
  *
  * What came of it. Rows of samples are those of the layout, behind angle and velocity of two balls;
  * kinds of contacts are numbers of those in the layout, their values the velocities before and
  * after, of all balls, and behind them what the layout's rows of contacts say. A motion that is not
- * described is tangled.
- * @typedef {{status: "complete" | "failed" | "stopped", isTangled: boolean, reached: number,
+ * described is outside the model.
+ * @typedef {{status: "complete" | "failed" | "stopped", isOutsideModel: boolean, reached: number,
  *   samples: Held, contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} Run
  */
 
@@ -38,22 +38,22 @@ const PER_BALL = 2;
  */
 export function integrate(kernels, prepared, { balls, duration, contact_limit, piece = "engine" }) {
   const { layout } = kernels;
-  const { run, times, stretches, kick_times, kick_sizes } = prepared;
+  const { run, times, segments, kick_times, kick_sizes } = prepared;
   const samples = kernels.take("f8", kernels.rows.samples, times.shape[0]);
   kernels.numbers(samples).fill(NaN);
   const seen = kernels.take("f8", 1);
-  const blind = kernels.hooks(layout.occasions.map(() => []));
-  kernels.set(run, "hooks", blind.at);
+  const blind = kernels.callbacks(layout.occasions.map(() => []));
+  kernels.set(run, "callbacks", blind.at);
   /** @type {Float64Array[][]} times, kinds and values of contacts, as they come */
   const parts = Array.from({ length: 2 + layout.contact_rows.count }, () => []);
   let contacts = 0;
   let room = ROOM;
   let reached = -1;
-  const isTangled = () => kernels.get(run, "state.is_tangled") !== 0;
+  const isOutsideModel = () => kernels.get(run, "state.is_outside_model") !== 0;
   /** @type {(status: Run["status"]) => Run} */
   const ended = (status) => {
     const [instants, kinds, ...values] = parts.map(joined);
-    return { status, isTangled: isTangled(), reached: Math.min(reached, duration), samples,
+    return { status, isOutsideModel: isOutsideModel(), reached: Math.min(reached, duration), samples,
       contacts: { times: instants, kinds, values } };
   };
   for (;;) {
@@ -62,11 +62,11 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
     const kinds = kernels.take("i8", size);
     const values = kernels.take("f8", parts.length - 2, size);
     kernels.fill(kernels.field(run, "words"), "arguments", {
-      "timetable.stretches": stretches, "timetable.kick_times": kick_times,
+      "timetable.segments": segments, "timetable.kick_times": kick_times,
       "timetable.kick_sizes": kick_sizes,
       "output.sample_times": times, "output.samples": samples, "output.contact_times": buffer,
       "output.contact_kinds": kinds, "output.contact_values": values,
-      "eyes.acc": seen, "eyes.column": 0, "eyes.columns": balls,
+      "accumulators.acc": seen, "accumulators.column": 0, "accumulators.columns": balls,
     });
     const written = kernels.exports[piece](run.at, duration, layout.steps_per_call);
     parts[0].push(kernels.numbers(buffer).slice(0, written));
@@ -89,7 +89,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
       if (lost >= 0) reached = kernels.numbers(times)[lost];
       return ended("failed");
     }
-    if (isTangled()) return ended("stopped");
+    if (isOutsideModel()) return ended("stopped");
     if (reached >= duration) return ended("complete");
     if (contacts >= contact_limit) return ended("stopped");
     room = Math.min(Math.max(room, 2 * written), MOST_ROOM);
@@ -111,7 +111,7 @@ export function simulate(kernels, parameters, inputs, how) {
   const { most_halvings, most_steps_to_repeat } = kernels.layout;
   let step = Number(parameters.step ?? 0);
   for (let halvings = 0; ; halvings += 1) {
-    const { run, problem } = begin(kernels, { ...parameters, step }, inputs.stretches);
+    const { run, problem } = begin(kernels, { ...parameters, step }, inputs.segments);
     if (problem !== "fine") throw new Error(problem);
     const end = integrate(kernels, { ...inputs, run }, how);
     const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
@@ -171,7 +171,7 @@ function forget(kernels, samples, balls) {
 
 /**
  * Return the pivot's motion and the balls' energies and tensions at the samples of a run; rows are
- * those of the layout. See `observe.Observation`.
+ * those of the layout. See `derived.Observation`.
  * @param {Kernels} kernels
  * @param {Prepared} prepared
  * @param {Held} samples
@@ -180,7 +180,7 @@ function forget(kernels, samples, balls) {
  * @returns {{pivot: Held, out: Held}}
  */
 export function observe(kernels, prepared, samples, how) {
-  const { times, stretches } = prepared;
+  const { times, segments } = prepared;
   const { balls, gravity, is_linear = false, in_lab = false, with_lab } = how;
   const { ball_rows, sample_rows } = kernels.layout;
   const [size] = times.shape;
@@ -188,7 +188,7 @@ export function observe(kernels, prepared, samples, how) {
   const out = kernels.take("f8", balls.shape[0], ball_rows.length, size);
   const modes = { ...times, at: samples.at + sample_rows.mode * size * WORD };
   kernels.call("observer", "observation", {
-    times, modes, samples, stretches, balls, gravity, is_linear: Number(is_linear),
+    times, modes, samples, segments, balls, gravity, is_linear: Number(is_linear),
     in_lab: Number(in_lab), with_lab: Number(with_lab), pivot, out,
   });
   return { pivot, out };

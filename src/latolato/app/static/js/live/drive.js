@@ -38,7 +38,7 @@ const STIFFENING = 0.1; // s
 // A pivot that needs this deceleration to stop before its largest height is braked; from half of it on
 // gradually, so that it does not rattle.
 const BRAKE = 30; // m/s^2
-// The form of a stretch that is a polynomial; see `latolato.physics.drives.stretch`.
+// The form of a segment that is a polynomial; see `latolato.physics.drives.segment`.
 const POLYNOMIAL = 4;
 const NO_COSINES = ["crank_slider", "measured_pivot", "planar_harmonic"];
 
@@ -91,9 +91,9 @@ export class SteeredDrive {
     this.cosine = cosine;
     /** Those that have not ended, and others before them. @type {Change[]} */
     this.changes = [];
-    /** One stretch, or a change and what follows it. */
-    this.stretches = kernels.take("stretch", 2);
-    /** What the step of a run is chosen by, where it is not found from the stretches. */
+    /** One segment, or a change and what follows it. */
+    this.segments = kernels.take("segment", 2);
+    /** What the step of a run is chosen by, where it is not found from the segments. */
     this.bounds = {};
     this.write();
   }
@@ -138,14 +138,14 @@ export class SteeredDrive {
    * @returns {Change}
    */
   steer(time, amplitude, frequency) {
-    const { kernels, changes, stretches } = this;
+    const { kernels, changes, segments } = this;
     if (changes.at(-1)?.time === time) changes.pop();
     // No stage lasts no time.
     if (this.cosine.start === time) this.cosine = this.from(time - 1);
     const change = { time, amplitude, frequency, ramp: 1 };
     changes.push(change);
     this.write(); // only to know what it does now
-    const [now, turning] = ["c0", "frequency"].map((name) => kernels.get(stretches, name));
+    const [now, turning] = ["c0", "frequency"].map((name) => kernels.get(segments, name));
     const turn = Math.max(amplitude, Math.abs(now)) * Math.abs(frequency - turning);
     change.ramp = Math.max(SHORTEST_CHANGE, Math.sqrt((6 * Math.abs(amplitude - now)) / GENTLE),
       turn / GENTLE);
@@ -158,7 +158,7 @@ export class SteeredDrive {
    * @param {number} time
    */
   settle(time) {
-    const last = (/** @type {string} */ name) => this.kernels.get(this.stretches, name, 1);
+    const last = (/** @type {string} */ name) => this.kernels.get(this.segments, name, 1);
     if (this.isSteady || time < last("start")) return false;
     this.cosine = { start: last("start"), amplitude: last("c0"), frequency: last("frequency"),
       phase: last("phase") };
@@ -167,14 +167,14 @@ export class SteeredDrive {
     return true;
   }
 
-  /** Write the stretches; the compiled code knows how a change goes. */
+  /** Write the segments; the compiled code knows how a change goes. */
   write() {
-    const { kernels, cosine, changes, stretches } = this;
+    const { kernels, cosine, changes, segments } = this;
     const all = shake(kernels, "staged_harmonic", stagesOf(cosine, changes));
-    stretches.shape = [changes.length ? 2 : 1];
-    const first = (all.shape[0] - stretches.shape[0]) * kernels.size("stretch");
-    kernels.bytes(stretches).set(kernels.bytes(all).subarray(first));
-    const { numbers, step } = kernels.column(stretches, "start");
+    segments.shape = [changes.length ? 2 : 1];
+    const first = (all.shape[0] - segments.shape[0]) * kernels.size("segment");
+    kernels.bytes(segments).set(kernels.bytes(all).subarray(first));
+    const { numbers, step } = kernels.column(segments, "start");
     for (let i = 0; i < numbers.length; i += step) numbers[i] += cosine.start;
     kernels.release(all);
   }
@@ -192,7 +192,7 @@ export class ShakenDrive {
   constructor(kernels, limit) {
     this.kernels = kernels;
     this.limit = limit;
-    this.stretches = kernels.take("stretch", 1);
+    this.segments = kernels.take("segment", 1);
     this.bounds = { pivot_bound: MOST_ACCELERATION, drive_rate: 0 };
     /** @type {Pivot} */
     this.pivot = { height: 0, velocity: 0, acceleration: 0 };
@@ -230,13 +230,13 @@ export class ShakenDrive {
    * @param {number} wall of the page's clock at `stop` [ms]
    */
   move(time, stop, wall) {
-    const { kernels, stretches, pivot: { height, velocity, acceleration } } = this;
+    const { kernels, segments, pivot: { height, velocity, acceleration } } = this;
     const span = stop - time;
     const next = this.wish(span, wall);
     const bend = (next - acceleration) / (6 * span);
     const numbers = { start: time, form: POLYNOMIAL, c0: height, c1: velocity,
       c2: 0.5 * acceleration, c3: bend };
-    for (const [name, value] of Object.entries(numbers)) kernels.set(stretches, name, value);
+    for (const [name, value] of Object.entries(numbers)) kernels.set(segments, name, value);
     this.pivot = {
       height: height + span * (velocity + span * (0.5 * acceleration + span * bend)),
       velocity: velocity + 0.5 * span * (acceleration + next),

@@ -2,7 +2,7 @@
 
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
-import { LEDGER, PER_STRING, recordOf, TANGLED } from "../model/simulate.js";
+import { LEDGER, PER_STRING, recordOf, OUTSIDE_MODEL } from "../model/simulate.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Recording } from "./recording.js";
 
@@ -35,7 +35,7 @@ const ROOM = 256;
 // Calls of the engine, and steps in one: more means that the motion cannot be followed.
 const MOST_CALLS = 20;
 const STEPS_PER_CALL = 10_000;
-// A mode above this is lasting contact, a kind of contact below that an impact.
+// A mode above this is sticking contact, a kind of contact below that an impact.
 const FLIGHT = 0;
 const REST = 2;
 
@@ -99,9 +99,9 @@ export class Toy {
     /** The one that moves the pivot. @type {SteeredDrive | ShakenDrive} */
     this.drive = this.steered;
     this.balls = kernels.take("ball", balls.length);
-    const blind = kernels.hooks(kernels.layout.occasions.map(() => []));
+    const blind = kernels.callbacks(kernels.layout.occasions.map(() => []));
     this.run = this.begin({}).run;
-    kernels.set(this.run, "hooks", blind.at);
+    kernels.set(this.run, "callbacks", blind.at);
     /** Where balls touch [rad]: of one ball the angle, of two the separation. */
     this.walls = ["low", "high"].map((name) => kernels.get(this.run, `settings.${name}`));
     this.prepare();
@@ -299,17 +299,17 @@ export class Toy {
     kernels.set(run, "state.sample", 0);
     kernels.set(run, "state.kick", 0);
     kernels.fill(kernels.field(run, "words"), "arguments", {
-      "timetable.stretches": this.drive.stretches,
+      "timetable.segments": this.drive.segments,
       "timetable.kick_times": kernels.copy(isKicked ? [this.time] : []),
       "timetable.kick_sizes": { ...kernels.copy(kick), shape: [kick.length, Number(isKicked)] },
       "output.sample_times": instants, "output.samples": samples,
       "output.contact_times": contacts.times, "output.contact_kinds": contacts.kinds,
       "output.contact_values": contacts.values,
-      "eyes.acc": kernels.take("f8", 1), "eyes.column": 0, "eyes.columns": this.system.angles,
+      "accumulators.acc": kernels.take("f8", 1), "accumulators.column": 0, "accumulators.columns": this.system.angles,
     });
     for (let calls = 1; ; calls += 1) {
       this.noteContacts(kernels.exports.engine(run.at, stop, STEPS_PER_CALL), contacts);
-      if (kernels.get(run, "state.is_tangled")) throw new Error(TANGLED);
+      if (kernels.get(run, "state.is_outside_model")) throw new Error(OUTSIDE_MODEL);
       if (time(kernels, run) >= stop) break;
       if (calls === MOST_CALLS) throw new Error("the motion cannot be followed in real time");
     }
@@ -332,8 +332,8 @@ export class Toy {
    */
   look(times, samples) {
     const { kernels, system, balls } = this;
-    const { stretches } = this.drive;
-    const { pivot, out } = observe(kernels, /** @type {any} */ ({ times, stretches }), samples,
+    const { segments } = this.drive;
+    const { pivot, out } = observe(kernels, /** @type {any} */ ({ times, segments }), samples,
       { balls, gravity: system.gravity, is_linear: system.linear, in_lab: system.drag_frame === "lab",
         with_lab: false });
     const count = times.shape[0];
@@ -349,7 +349,7 @@ export class Toy {
   begin(more) {
     const fields = recordOf({ ...this.case, system: this.system }, 0);
     return begin(this.kernels, { ...fields, follows_ledger: 0, follows_tension: 0,
-      ...this.drive.bounds, ...more }, this.drive.stretches);
+      ...this.drive.bounds, ...more }, this.drive.segments);
   }
 
   /**
@@ -365,7 +365,7 @@ export class Toy {
     const { run: fresh } = this.begin({ speed: this.speed, is_exact: 1 });
     for (const part of ["settings", "bodies"])
       kernels.bytes(kernels.field(run, part)).set(kernels.bytes(kernels.field(fresh, part)));
-    kernels.set(run, "state.stretch", 0);
+    kernels.set(run, "state.segment", 0);
     kernels.release(fresh);
   }
 

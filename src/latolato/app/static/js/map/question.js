@@ -95,7 +95,7 @@ export async function questionOf(registry, layout, request) {
       string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
-      is_linear: Number(system.linear), meets: Number(system.contacts && law.contact !== "none") },
+      is_linear: Number(system.linear), collides: Number(system.contacts && law.contact !== "none") },
     x: { name: x.name, values: valuesOf(x, request.width) },
     y: { name: y.name, values: valuesOf(y, request.height) },
     observables: watched.map(({ name, parameters }) => ({ name, parameters: Object.fromEntries(

@@ -191,11 +191,11 @@ export function fieldsOf({ gravity, restitution, angles, linear, balls, ...hangi
  * @param {System} system
  */
 function wallsOf(kernels, system) {
-  const stretches = shake(kernels, "fixed_pivot", {});
+  const segments = shake(kernels, "fixed_pivot", {});
   const { run, problem } = begin(kernels,
-    { ...fieldsOf(system), meets: 1, is_exact: 1, tolerance: 1, duration: 1 }, stretches);
+    { ...fieldsOf(system), collides: 1, is_exact: 1, tolerance: 1, duration: 1 }, segments);
   const walls = { low: kernels.get(run, "settings.low"), high: kernels.get(run, "settings.high") };
-  kernels.release(stretches);
+  kernels.release(segments);
   const [right, left] = system.balls;
   const radii = (/** @type {string} */ name) =>
     system.balls.map((ball) => general(/** @type {any} */ (ball)[name])).join(" and ");

@@ -32,10 +32,10 @@ export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_los
 const PER_BALL = 2;
 // Of strings: distance, its rate and whether it is slack.
 export const PER_STRING = 3;
-export const TANGLED = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
+export const OUTSIDE_MODEL = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
   + "described";
 const MOST_STROBES = 20_000;
-// Forms of stretches that have a phase: cosine, swept cosine, crank; see `physics.drives.stretch`.
+// Forms of segments that have a phase: cosine, swept cosine, crank; see `physics.drives.segment`.
 const PHASED = [1, 2, 3];
 
 /**
@@ -50,7 +50,7 @@ export function recordOf(each, step) {
     ...fieldsOf(system), initial_angle: pair(each.angles), initial_angular_velocity: pair(each.velocities),
     // The step is that of the whole drive, however long the run is.
     duration: Infinity, tolerance: each.tolerance, rest_speed: each.restSpeed, step: each.clampStep || step,
-    meets: Number(system.contacts && each.contact !== "none"), follows_ledger: 1,
+    collides: Number(system.contacts && each.contact !== "none"), follows_ledger: 1,
     follows_tension: Number(!system.linear),
     ...Object.fromEntries(each.distances.map((distance, i) => [`initial_distance.${i}`, distance])),
   };
@@ -80,8 +80,8 @@ export function run(each, mostSamples = Infinity) {
 export function secondsOf(each) {
   const { kernels, drive, duration } = each;
   const first = kernels.take("f8", 0);
-  const stretches = shake(kernels, drive.kind, drive.parameters);
-  const { run: record } = begin(kernels, recordOf(each, 0), stretches);
+  const segments = shake(kernels, drive.kind, drive.parameters);
+  const { run: record } = begin(kernels, recordOf(each, 0), segments);
   const steps = duration / kernels.get(record, "settings.step");
   kernels.release(first);
   // Beyond the most steps, the run itself refuses.
@@ -104,20 +104,20 @@ export function secondsOf(each) {
 function carried(each, mostSamples) {
   const { kernels, system, drive, duration, tolerance } = each;
   const { layout } = kernels;
-  const stretches = shake(kernels, drive.kind, drive.parameters);
-  const instants = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), stretches).driveRate,
+  const segments = shake(kernels, drive.kind, drive.parameters);
+  const instants = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), segments).driveRate,
     mostSamples);
   const kicks = each.noise ? drawKicks(each.noise, { duration, angles: system.angles,
     natural_frequency: system.naturalFrequency }) : { times: [], sizes: [] };
   const kick_sizes = kernels.take("f8", system.angles, kicks.times.length);
   kernels.numbers(kick_sizes).set(kicks.sizes);
-  const inputs = { stretches, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
+  const inputs = { segments, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
     kick_sizes };
   const how = { balls: system.angles, duration, contact_limit: each.contactLimit,
     piece: each.clampStep ? "clamp" : "engine" };
   let step = 0;
   for (let halvings = 0; ; halvings += 1) {
-    const { run: record, problem } = begin(kernels, recordOf(each, step), stretches);
+    const { run: record, problem } = begin(kernels, recordOf(each, step), segments);
     if (!["fine", "too many steps"].includes(problem)) throw new InputError(problem);
     step = kernels.get(record, "settings.step");
     if (duration / step > MOST_STEPS)
@@ -164,7 +164,7 @@ function usualTimes({ system, duration }, driveRate, most) {
 function finished(each, time, prepared, result, halvings, isLoose) {
   const { kernels, system, duration } = each;
   const { layout } = kernels;
-  const { run: record, stretches } = prepared;
+  const { run: record, segments } = prepared;
   const count = system.angles;
   const balls = kernels.take("ball", count);
   for (const [i, ball] of system.balls.entries())
@@ -224,7 +224,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
       + `${general(kernels.get(record, "settings.step"), 3)} s`);
   }
   return {
-    time, columns, status, warnings, halvings, case: each, strobes: strobesOf(kernels, stretches, duration),
+    time, columns, status, warnings, halvings, case: each, strobes: strobesOf(kernels, segments, duration),
     contacts: { time: contactTimes, kind: Uint8Array.from(kinds),
       before: values.slice(0, count), after: values.slice(count, 2 * count),
       others: isString ? onStrings(layout, values, count) : {} },
@@ -262,10 +262,10 @@ function sum(one, other) {
  * @param {Case} each
  * @param {import("../kernels/run.js").Run} result
  */
-function statusOf(each, { status, isTangled, reached }) {
+function statusOf(each, { status, isOutsideModel, reached }) {
   if (status === "complete") return status;
   const when = `${status} at t = ${general(reached, 9)} s`;
-  if (isTangled) return `${when}: ${TANGLED}`;
+  if (isOutsideModel) return `${when}: ${OUTSIDE_MODEL}`;
   return status === "failed" ? `${when}: the motion left the range of numbers`
     : `${when} by contact_limit = ${each.contactLimit}`;
 }
@@ -274,18 +274,18 @@ function statusOf(each, { status, isTangled, reached }) {
  * Return the instants up to `end` at which the drive's phase is a multiple of 2 pi [s]; none of a
  * drive without a phase, and of one that turns too often to be shown.
  * @param {Kernels} kernels
- * @param {import("../kernels/memory.js").Held} stretches
+ * @param {import("../kernels/memory.js").Held} segments
  * @param {number} end
  */
-function strobesOf(kernels, stretches, end) {
+function strobesOf(kernels, segments, end) {
   const turn = 2 * Math.PI;
   /** @type {number[]} */
   const instants = [];
-  const get = (/** @type {string} */ name, /** @type {number} */ i) => kernels.get(stretches, name, i);
-  for (let i = 0; i < stretches.shape[0]; i += 1) {
+  const get = (/** @type {string} */ name, /** @type {number} */ i) => kernels.get(segments, name, i);
+  for (let i = 0; i < segments.shape[0]; i += 1) {
     const start = get("start", i);
     if (start > end || !PHASED.includes(get("form", i))) continue;
-    const span = Math.min(i + 1 < stretches.shape[0] ? get("start", i + 1) : end, end) - start;
+    const span = Math.min(i + 1 < segments.shape[0] ? get("start", i + 1) : end, end) - start;
     const [phase, w, rate] = [get("phase", i), get("frequency", i), get("rate", i)];
     const reached = phase + span * (w + 0.5 * rate * span);
     if (!(Math.abs(reached - phase) < turn * MOST_STROBES)) return new Float64Array(0);

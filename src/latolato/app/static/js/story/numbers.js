@@ -171,7 +171,7 @@ export async function withPeriod(registry, request, block) {
   const { values } = computeMap(await loadKernels(moduleOf(kind)), {
     ...kind, count: 1, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
     parameters: { ...fields, ...Object.fromEntries(start), tolerance: registry.sweep_tolerance,
-      rest_speed: restSpeed, step: clampStep, meets: Number(system.contacts && contact !== "none") },
+      rest_speed: restSpeed, step: clampStep, collides: Number(system.contacts && contact !== "none") },
     observables: [{ name: "response_period" }], contact: clampStep ? "clamp" : "exact",
     contact_limit: contactLimit, duration, period: (2 * Math.PI) / frequency });
   return { ...block, about: { ...block.about, response_period: values.response_period[0] } };

@@ -1,54 +1,59 @@
-"""Lasting contact: two balls swing as one body, until the contact force would pull.
+"""Sticking contact: two balls swing as one body, until the contact force would pull.
 
-The body is an equivalent pendulum of its own, see `latolato.physics.pair.joint_coupling`.
+The body is an equivalent pendulum of its own, see `latolato.physics.pair.joint_inverse_length`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
+from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.held import add_compression
-from latolato.numerics.engine.look import Look
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import JOINT, JOINT_ROW, NOTHING, RELEASE, TURN
-from latolato.numerics.engine.swing import ANY_LENGTH, SHORTEST, Swing, freed, slowed
+from latolato.numerics.engine.record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN
+from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.stiction import add_compression
+from latolato.numerics.engine.taut_step import (
+    ANY_LENGTH,
+    SHORTEST,
+    TautStep,
+    acceleration_with_drag,
+    acceleration_with_friction,
+)
 from latolato.numerics.matrices import write_joint_matrix
-from latolato.numerics.watch import Eyes
 from latolato.physics.pair import contact_torque, radial_push
 
-_TABLE = ANY_LENGTH + JOINT_ROW
+_TABLE = ANY_LENGTH + PAIR_ROW
 
 
-def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands) -> Mode:
-    """Return the mode of two balls in lasting contact."""
+def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as_it_stands) -> Mode:
+    """Make the mode of two balls in sticking contact."""
 
     @part
     def body_of(run: Any) -> int:
-        """Return which body the balls form."""
+        """Number of the body that both balls form."""
         return 2 if run.state.side < 0.0 else 3
 
     @part
     def gap_of(run: Any) -> float:
-        """Return their separation [rad]."""
+        """Separation of the balls in contact [rad]."""
         settings = run.settings
         return settings.low if run.state.side < 0.0 else settings.high
 
     @part
     def join(run: Any, points: Any) -> None:
         """Make the point of both as one from those of the balls."""
-        settings, one = run.settings, points[JOINT_ROW]
+        settings, one = run.settings, points[PAIR_ROW]
         offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
         one.angle, one.velocity = points[1].angle + offset, points[1].velocity
 
     @part
     def split(run: Any, points: Any) -> None:
         """Make the points of the balls from that of both as one."""
-        settings, one = run.settings, points[JOINT_ROW]
+        settings, one = run.settings, points[PAIR_ROW]
         offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
         points[1].angle = one.angle - offset
         points[0].angle = points[1].angle + gap_of(run)
@@ -57,7 +62,7 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
     @part
     def swing_by(run: Any, length: float, points: Any) -> None:
         """Take a step of any length of both as one."""
-        begin, end = run.now[JOINT_ROW], points[JOINT_ROW]
+        begin, end = run.now[PAIR_ROW], points[PAIR_ROW]
         swing.step_by(run, body_of(run), _TABLE, length, begin, end)
 
     @part
@@ -66,32 +71,36 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
         _settings, gap = run.settings, gap_of(run)
         one, two = run.bodies[0], run.bodies[1]
         torque = contact_torque(
-            freed(swing.free(run, 0, t, points[0].angle), points[0].velocity, one),
-            freed(swing.free(run, 1, t, points[1].angle), points[1].velocity, two),
+            acceleration_with_friction(
+                swing.free(run, 0, t, points[0].angle), points[0].velocity, one
+            ),
+            acceleration_with_friction(
+                swing.free(run, 1, t, points[1].angle), points[1].velocity, two
+            ),
             one.inertia,
             two.inertia,
         )
         for i in range(2):
             point, b = points[i], run.bodies[i]
-            length, other = 1.0 / b.coupling, 1.0 / run.bodies[1 - i].coupling
-            swing.feel(run, i, t, point)
+            length, other = 1.0 / b.inverse_length, 1.0 / run.bodies[1 - i].inverse_length
+            swing.write_forces(run, i, t, point)
             push = radial_push(torque, length, other, gap) * length / b.inertia
             point.tension = push + swing.tension(run, i, point)
 
     @part
     def margin(run: Any, length: float) -> float:
-        """Return how far the motion is from its end, that far into the step; negative beyond it.
+        """Guard of the release, `length` seconds into the step; negative beyond it.
 
         It ends when the balls would part, when friction no longer holds both at once, or when a
         string would have to push.
         """
         swing_by(run, length, run.inside)
-        one = run.inside[JOINT_ROW]
+        one = run.inside[PAIR_ROW]
         # A velocity beyond its zero belongs to the frozen sign only: friction sees it as zero.
         if one.velocity * one.sign < 0.0:
             one.velocity = 0.0
         split(run, run.inside)
-        pressed = -balls.parting(run, run.state.side, run.t + length, run.inside)
+        pressed = -balls.separation_acceleration(run, run.state.side, run.t + length, run.inside)
         if one.sign == 0.0:
             body = body_of(run)
             slip = abs(swing.free(run, body, run.t + length, one.angle))
@@ -106,14 +115,14 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
 
     @part
     def dip(run: Any, length: float, last: float) -> float:
-        """Return when the margin is negative though it is not at the ends, or the length.
+        """Time at which the margin is negative though it is not at the ends, or the length [s].
 
         The parabola through both ends and the middle tells whether the bottom is worth a look.
         """
         first, middle = margin(run, 0.0), margin(run, 0.5 * length)
-        bend, lowest = first - 2.0 * middle + last, middle
-        if bend > 0.0 and abs(last - first) < 2.0 * bend:
-            lowest = middle - 0.125 * (last - first) ** 2 / bend
+        curvature, lowest = first - 2.0 * middle + last, middle
+        if curvature > 0.0 and abs(last - first) < 2.0 * curvature:
+            lowest = middle - 0.125 * (last - first) ** 2 / curvature
         if lowest > 0.02 * (first + last):
             return length
         s = find_lowest(run, 0.0, length)
@@ -121,7 +130,7 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
 
     @part
     def parting_time(run: Any, end: float) -> float:
-        """Return when, before `end`, the balls part, by bisection."""
+        """Time before `end` at which the balls part, by bisection [s]."""
         begin = 0.0
         for _ in range(MOST_TRIALS):
             s = 0.5 * (begin + end)
@@ -139,12 +148,12 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
         state = run.state
         balls.plan_length(run)
         join(run, run.now)
-        one, end = run.now[JOINT_ROW], run.end[JOINT_ROW]
+        one, end = run.now[PAIR_ROW], run.end[PAIR_ROW]
         swing.settle(run, body_of(run), run.t, one)
         if run.t < state.held_until < run.t_end:
             balls.shorten(run, state.held_until - run.t)
         swing_by(run, run.length, run.end)
-        if run.is_rough != 0 and not end.velocity * one.sign >= 0.0:
+        if run.is_nonsmooth != 0 and not end.velocity * one.sign >= 0.0:
             s = swing.turn(run, body_of(run), _TABLE, run.length, one, end)
             balls.shorten(run, max(s, SHORTEST * run.t))
             run.event = TURN
@@ -161,26 +170,29 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
             end.velocity = 0.0
         split(run, run.end)
         # Friction may have let go of both together: then they move on as one.
-        let_go = run.event == RELEASE and one.sign == 0.0
+        release_sticking = run.event == RELEASE and one.sign == 0.0
         if run.settings.is_string != 0:  # or a string did
             pull = abs(swing.free(run, body_of(run), run.t_end, one.angle))
-            let_go = let_go and pull > run.bodies[body_of(run)].coulomb
-        if let_go and balls.parting(run, state.side, run.t_end, run.end) <= 0.0:
+            release_sticking = release_sticking and pull > run.bodies[body_of(run)].coulomb
+        if (
+            release_sticking
+            and balls.separation_acceleration(run, state.side, run.t_end, run.end) <= 0.0
+        ):
             run.event = NOTHING
 
     @part
-    def look_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Any, length: float) -> None:
         """Swing a part of the step."""
         swing_by(run, length, run.inside)
         split(run, run.inside)
-        inertia, one = run.bodies[body_of(run)].inertia, run.inside[JOINT_ROW]
+        inertia, one = run.bodies[body_of(run)].inertia, run.inside[PAIR_ROW]
         run.work_inside, run.loss_inside = inertia * one.work, inertia * one.loss
 
     @part
-    def note(run: Any, eyes: Eyes) -> None:
-        """Note compression; show the observables the step of each ball and the common matrix."""
+    def note(run: Any, accumulators: Accumulators) -> None:
+        """Add up compression, and report the step of each ball and the common tangent map."""
         body = body_of(run)
-        begin, end = run.now[JOINT_ROW], run.end[JOINT_ROW]
+        begin, end = run.now[PAIR_ROW], run.end[PAIR_ROW]
         if run.settings.follows_tension != 0:
             find_tensions(run, run.t, run.now)
             find_tensions(run, run.t_end, run.end)
@@ -188,13 +200,15 @@ def make_joint(swing: Swing, balls: Balls, look: Look, part: Part = as_it_stands
             if run.settings.follows_tension != 0 and run.settings.is_string == 0:
                 left, right = run.now[i].tension, run.end[i].tension
                 add_compression(run.state, i, left, right, run.t, run.t_end)
-            a0, a1 = slowed(begin, run.bodies[body]), slowed(end, run.bodies[body])
-            look.step(run, eyes, i, a0, a1, 1.0)
-        if look.sees_matrices(run):
+            a0, a1 = (
+                acceleration_with_drag(begin, run.bodies[body]),
+                acceleration_with_drag(end, run.bodies[body]),
+            )
+            report.step(run, accumulators, i, a0, a1, 1.0)
+        if report.wants_tangent_map(run):
             swing.prepare(run, body, _TABLE, run.length)
             matrix = swing.tangent(run, body, _TABLE, begin)
             write_joint_matrix(run.jacobian, share_of(run), matrix)
-            look.matrix(run, eyes, 4, run.length, -math.inf)
+            report.matrix(run, accumulators, 4, run.length, -math.inf)
 
-    functions: tuple[Callable[..., Any], ...] = (plan, look_inside, note)
-    return Mode(JOINT, *functions)
+    return Mode(STICKING, plan=plan, evaluate_inside=evaluate_inside, note=note)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
+from latolato.numerics.callbacks import ON_CONTACT, Accumulators, Callbacks
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
@@ -26,11 +27,10 @@ from latolato.numerics.records import (
     EVENT_LIMIT,
     FAILED,
     GRAZING,
+    OUTSIDE_MODEL,
     PLANE_ROWS,
     SETTINGS,
-    TANGLED,
 )
-from latolato.numerics.watch import ON_CONTACT, Eyes, Watch
 from latolato.observables import Outcome
 
 _STEPS_PER_CALL = 20_000  # after so many steps a trajectory is looked at: is it finite still?
@@ -44,8 +44,8 @@ class Points(NamedTuple):
     ----------
     settings, bodies : ndarray
         Records of shapes (point,) and (point, body).
-    stretches : ndarray, shape (stretch,)
-        The drives' stretches of all points; those of point k begin at ``firsts[k]``.
+    segments : ndarray, shape (segment,)
+        The drives' segments of all points; those of point k begin at ``firsts[k]``.
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Velocity kicks of all points; those of point k begin at ``kick_firsts[k]``.
     stops : ndarray, shape (point, 2 + mark)
@@ -56,7 +56,7 @@ class Points(NamedTuple):
 
     settings: Any
     bodies: Any
-    stretches: Any
+    segments: Any
     firsts: Any
     kick_times: Any
     kick_sizes: Any
@@ -100,11 +100,11 @@ def make_progress(states: Any, acc: Any) -> Progress:
     )
 
 
-def make_scratch(stretch: np.dtype[Any] | None = None) -> Scratch:
-    """Return a worker's memory; `stretch` is the layout of the drive's stretches."""
+def make_scratch(segment: np.dtype[Any] | None = None) -> Scratch:
+    """Return a worker's memory; `segment` is the layout of the drive's segments."""
     size = _ROWS + 4
     return Scratch(
-        np.zeros(1, dtype=run_dtype(stretch)),
+        np.zeros(1, dtype=run_dtype(segment)),
         np.zeros(size),
         np.zeros(size, dtype=np.int64),
         np.zeros((CONTACT_ROWS, size)),
@@ -135,7 +135,7 @@ class LaneSpace(NamedTuple):
     lane: Any  # (IMPACTS,): whose impact is noted
     fly: Any
     locate: Any
-    hooks: Any  # see `pieces.hook_table`
+    callbacks: Any  # see `pieces.callback_table`
 
 
 class Task(NamedTuple):
@@ -151,12 +151,12 @@ class Task(NamedTuple):
 
 
 def make_lane_space(
-    stages: int, slots: int, fly: int, locate: int, hooks: NDArray[np.int64]
+    stages: int, slots: int, fly: int, locate: int, callbacks: NDArray[np.int64]
 ) -> LaneSpace:
     """Return the memory of lanes whose step has so many stages, for observables with so many slots.
 
-    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `hooks` the
-    table of what shows steps and matrices.
+    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `callbacks`
+    the table of what shows steps and matrices.
     """
     return LaneSpace(
         np.zeros(r.ROWS * r.LANES),
@@ -168,33 +168,33 @@ def make_lane_space(
         np.zeros(r.IMPACTS, dtype=np.int64),
         fly,
         locate,
-        hooks,
+        callbacks,
     )
 
 
-def empty_points(stretch: np.dtype[Any]) -> Points:
+def empty_points(segment: np.dtype[Any]) -> Points:
     """Return no points, in arrays of the kinds that points have."""
     floats, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
-    records = np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=stretch)
+    records = np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=segment)
     kicks = numbers, floats, np.zeros((1, 0)), numbers
     return Points(*records, *kicks, np.zeros((0, 2)), 0)
 
 
-def empty_job(stretch: np.dtype[Any]) -> Job:
+def empty_job(segment: np.dtype[Any]) -> Job:
     """Return a job without points."""
     numbers = np.zeros(0, dtype=np.int64)
     return Job(
         numbers,
-        empty_points(stretch),
-        make_scratch(stretch),
+        empty_points(segment),
+        make_scratch(segment),
         make_progress(np.zeros(0, dtype=STATE), np.zeros(0)),
         numbers,
     )
 
 
-def empty_task(stretch: np.dtype[Any]) -> Task:
+def empty_task(segment: np.dtype[Any]) -> Task:
     """Return a task without points."""
-    floats, job = np.zeros(0), empty_job(stretch)
+    floats, job = np.zeros(0), empty_job(segment)
     space = make_lane_space(0, 0, 0, 0, job.order)
     weights = Weights(floats, floats, floats)
     return Task(job.order, job.points, weights, job.scratch, job.progress, space, job.cancel)
@@ -212,7 +212,7 @@ class Steering(NamedTuple):
 
 def make_steering(
     carry_on: Callable[..., int],
-    watch: Watch,
+    callbacks: Callbacks,
     part: Part = as_it_stands,
     balls: int = 1,
 ) -> Steering:
@@ -230,17 +230,22 @@ def make_steering(
     A point's accumulators are the columns ``column`` (and the next one, for two balls) of
     ``columns`` in ``acc``.
     """
-    on_contact, on_mark, on_restart, sees = watch.contact, watch.mark, watch.restart, watch.sees
-    on_start, on_finish, two = watch.start, watch.finish, balls == 2
+    on_contact, on_mark, on_restart, is_wanted = (
+        callbacks.contact,
+        callbacks.mark,
+        callbacks.restart,
+        callbacks.is_wanted,
+    )
+    on_start, on_finish, two = callbacks.start, callbacks.finish, balls == 2
 
     @part
     def start(
         k: int, scratch: Scratch, progress: Progress, acc: Any, column: int, columns: int
     ) -> None:
         """Let the observables of point k begin."""
-        eyes = Eyes(acc, column, columns)
+        accumulators = Accumulators(acc, column, columns)
         for ball in range(balls):
-            on_start(scratch.runs[0], eyes, ball, progress.states[k].angle[ball])
+            on_start(scratch.runs[0], accumulators, ball, progress.states[k].angle[ball])
 
     @part
     def carry_to(
@@ -255,24 +260,25 @@ def make_steering(
         for i in range(4 if two else 1):
             run.bodies[i] = points.bodies[k, i]
         timetable = Timetable(
-            points.stretches[first:last], points.kick_times[kick:last_kick],
+            points.segments[first:last], points.kick_times[kick:last_kick],
             points.kick_sizes[:, kick:last_kick],
         )  # fmt: skip
         output = Output(
             scratch.no_times, scratch.no_samples, scratch.contact_times, scratch.contact_kinds,
             scratch.contact_values,
         )  # fmt: skip
-        eyes = Eyes(acc, column, columns)
-        rows = carry_on(run, timetable, output, eyes, stop, most_steps)
+        accumulators = Accumulators(acc, column, columns)
+        rows = carry_on(run, timetable, output, accumulators, stop, most_steps)
         progress.states[k] = run.state
-        if sees(run, ON_CONTACT):
+        if is_wanted(run, ON_CONTACT):
             values = scratch.contact_values
             for row in range(rows):
                 closing = abs(values[0, row] - values[1, row]) if two else abs(values[0, row])
                 for ball in range(balls):
                     on_contact(
-                        run, eyes, ball, scratch.contact_times[row], scratch.contact_kinds[row],
-                        values[ball, row], values[balls + ball, row], closing,
+                        run, accumulators, ball, scratch.contact_times[row],
+                        scratch.contact_kinds[row], values[ball, row], values[balls + ball, row],
+                        closing,
                     )  # fmt: skip
         return rows
 
@@ -295,8 +301,8 @@ def make_steering(
         if state.contacts >= points.contact_limit:
             progress.status[k] = EVENT_LIMIT
             return True
-        if state.is_tangled != 0:
-            progress.status[k] = TANGLED
+        if state.is_outside_model != 0:
+            progress.status[k] = OUTSIDE_MODEL
             return True
         return False
 
@@ -307,18 +313,18 @@ def make_steering(
     ) -> None:  # fmt: skip
         """Do what is to be done at a stop of point k: forget the transient, mark, conclude."""
         state, t, run = progress.states[k], points.stops[k, index], scratch.runs[0]
-        eyes = Eyes(acc, column, columns)
+        accumulators = Accumulators(acc, column, columns)
         if index == 0:
             for ball in range(balls):
                 progress.states[k].slack_start[ball] = math.nan
             progress.states[k].string_impulse = 0.0
             progress.begun[k] = progress.states[k]
             for ball in range(balls):
-                on_restart(run, eyes, ball, state.angle[ball], state.velocity[ball])
+                on_restart(run, accumulators, ball, state.angle[ball], state.velocity[ball])
         elif index < points.stops.shape[1] - 1:
             for ball in range(balls):
                 angle, velocity = state.angle[ball], state.velocity[ball]
-                on_mark(run, eyes, ball, index - 1, t, angle, velocity)
+                on_mark(run, accumulators, ball, index - 1, t, angle, velocity)
         else:
             progress.status[k] = (
                 GRAZING if state.grazes > 0 else AT_REST if state.rests != 0 else CONVERGED
@@ -336,9 +342,15 @@ def make_steering(
                     state.slack_time[ball] - begun.slack_time[ball], state.slack_start[ball],
                     state.string_impulse, balls,
                 )  # fmt: skip
-                on_finish(run, eyes, ball, outcome)
+                on_finish(run, accumulators, ball, outcome)
 
-    return Steering(start, carry_to, is_over, arrive, time_of)
+    return Steering(
+        start=start,
+        carry_to=carry_to,
+        is_over=is_over,
+        arrive=arrive,
+        time_of=time_of,
+    )
 
 
 def make_point(steering: Steering, part: Part = as_it_stands, balls: int = 1) -> Any:
@@ -371,10 +383,10 @@ def make_point(steering: Steering, part: Part = as_it_stands, balls: int = 1) ->
 
 
 def make_many(
-    carry_on: Callable[..., int], watch: Watch, part: Part = as_it_stands, *, balls: int
+    carry_on: Callable[..., int], callbacks: Callbacks, part: Part = as_it_stands, *, balls: int
 ) -> Callable[..., None]:
     """Return the function that runs the points of `order` one after the other."""
-    steering = make_steering(carry_on, watch, part, balls)
+    steering = make_steering(carry_on, callbacks, part, balls)
     point = make_point(steering, part, balls)
 
     def many(

@@ -1,4 +1,4 @@
-"""What pulls at a ball whose rod or string is taut, and its splitting step under that pull.
+"""Forces on a ball whose rod or string is taut, and its splitting step under them.
 
 A pivot that only moves up and down leaves gravity's direction alone (`make_upright`). In the plane
 it pulls sideways too, and air at rest in the room blows past the pivot (`make_planar`).
@@ -12,64 +12,64 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.record import KICK, OFFSET, REACH
+from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
 from latolato.physics.damping import drift, drift_slopes
 from latolato.physics.pendulum import swung
 
 
-class Pull(NamedTuple):
-    """The functions that depend on the pull; each begins with ``(run, body, ...)``."""
+class Forces(NamedTuple):
+    """The functions that depend on the forces; each begins with ``(run, body, ...)``."""
 
     free: Callable[..., float]
-    feel: Callable[..., None]
+    write_forces: Callable[..., None]
     step: Callable[..., None]
     tangent: Callable[..., Any]
     tension: Callable[..., float]
-    still: Callable[..., float]
-    shake: Callable[..., None]
+    static_tension: Callable[..., float]
+    write_pivot_motion: Callable[..., None]
 
 
 @formula
 def tension_at(
-    angle: float, velocity: float, pivot_acceleration: float, gravity: float, coupling: float
+    angle: float, velocity: float, pivot_acceleration: float, gravity: float, inverse_length: float
 ) -> float:
-    """Return the tension in flight over mass and length [1/s^2]."""
-    return velocity * velocity + (gravity + pivot_acceleration) * coupling * cosine(angle)
+    """Tension in flight over mass and length [1/s^2]."""
+    return velocity * velocity + (gravity + pivot_acceleration) * inverse_length * cosine(angle)
 
 
-def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
-    """Return the functions for a pivot that moves up and down."""
+def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
+    """Make the functions for a pivot that moves up and down."""
     pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
     push, push_slope = laws.push, laws.push_slope
 
     @part
-    def shaken(run: Any, t: float) -> float:
-        """Return the pivot's acceleration: one copy of all its forms, for what is not a step."""
-        ay: float = pivot_acceleration(t, run.stretch)
+    def pivot_motion(run: Any, t: float) -> float:
+        """Vertical acceleration of the pivot [m/s^2]: one copy of its forms, for all but steps."""
+        ay: float = pivot_acceleration(t, run.segment)
         return ay
 
     @part
     def free(run: Any, body: int, t: float, angle: float) -> float:
-        """Return the angular acceleration without drag [rad/s^2]."""
+        """Angular acceleration without drag [rad/s^2]."""
         b, settings = run.bodies[body], run.settings
-        lifted = settings.gravity + shaken(run, t)
+        lifted = settings.gravity + pivot_motion(run, t)
         restored = restoring(angle, settings.is_linear)
-        return swung(lifted, b.coupling, restored) + push(angle, run)
+        return swung(lifted, b.inverse_length, restored) + push(angle, run)
 
     @part
-    def feel(run: Any, body: int, t: float, point: Any) -> None:
-        """Write what pulls at a point into it."""
+    def write_forces(run: Any, body: int, t: float, point: Any) -> None:
+        """Write the accelerations by all forces but drag into a point, and the tension."""
         b, gravity = run.bodies[body], run.settings.gravity
-        ay = point.pivot_acceleration = shaken(run, t)
+        ay = point.pivot_acceleration = pivot_motion(run, t)
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
             restored = restoring(point.angle, run.settings.is_linear)
-            point.driven = swung(ay, b.coupling, restored)
+            point.driven = swung(ay, b.inverse_length, restored)
             other = push(point.angle, run) - b.coulomb * point.sign
-            point.acceleration = point.driven + swung(gravity, b.coupling, restored) + other
+            point.acceleration = point.driven + swung(gravity, b.inverse_length, restored) + other
         if run.settings.follows_tension != 0:
             angle, velocity = point.angle, point.velocity
-            point.tension = tension_at(angle, velocity, ay, gravity, b.coupling)
+            point.tension = tension_at(angle, velocity, ay, gravity, b.inverse_length)
 
     @inlined(part)
     def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
@@ -82,7 +82,12 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
         a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
         work, loss, t = 0.0, 0.0, run.t
         b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
-        coupling, rate, quadratic, friction = b.coupling, b.rate, b.quadratic, b.coulomb * sign
+        inverse_length, rate, quadratic, friction = (
+            b.inverse_length,
+            b.damping_rate,
+            b.quadratic,
+            b.coulomb * sign,
+        )
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
             end.acceleration = end.driven = 0.0
@@ -94,15 +99,15 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
             work += h * driven * middle
             loss += h * friction * middle
             velocity += change
-            reach = run.tables[table, REACH, i]
+            reach = run.tables[table, DRIFT_TIME, i]
             travelled, slower = drift(velocity, sign, reach, rate, quadratic)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
-            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
+            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
             restored = restoring(angle, is_linear)
-            driven = swung(ay, coupling, restored)
-            a = driven + swung(gravity, coupling, restored) + (push(angle, run) - friction)
+            driven = swung(ay, inverse_length, restored)
+            a = driven + swung(gravity, inverse_length, restored) + (push(angle, run) - friction)
         h = run.tables[table, KICK, run.stages]
         change = h * a
         middle = velocity + 0.5 * change
@@ -115,10 +120,11 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
 
     @part
     def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
-        """Return the matrix by which a prepared step changes small deviations, row by row.
+        """Tangent map of a prepared step, row by row.
 
-        A kick adds ``h a'(angle)`` times the angle's deviation to the velocity's, a drift is linear
-        in it: the matrix belongs to the very step, not to an approximation of the flow.
+        A kick adds ``h a'(angle)`` times the perturbation of the angle to that of the velocity, and
+        a drift is differentiated exactly: the map belongs to the very step, not to an approximation
+        of the flow.
         """
         sign = begin.sign
         if sign == 0.0:
@@ -131,50 +137,62 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Pull:
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
         for i in range(run.stages):
             h = run.tables[table, KICK, i]
-            bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
-            bend *= h
+            curvature = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
+                angle, run
+            )
+            curvature *= h
             velocity += h * a
-            v1 += bend * x1
-            v2 += bend * x2
-            reach = run.tables[table, REACH, i]
-            far, kept = drift_slopes(velocity, sign, reach, b.rate, b.quadratic)
+            v1 += curvature * x1
+            v2 += curvature * x2
+            reach = run.tables[table, DRIFT_TIME, i]
+            far, kept = drift_slopes(velocity, sign, reach, b.damping_rate, b.quadratic)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
-            travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
+            travelled, velocity = drift(velocity, sign, reach, b.damping_rate, b.quadratic)
             angle += travelled
-            lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.stretch)
-            a = swung(lifted, b.coupling, restoring(angle, is_linear)) + push(angle, run)
+            lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
+            a = swung(lifted, b.inverse_length, restoring(angle, is_linear)) + push(angle, run)
             a -= b.coulomb * sign
-        bend = swung(lifted, b.coupling, slope(angle, is_linear)) + push_slope(angle, run)
-        bend *= run.tables[table, KICK, run.stages]
-        return x1, x2, v1 + bend * x1, v2 + bend * x2
+        curvature = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
+            angle, run
+        )
+        curvature *= run.tables[table, KICK, run.stages]
+        return x1, x2, v1 + curvature * x1, v2 + curvature * x2
 
     @part
     def tension(run: Any, body: int, point: Any) -> float:
-        """Return the tension in flight over mass and length [1/s^2]."""
+        """Tension in flight over mass and length [1/s^2]."""
         return tension_at(
             point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
-            run.bodies[body].coupling,
+            run.bodies[body].inverse_length,
         )  # fmt: skip
 
     @part
-    def shake(run: Any, t: float, point: Any) -> None:
+    def write_pivot_motion(run: Any, t: float, point: Any) -> None:
         """Write the pivot's acceleration into a point."""
-        point.pivot_acceleration = shaken(run, t)
+        point.pivot_acceleration = pivot_motion(run, t)
 
     @part
-    def still(run: Any, body: int, t: float, angle: float) -> float:
-        """Return the acceleration along a ball's rod without its own motion [m/s^2]."""
-        along: float = run.settings.gravity + shaken(run, t)
+    def static_tension(run: Any, body: int, t: float, angle: float) -> float:
+        """Tension over mass of a ball that does not move [m/s^2]."""
+        along: float = run.settings.gravity + pivot_motion(run, t)
         return along * cosine(angle)
 
-    return Pull(free, feel, step, tangent, tension, still, shake)
+    return Forces(
+        free=free,
+        write_forces=write_forces,
+        step=step,
+        tangent=tangent,
+        tension=tension,
+        static_tension=static_tension,
+        write_pivot_motion=write_pivot_motion,
+    )
 
 
-def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
-    """Return the functions for a pivot that moves in the plane.
+def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
+    """Make the functions for a pivot that moves in the plane.
 
     With the pivot's acceleration ``(ax, ay)`` and its velocity against the air ``(wx, wy)`` each
     kilogram is pulled by ``(-ax - c wx, -(g + ay) - c wy)``, c the rate of the linear drag. Its
@@ -186,71 +204,71 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
     push, push_slope = laws.push, laws.push_slope
 
     @part
-    def shaken(run: Any, t: float) -> tuple[float, float, float, float]:
-        """Return the pivot's acceleration and its velocity against the air, x and y each."""
-        ax = across_acceleration(t, run.stretch)
-        ay = pivot_acceleration(t, run.stretch)
+    def pivot_motion(run: Any, t: float) -> tuple[float, float, float, float]:
+        """Acceleration of the pivot and its velocity against the air, x and y each."""
+        ax = across_acceleration(t, run.segment)
+        ay = pivot_acceleration(t, run.segment)
         if run.settings.in_lab == 0:
             return ax, ay, 0.0, 0.0
-        return ax, ay, across_velocity(t, run.stretch), up_velocity(t, run.stretch)
+        return ax, ay, across_velocity(t, run.segment), up_velocity(t, run.segment)
 
     @part
-    def shake(run: Any, t: float, point: Any) -> None:
+    def write_pivot_motion(run: Any, t: float, point: Any) -> None:
         """Write the pivot's acceleration and its velocity against the air into a point."""
-        point.across, point.pivot_acceleration, point.wind_x, point.wind_y = shaken(run, t)
+        point.across, point.pivot_acceleration, point.wind_x, point.wind_y = pivot_motion(run, t)
 
     @part
-    def turning(b: Any, angle: float, x: float, y: float) -> float:
-        """Return the angular acceleration by a pull on each kilogram [rad/s^2]."""
-        sideways = b.coupling * x * cosine(angle) if x != 0.0 else 0.0
-        result: float = sideways + b.coupling * y * sine(angle)
+    def angular_acceleration(b: Any, angle: float, x: float, y: float) -> float:
+        """Angular acceleration by a force per mass (x, y) [rad/s^2]."""
+        sideways = b.inverse_length * x * cosine(angle) if x != 0.0 else 0.0
+        result: float = sideways + b.inverse_length * y * sine(angle)
         return result
 
     @part
     def tension(run: Any, body: int, point: Any) -> float:
-        """Return the tension in flight over mass and length [1/s^2]."""
+        """Tension in flight over mass and length [1/s^2]."""
         b = run.bodies[body]
-        x = -point.across - b.rate * point.wind_x
-        y = -(run.settings.gravity + point.pivot_acceleration) - b.rate * point.wind_y
+        x = -point.across - b.damping_rate * point.wind_x
+        y = -(run.settings.gravity + point.pivot_acceleration) - b.damping_rate * point.wind_y
         along: float = x * sine(point.angle) - y * cosine(point.angle)
-        return point.velocity * point.velocity + b.coupling * along
+        return point.velocity * point.velocity + b.inverse_length * along
 
     @part
-    def still(run: Any, body: int, t: float, angle: float) -> float:
-        """Return the acceleration along a ball's rod or string without its own motion [m/s^2]."""
-        b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
-        x, y = -ax - b.rate * wx, -(run.settings.gravity + ay) - b.rate * wy
+    def static_tension(run: Any, body: int, t: float, angle: float) -> float:
+        """Tension over mass of a ball that does not move [m/s^2]."""
+        b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
+        x, y = -ax - b.damping_rate * wx, -(run.settings.gravity + ay) - b.damping_rate * wy
         along: float = x * sine(angle) - y * cosine(angle)
         return along
 
     @part
-    def blown(b: Any, angle: float, wx: float, wy: float) -> float:
-        """Return the angular acceleration by air that the pivot moves through [rad/s^2]."""
+    def wind_acceleration(b: Any, angle: float, wx: float, wy: float) -> float:
+        """Angular acceleration by the air that the pivot moves through [rad/s^2]."""
         if wx == 0.0 and wy == 0.0:
             return 0.0
-        turned = angle + b.sail_offset
-        result: float = -b.sail * (wx * cosine(turned) + wy * sine(turned))
+        turned = angle + b.wind_offset
+        result: float = -b.wind_drag * (wx * cosine(turned) + wy * sine(turned))
         return result
 
     @part
     def free(run: Any, body: int, t: float, angle: float) -> float:
-        """Return the angular acceleration without drag against the pivot [rad/s^2]."""
-        b, (ax, ay, wx, wy) = run.bodies[body], shaken(run, t)
-        pulled = turning(b, angle, -ax, -(run.settings.gravity + ay))
-        return pulled + blown(b, angle, wx, wy) + push(angle, run)
+        """Angular acceleration without drag against the pivot [rad/s^2]."""
+        b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
+        pulled = angular_acceleration(b, angle, -ax, -(run.settings.gravity + ay))
+        return pulled + wind_acceleration(b, angle, wx, wy) + push(angle, run)
 
     @part
-    def feel(run: Any, body: int, t: float, point: Any) -> None:
-        """Write what pulls at a point into it."""
+    def write_forces(run: Any, body: int, t: float, point: Any) -> None:
+        """Write the accelerations by all forces but drag into a point, and the tension."""
         b = run.bodies[body]
-        shake(run, t, point)
+        write_pivot_motion(run, t, point)
         ax, ay, wx, wy = point.across, point.pivot_acceleration, point.wind_x, point.wind_y
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
-            point.driven = turning(b, point.angle, -ax, -ay)
+            point.driven = angular_acceleration(b, point.angle, -ax, -ay)
             other = push(point.angle, run) - b.coulomb * point.sign
-            other += turning(b, point.angle, 0.0, -run.settings.gravity)
-            other += blown(b, point.angle, wx, wy)
+            other += angular_acceleration(b, point.angle, 0.0, -run.settings.gravity)
+            other += wind_acceleration(b, point.angle, wx, wy)
             point.acceleration = point.driven + other
         point.tension = tension(run, body, point)
 
@@ -265,11 +283,11 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
         work, loss, t = 0.0, 0.0, run.t
         b, gravity = run.bodies[body], run.settings.gravity
-        rate, quadratic, friction = b.rate, b.quadratic, b.coulomb * sign
-        wind = blown(b, angle, wx, wy)
+        rate, quadratic, friction = b.damping_rate, b.quadratic, b.coulomb * sign
+        wind = wind_acceleration(b, angle, wx, wy)
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
-            feel(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
+            write_forces(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
             return
         for i in range(run.stages):
             h = run.tables[table, KICK, i]
@@ -278,14 +296,18 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
             work += h * driven * middle
             loss += h * (friction - wind) * middle
             velocity += change
-            travelled, slower = drift(velocity, sign, run.tables[table, REACH, i], rate, quadratic)
+            travelled, slower = drift(
+                velocity, sign, run.tables[table, DRIFT_TIME, i], rate, quadratic
+            )
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
-            ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
-            driven = turning(b, angle, -ax, -ay)
-            wind = blown(b, angle, wx, wy)
-            a = driven + (turning(b, angle, 0.0, -gravity) + (wind + push(angle, run) - friction))
+            ax, ay, wx, wy = pivot_motion(run, t + run.tables[table, OFFSET, i])
+            driven = angular_acceleration(b, angle, -ax, -ay)
+            wind = wind_acceleration(b, angle, wx, wy)
+            a = driven + (
+                angular_acceleration(b, angle, 0.0, -gravity) + (wind + push(angle, run) - friction)
+            )
         h = run.tables[table, KICK, run.stages]
         change = h * a
         middle = velocity + 0.5 * change
@@ -299,7 +321,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
 
     @part
     def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
-        """Return the matrix by which a prepared step changes small deviations, row by row."""
+        """Tangent map of a prepared step, row by row."""
         sign = begin.sign
         if sign == 0.0:
             return 1.0, 0.0, 0.0, 0.0
@@ -310,24 +332,36 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Pull:
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
             # The slope is the pull at a right angle to what turns the ball.
-            bend = turning(b, angle, -(gravity + ay), ax) + blown(b, angle, wy, -wx)
-            bend = h * (bend + push_slope(angle, run))
+            curvature = angular_acceleration(b, angle, -(gravity + ay), ax) + wind_acceleration(
+                b, angle, wy, -wx
+            )
+            curvature = h * (curvature + push_slope(angle, run))
             velocity += h * a
-            v1 += bend * x1
-            v2 += bend * x2
+            v1 += curvature * x1
+            v2 += curvature * x2
             if i == run.stages:
                 break
-            reach = run.tables[table, REACH, i]
-            far, kept = drift_slopes(velocity, sign, reach, b.rate, b.quadratic)
+            reach = run.tables[table, DRIFT_TIME, i]
+            far, kept = drift_slopes(velocity, sign, reach, b.damping_rate, b.quadratic)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
-            travelled, velocity = drift(velocity, sign, reach, b.rate, b.quadratic)
+            travelled, velocity = drift(velocity, sign, reach, b.damping_rate, b.quadratic)
             angle += travelled
-            ax, ay, wx, wy = shaken(run, t + run.tables[table, OFFSET, i])
-            a = turning(b, angle, -ax, -(gravity + ay)) + blown(b, angle, wx, wy)
+            ax, ay, wx, wy = pivot_motion(run, t + run.tables[table, OFFSET, i])
+            a = angular_acceleration(b, angle, -ax, -(gravity + ay)) + wind_acceleration(
+                b, angle, wx, wy
+            )
             a += push(angle, run) - b.coulomb * sign
         return x1, x2, v1, v2
 
-    return Pull(free, feel, step, tangent, tension, still, shake)
+    return Forces(
+        free=free,
+        write_forces=write_forces,
+        step=step,
+        tangent=tangent,
+        tension=tension,
+        static_tension=static_tension,
+        write_pivot_motion=write_pivot_motion,
+    )

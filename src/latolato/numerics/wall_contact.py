@@ -28,7 +28,7 @@ def hop(velocity: float, pull: float, coulomb: float) -> tuple[float, float]:
 
 
 @formula
-def meet_wall(
+def wall_contact(
     velocity: float, outward: float, restitution: float, rest_speed: float, coulomb: float
 ) -> tuple[float, float, float, bool]:
     """Return velocity after, impact loss, capture loss (both per inertia) and whether rest begins.

@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import restoring_laws
-from latolato.numerics.engine.record import JOINT, REST
+from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag, static_friction
@@ -47,8 +47,8 @@ class Observation(NamedTuple):
     ----------
     times, modes : ndarray, shape (time,)
     samples : ndarray, shape (SAMPLE_ROWS, time)
-    stretches : ndarray, shape (stretch,)
-        See `records.stretch_records`.
+    segments : ndarray, shape (segment,)
+        See `records.segment_records`.
     balls : ndarray, shape (ball,)
         See `ball_records`.
     gravity : float
@@ -68,7 +68,7 @@ class Observation(NamedTuple):
     times: Any
     modes: Any
     samples: Any
-    stretches: Any
+    segments: Any
     balls: Any
     gravity: Any
     is_linear: Any
@@ -79,12 +79,12 @@ class Observation(NamedTuple):
 
 
 @functools.cache
-def empty_observation(stretch: np.dtype[Any]) -> Observation:
+def empty_observation(segment: np.dtype[Any]) -> Observation:
     """Return an observation of nothing."""
     floats, table = np.zeros(0), np.zeros((1, 0))
-    stretches, balls = np.zeros(0, dtype=stretch), np.zeros(0, dtype=BALL)
+    segments, balls = np.zeros(0, dtype=segment), np.zeros(0, dtype=BALL)
     out = np.zeros((1, 1, 0))
-    return Observation(floats, floats, table, stretches, balls, 0.0, 0, 0, 0, table, out)
+    return Observation(floats, floats, table, segments, balls, 0.0, 0, 0, 0, table, out)
 
 
 def make_observer(
@@ -127,16 +127,16 @@ def make_observer(
 
     def observe(o: Any) -> None:
         times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
-        stretches, gravity, pivot, out = o.stretches, o.gravity, o.pivot, o.out
+        segments, gravity, pivot, out = o.segments, o.gravity, o.pivot, o.out
         k = 0
         for i in range(len(times)):
             t = times[i]
-            while k + 1 < len(stretches) and stretches[k + 1].start <= t:
+            while k + 1 < len(segments) and segments[k + 1].start <= t:
                 k += 1
-            p = stretches[k]
+            p = segments[k]
             y, vy, ay = height(t, p), velocity(t, p), acceleration(t, p)
             pivot[0, i], pivot[1, i], pivot[2, i] = y, vy, ay
-            touching = modes[i] == REST or modes[i] == JOINT
+            touching = modes[i] == REST or modes[i] == STICKING
             for j in range(len(balls)):
                 b = balls[j]
                 l, m = b.length, b.mass

@@ -2,7 +2,7 @@
 
 Every observable owns a block of slots, and a trajectory, or its ball, a column of each. Plain
 Python and GPUs fold the formulas of all observables into one function for each occasion. Compiled
-code calls each by its address instead: see `latolato.numerics.hooks`.
+code calls each by its address instead: see `latolato.numerics.callback_kernels`.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.observables import Observable
 
-Hooks = tuple[tuple[int, Callable[..., None]], ...]
+Formulas = tuple[tuple[int, Callable[..., None]], ...]
 
 OCCASIONS = ("step", "contact", "mark", "restart", "tangent", "start", "finish")
 ON_STEP, ON_CONTACT, ON_MARK, ON_RESTART, ON_TANGENT, ON_START, ON_FINISH = range(len(OCCASIONS))
-BLIND: tuple[Hooks, ...] = ((),) * len(OCCASIONS)
+NO_FORMULAS: tuple[Formulas, ...] = ((),) * len(OCCASIONS)
 
 
-class Eyes(NamedTuple):
+class Accumulators(NamedTuple):
     """Where observables keep what they see.
 
     Attributes
@@ -40,11 +40,12 @@ class Eyes(NamedTuple):
     columns: int
 
 
-class Watch(NamedTuple):
+class Callbacks(NamedTuple):
     """The functions that show observables something.
 
-    All but `sees` take ``(run, eyes, ball)`` and then the arguments that an observable's formula
-    takes after its slots. `sees` takes ``(run, occasion)``: whether anybody looks on then.
+    All but `is_wanted` take ``(run, accumulators, ball)`` and then the arguments that an
+    observable's formula takes after its slots. `is_wanted` takes ``(run, occasion)``: whether any
+    observable has a formula for that occasion.
     """
 
     step: Callable[..., None]
@@ -54,7 +55,7 @@ class Watch(NamedTuple):
     tangent: Callable[..., None]
     start: Callable[..., None]
     finish: Callable[..., None]
-    sees: Callable[..., bool]
+    is_wanted: Callable[..., bool]
 
 
 class Slots(NamedTuple):
@@ -83,7 +84,7 @@ def blank_slots(watched: Sequence[Observable], columns: int) -> NDArray[np.float
     return acc
 
 
-def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
+def formulas_of(watched: Sequence[Observable]) -> tuple[Formulas, ...]:
     """Return for each occasion the formulas to call with their first slots."""
     blocks = slots_of(watched)
     return tuple(
@@ -96,33 +97,47 @@ def hooks_of(watched: Sequence[Observable]) -> tuple[Hooks, ...]:
     )
 
 
-def make_watch(hooks: tuple[Hooks, ...], part: Part = as_it_stands) -> Watch:
-    """Return functions into which the formulas of `hooks_of` are folded."""
+def make_callbacks(formulas: tuple[Formulas, ...], part: Part = as_it_stands) -> Callbacks:
+    """Return functions into which the formulas of `formulas_of` are folded."""
     inline = inlined(part)
-    anybody = tuple(bool(formulas) for formulas in hooks)
+    wanted = tuple(bool(formulas) for formulas in formulas)
 
     @inline
-    def nobody(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
+    def do_nothing(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
         """Do nothing."""
 
     def link(first: int, formula: Any, rest: Any) -> Any:
         @inline
-        def show(run: Any, eyes: Eyes, ball: int, *shown: Any) -> None:
-            formula(eyes.acc, first * eyes.columns + eyes.column + ball, eyes.columns, *shown)
-            rest(run, eyes, ball, *shown)
+        def show(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
+            formula(
+                accumulators.acc,
+                first * accumulators.columns + accumulators.column + ball,
+                accumulators.columns,
+                *shown,
+            )
+            rest(run, accumulators, ball, *shown)
 
         return show
 
     @inline
-    def sees(run: Any, occasion: int) -> bool:
+    def is_wanted(run: Any, occasion: int) -> bool:
         """Return whether anybody looks on then."""
-        return anybody[occasion]
+        return wanted[occasion]
 
-    def folded(formulas: Hooks) -> Any:
-        shows: Any = nobody
+    def folded(formulas: Formulas) -> Any:
+        shows: Any = do_nothing
         for first, formula in reversed(formulas):
             shows = link(first, formula, shows)
         return shows
 
-    step, contact, mark, restart, tangent, start, finish = map(folded, hooks)
-    return Watch(step, contact, mark, restart, tangent, start, finish, sees)
+    step, contact, mark, restart, tangent, start, finish = map(folded, formulas)
+    return Callbacks(
+        step=step,
+        contact=contact,
+        mark=mark,
+        restart=restart,
+        tangent=tangent,
+        start=start,
+        finish=finish,
+        is_wanted=is_wanted,
+    )

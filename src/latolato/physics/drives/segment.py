@@ -1,6 +1,6 @@
-"""Smooth stretches of the pivot's motion: the forms that all drives of the package are made of.
+"""Smooth segments of the pivot's motion: the forms that all drives of the package are made of.
 
-A number gives the form of a stretch, so that one compiled kernel serves every drive.
+A number gives the form of a segment, so that one compiled kernel serves every drive.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from latolato.core.scalar import cosine, formula, sine
 STILL, COSINE, SWEPT, CRANK, POLYNOMIAL = 0.0, 1.0, 2.0, 3.0, 4.0
 
 
-class Stretch(NamedTuple):
-    """One smooth stretch of the pivot's motion: its form and the numbers that the form reads.
+class Segment(NamedTuple):
+    """One smooth segment of the pivot's motion: its form and the numbers that the form reads.
 
     All count from `start`. The coefficients c are those of the height [m] of a polynomial and of
     the amplitude [m] of everything else, per power of a second. The coefficients x give the
@@ -48,17 +48,17 @@ class Stretch(NamedTuple):
     jump: float = 0.0  # of the pivot's velocity at the start that the balls are given [m/s]
 
 
-def written(write: Any, room: int, *given: Any) -> list[Stretch]:
-    """Return the stretches, at most `room`, that ``number = write(out, *given)`` writes."""
-    out = [SimpleNamespace(**Stretch()._asdict()) for _ in range(room)]
-    return [Stretch(**vars(stretch)) for stretch in out[: write(out, *given)]]
+def written(write: Any, room: int, *given: Any) -> list[Segment]:
+    """Return the segments, at most `room`, that ``number = write(out, *given)`` writes."""
+    out = [SimpleNamespace(**Segment()._asdict()) for _ in range(room)]
+    return [Segment(**vars(segment)) for segment in out[: write(out, *given)]]
 
 
 @formula
-def write_stretch(
+def write_segment(
     s: Any, start: float, form: float, phase: float, frequency: float, rate: float, c0: float
 ) -> None:
-    """Write a stretch whose further numbers are zero."""
+    """Write a segment whose further numbers are zero."""
     s.start, s.form, s.phase, s.frequency, s.rate, s.c0 = start, form, phase, frequency, rate, c0
     s.c1 = s.c2 = s.c3 = s.c4 = s.c5 = s.rod = s.side = s.jump = 0.0
     s.x0 = s.x1 = s.x2 = s.x3 = s.x4 = s.x5 = 0.0
@@ -66,11 +66,11 @@ def write_stretch(
 
 @formula
 def write_next(out: Any, n: int, start: float, frequency: float, rate: float) -> int:
-    """Write stretch n, a cosine that carries the phase of the one before on; return n + 1."""
+    """Write segment n, a cosine that carries the phase of the one before on; return n + 1."""
     p = out[n - 1]
     s = start - p.start
     phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    write_stretch(out[n], start, COSINE if rate == 0.0 else SWEPT, phase, frequency, rate, p.c0)
+    write_segment(out[n], start, COSINE if rate == 0.0 else SWEPT, phase, frequency, rate, p.c0)
     return n + 1
 
 
@@ -79,7 +79,7 @@ def write_later(out: Any, p: Any, time: float) -> int:
     """Write the cosine p as one that starts at `time` [s]; return 1."""
     s, q = time - p.start, out[0]
     phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
-    write_stretch(q, time, p.form, phase, p.frequency + p.rate * s, p.rate, 0.0)
+    write_segment(q, time, p.form, phase, p.frequency + p.rate * s, p.rate, 0.0)
     q.c0 = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
     q.c1 = p.c1 + s * (2.0 * p.c2 + s * 3.0 * p.c3)
     q.c2, q.c3 = p.c2 + 3.0 * p.c3 * s, p.c3
@@ -90,7 +90,7 @@ def write_later(out: Any, p: Any, time: float) -> int:
 def write_change(
     out: Any, p: Any, time: float, amplitude: float, frequency: float, ramp: float
 ) -> int:
-    """Write the stretch from `time` that leads to a new amplitude and frequency, and the next.
+    """Write the segment from `time` that leads to a new amplitude and frequency, and the next.
 
     Height and velocity of the pivot are continuous at both ends: the amplitude is the cubic that
     begins with the value and the slope that the cosine p has there and ends level, the frequency is
@@ -99,7 +99,7 @@ def write_change(
     write_later(out, p, time)
     way = out[0]
     phase = way.phase + ramp * 0.5 * (way.frequency + frequency)
-    write_stretch(out[1], time + ramp, COSINE, phase, frequency, 0.0, amplitude)
+    write_segment(out[1], time + ramp, COSINE, phase, frequency, 0.0, amplitude)
     rise = (amplitude - way.c0) / ramp
     way.form, way.rate = SWEPT, (frequency - way.frequency) / ramp
     way.c2, way.c3 = (3.0 * rise - 2.0 * way.c1) / ramp, (way.c1 - 2.0 * rise) / (ramp * ramp)
@@ -222,7 +222,7 @@ def _other_acceleration(s: float, p: Any) -> float:
 
 @formula
 def pivot_height(t: float, p: Any) -> float:
-    """Return the height of the pivot [m] at the time t [s] in the stretch p."""
+    """Return the height of the pivot [m] at the time t [s] in the segment p."""
     s = t - p.start
     if p.form == STILL:
         return 0.0
@@ -352,7 +352,7 @@ def _ellipse_bound(p: Any) -> float:
 
 @formula
 def acceleration_bound(p: Any, span: float) -> float:
-    """Return a bound of the pivot's acceleration in the first `span` s of a stretch [m/s^2]."""
+    """Return a bound of the pivot's acceleration in the first `span` s of a segment [m/s^2]."""
     if p.form == COSINE:
         return _ellipse_bound(p) * p.frequency * p.frequency
     if p.form == SWEPT:
@@ -366,32 +366,32 @@ def acceleration_bound(p: Any, span: float) -> float:
 
 
 @formula
-def _span(stretches: Any, i: int, end: float) -> float:
-    """Return how long stretch i lasts [s]; a last one that never ends is steady: 0 will do."""
-    until = stretches[i + 1].start if i + 1 < len(stretches) else end
-    return until - stretches[i].start if until < math.inf else 0.0
+def _span(segments: Any, i: int, end: float) -> float:
+    """Return how long segment i lasts [s]; a last one that never ends is steady: 0 will do."""
+    until = segments[i + 1].start if i + 1 < len(segments) else end
+    return until - segments[i].start if until < math.inf else 0.0
 
 
 @formula
-def largest_acceleration(stretches: Any, end: float) -> float:
-    """Return a bound of the pivot's acceleration in all stretches, the last up to `end` [m/s^2]."""
+def largest_acceleration(segments: Any, end: float) -> float:
+    """Return a bound of the pivot's acceleration in all segments, the last up to `end` [m/s^2]."""
     largest = 0.0
-    for i in range(len(stretches)):
-        largest = max(largest, acceleration_bound(stretches[i], _span(stretches, i, end)))
+    for i in range(len(segments)):
+        largest = max(largest, acceleration_bound(segments[i], _span(segments, i, end)))
     return largest
 
 
 @formula
-def fastest_frequency(stretches: Any, end: float) -> float:
-    """Return the largest angular frequency that matters in all stretches [rad/s].
+def fastest_frequency(segments: Any, end: float) -> float:
+    """Return the largest angular frequency that matters in all segments [rad/s].
 
     For a crank it is that of the strongest overtone, for polynomials that of a cosine of the same
     larger extent and acceleration.
     """
     fastest = steepest = 0.0
     low, high, left, right = math.inf, -math.inf, math.inf, -math.inf
-    for i in range(len(stretches)):
-        p, span = stretches[i], _span(stretches, i, end)
+    for i in range(len(segments)):
+        p, span = segments[i], _span(segments, i, end)
         if p.form == POLYNOMIAL:
             first, last = p.c0, _quintic(span, p.c0, p.c1, p.c2, p.c3, p.c4, p.c5)
             low, high = min(low, first, last), max(high, first, last)

@@ -14,8 +14,8 @@ import numpy as np
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import run_dtype
-from latolato.numerics.prepare import has_rough_drag, prepare
-from latolato.numerics.records import CASE, stretch_dtype
+from latolato.numerics.prepare import has_nonsmooth_drag, prepare
+from latolato.numerics.records import CASE, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
 from latolato.physics.drives import drives
 
@@ -46,18 +46,18 @@ DriveParameters: Any = namedtuple("DriveParameters", tuple(_EXAMPLES))  # type: 
 
 
 class Shaking(NamedTuple):
-    """A drive's parameters, and where its stretches and their number go."""
+    """A drive's parameters, and where its segments and their number go."""
 
     drive: Any
-    stretches: Any  # with room for two for each of its times and two more
+    segments: Any  # with room for two for each of its times and two more
     number: Any  # shape (1,)
 
 
 class Beginning(NamedTuple):
-    """A run's parameters and its drive's stretches, and where its record goes; of shape (1,)."""
+    """A run's parameters and its drive's segments, and where its record goes; of shape (1,)."""
 
     case: Any
-    stretches: Any  # shape (stretch,)
+    segments: Any  # shape (segment,)
     run: Any
     problem: Any  # one of `prepare.PROBLEMS`
 
@@ -65,13 +65,13 @@ class Beginning(NamedTuple):
 def empty_shaking() -> Shaking:
     """Return arrays of the kinds that writing a drive takes."""
     drive = DriveParameters(*_EXAMPLES.values())
-    return Shaking(drive, np.zeros(0, dtype=stretch_dtype()), np.zeros(0, dtype=np.int64))
+    return Shaking(drive, np.zeros(0, dtype=segment_dtype()), np.zeros(0, dtype=np.int64))
 
 
 def empty_beginning() -> Beginning:
     """Return arrays of the kinds that beginning a run takes."""
     return Beginning(
-        np.zeros(0, dtype=CASE), np.zeros(0, dtype=stretch_dtype()), np.zeros(0, dtype=run_dtype()),
+        np.zeros(0, dtype=CASE), np.zeros(0, dtype=segment_dtype()), np.zeros(0, dtype=run_dtype()),
         np.zeros(0, dtype=np.int64),
     )  # fmt: skip
 
@@ -92,11 +92,11 @@ def _by_kind(kinds: Sequence[Any], number: int, part: Part) -> Callable[..., int
 
 
 def make_shake(part: Part = as_it_stands) -> Callable[[Any], None]:
-    """Return the function that writes a drive's stretches."""
+    """Return the function that writes a drive's segments."""
     write = _by_kind([kind.write for kind in WRITTEN.values()], 0, part)
 
     def shake(work: Shaking) -> None:
-        work.number[0] = write(work.stretches, work.drive)
+        work.number[0] = write(work.segments, work.drive)
 
     return part(shake)
 
@@ -118,9 +118,9 @@ def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
 
     def begin(work: Beginning) -> None:
         case, run = work.case[0], work.run[0]
-        case.is_rough = 1 if has_rough_drag(case.balls, case.angles) else 0
-        work.problem[0] = prepare(case, work.stretches, run.settings, run.bodies, run.state)
-        if case.is_rough != 0:
+        case.is_nonsmooth = 1 if has_nonsmooth_drag(case.balls, case.angles) else 0
+        work.problem[0] = prepare(case, work.segments, run.settings, run.bodies, run.state)
+        if case.is_nonsmooth != 0:
             write_weights(run, *rough)
         else:
             write_weights(run, *smooth)

@@ -1,4 +1,4 @@
-"""A fall: the splitting step of a ball whose string is slack, free in the plane.
+"""The splitting step of a ball whose string is slack, free in the plane.
 
 Positions and velocities are those against the pivot. Kicks by gravity and drive alternate with
 drifts under the exact drag, as in a swing; the hinge's dry friction does not reach the ball.
@@ -12,31 +12,31 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.record import KICK, REACH
-from latolato.numerics.engine.swing import Swing, slowed
+from latolato.numerics.engine.record import DRIFT_TIME, KICK
+from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
 from latolato.physics.damping import drift_in_plane
 
 
-class Fall(NamedTuple):
-    """The functions of a falling ball; see `make_fall`."""
+class SlackStep(NamedTuple):
+    """The functions of a falling ball; see `make_slack_step`."""
 
     step_by: Callable[..., None]
     hang: Callable[..., None]
     kick: Callable[..., Any]
-    pull: Callable[..., Any]
+    acceleration: Callable[..., Any]
     slopes: Callable[..., Any]
 
 
 @formula
 def place_taut(point: Any, length: float) -> None:
-    """Write where a ball at the end of its taut string is, and its velocity."""
+    """Write position and velocity of a ball at the end of its taut string."""
     s, c, speed = sine(point.angle), cosine(point.angle), length * point.velocity
     point.x, point.y, point.vx, point.vy = length * s, -length * c, speed * c, speed * s
 
 
 @formula
 def turn_to_place(point: Any) -> None:
-    """Write the angle, unwrapped, and the angular velocity of a ball at its place."""
+    """Write angle (unwrapped) and angular velocity of a ball from its position and velocity."""
     squared = point.x * point.x + point.y * point.y
     if squared == 0.0:  # at the pivot there is no angle: keep the last one
         point.velocity = 0.0
@@ -48,7 +48,7 @@ def turn_to_place(point: Any) -> None:
 
 @formula
 def radial_rate(point: Any) -> float:
-    """Return how fast the distance from the pivot grows [m/s]."""
+    """Rate of the distance from the pivot [m/s]."""
     outward: float = point.x * point.vx + point.y * point.vy
     distance = math.hypot(point.x, point.y)
     return outward / distance if distance > 0.0 else math.hypot(point.vx, point.vy)
@@ -61,18 +61,24 @@ def _nothing(run: Any, i: int, *rest: Any) -> None:
 
 @formula
 def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float]:
-    """Return zeros."""
+    """Zeros."""
     return 0.0, 0.0
 
 
 # Of balls on rods, which never fall.
-NO_FALL = Fall(_nothing, _nothing, _no_works, _no_works, _no_works)
+NO_SLACK_STEP = SlackStep(
+    step_by=_nothing,
+    hang=_nothing,
+    kick=_no_works,
+    acceleration=_no_works,
+    slopes=_no_works,
+)
 
 
-def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
-    """Return the functions of a ball whose string is slack; each begins with ``(run, ball, ...)``.
+def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
+    """Make the functions of a ball whose string is slack; each begins with ``(run, ball, ...)``.
 
-    What pulls at a point is written by `swing.feel`.
+    What pulls at a point is written by `swing.write_forces`.
     """
 
     @part
@@ -82,45 +88,45 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         b, gravity, t = run.bodies[i], run.settings.gravity, run.t
         x, y, vx, vy = begin.x, begin.y, begin.vx, begin.vy
         ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
-        work, loss, quadratic = 0.0, 0.0, b.quadratic * b.coupling
+        work, loss, quadratic = 0.0, 0.0, b.quadratic * b.inverse_length
         for k in range(run.stages + 1):
             h = run.tables[table, KICK, k]
-            change_x = -h * (ax + b.rate * wx)
-            change_y = -h * (gravity + ay + b.rate * wy)
+            change_x = -h * (ax + b.damping_rate * wx)
+            change_y = -h * (gravity + ay + b.damping_rate * wy)
             middle_x, middle_y = vx + 0.5 * change_x, vy + 0.5 * change_y
             work -= h * (ax * middle_x + ay * middle_y)
-            loss += h * b.rate * (wx * middle_x + wy * middle_y)
+            loss += h * b.damping_rate * (wx * middle_x + wy * middle_y)
             vx += change_x
             vy += change_y
             if k == run.stages:
                 break
-            reach = run.tables[table, REACH, k]
-            far_x, far_y, slow_x, slow_y = drift_in_plane(vx, vy, reach, b.rate, quadratic)
+            reach = run.tables[table, DRIFT_TIME, k]
+            far_x, far_y, slow_x, slow_y = drift_in_plane(vx, vy, reach, b.damping_rate, quadratic)
             loss += 0.5 * ((vx - slow_x) * (vx + slow_x) + (vy - slow_y) * (vy + slow_y))
             x += far_x
             y += far_y
             vx, vy = slow_x, slow_y
-            swing.shake(run, t + run.nodes[k] * length, end)
+            swing.write_pivot_motion(run, t + run.nodes[k] * length, end)
             ax, ay, wx, wy = end.across, end.pivot_acceleration, end.wind_x, end.wind_y
         end.angle, end.sign, end.x, end.y, end.vx, end.vy = begin.angle, 1.0, x, y, vx, vy
         end.acceleration = end.driven = end.tension = 0.0
-        per_inertia = b.coupling * b.coupling
+        per_inertia = b.inverse_length * b.inverse_length
         end.work, end.loss = work * per_inertia, loss * per_inertia
         turn_to_place(end)
 
     @part
     def hang(run: Any, i: int, point: Any) -> None:
-        """Write where the ball is, if its string is taut, and what pulls at it."""
+        """Write the ball's position if its string is taut, and the forces on it."""
         if run.state.is_slack[i] == 0:
-            place_taut(point, 1.0 / run.bodies[i].coupling)
+            place_taut(point, 1.0 / run.bodies[i].inverse_length)
             return
         point.sign, point.acceleration, point.driven, point.tension = 1.0, 0.0, 0.0, 0.0
-        swing.shake(run, run.t, point)
+        swing.write_pivot_motion(run, run.t, point)
 
     @part
     def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float]:
-        """Let the pivot jump [m/s] and throw the ball [rad/s]; return both works [J]."""
-        point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].coupling ** 2
+        """Apply a jump of the pivot's velocity [m/s] and a kick [rad/s]; their works [J]."""
+        point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].inverse_length ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
         point.vy -= jump
         x, y = -point.y * thrown, point.x * thrown
@@ -131,28 +137,32 @@ def make_fall(swing: Swing, part: Part = as_it_stands) -> Fall:
         return worked, thrown_work
 
     @part
-    def pull(run: Any, i: int, point: Any) -> tuple[float, float]:
-        """Return the acceleration of a ball, slack or taut [m/s^2]."""
+    def acceleration(run: Any, i: int, point: Any) -> tuple[float, float]:
+        """Acceleration of a ball, slack or taut, in the frame of the pivot [m/s^2]."""
         b, gravity = run.bodies[i], run.settings.gravity
         if run.state.is_slack[i] == 0:
-            around, inward = slowed(point, b), point.velocity * point.velocity
+            around, inward = acceleration_with_drag(point, b), point.velocity * point.velocity
             return -around * point.y - inward * point.x, around * point.x - inward * point.y
-        slowing = b.rate + b.quadratic * b.coupling * math.hypot(point.vx, point.vy)
-        ax = -point.across - b.rate * point.wind_x - slowing * point.vx
-        ay = -gravity - point.pivot_acceleration - b.rate * point.wind_y - slowing * point.vy
+        slowing = b.damping_rate + b.quadratic * b.inverse_length * math.hypot(point.vx, point.vy)
+        ax = -point.across - b.damping_rate * point.wind_x - slowing * point.vx
+        ay = (
+            -gravity - point.pivot_acceleration - b.damping_rate * point.wind_y - slowing * point.vy
+        )
         return ax, ay
 
     @part
     def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:
-        """Return angular acceleration, energy and its rate, the last two over the inertia."""
-        b, gravity, (ax, ay) = run.bodies[i], run.settings.gravity, pull(run, i, point)
+        """Angular acceleration, energy and its rate, the last two over the moment of inertia."""
+        b, gravity, (ax, ay) = run.bodies[i], run.settings.gravity, acceleration(run, i, point)
         squared = max(point.x * point.x + point.y * point.y, 1e-300)
         outward = point.x * point.vx + point.y * point.vy
         turned = (point.x * ay - point.y * ax - 2.0 * outward * point.velocity) / squared
-        per_inertia = b.coupling * b.coupling
+        per_inertia = b.inverse_length * b.inverse_length
         energy = 0.5 * (point.vx * point.vx + point.vy * point.vy)
-        energy += gravity * (1.0 / b.coupling + point.y)
+        energy += gravity * (1.0 / b.inverse_length + point.y)
         gained = ax * point.vx + (ay + gravity) * point.vy
         return turned, energy * per_inertia, gained * per_inertia
 
-    return Fall(step_by, hang, kick, pull, slopes)
+    return SlackStep(
+        step_by=step_by, hang=hang, kick=kick, acceleration=acceleration, slopes=slopes
+    )

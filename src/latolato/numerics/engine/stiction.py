@@ -10,15 +10,15 @@ from latolato.core.scalar import cosine, formula
 from latolato.numerics.contact_time import make_lowest
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.swing import Swing
+from latolato.numerics.engine.taut_step import TautStep
 from latolato.physics.pendulum import swung
 
 # How much finer than the step the search for the end of rest looks at the drive.
 _REST_FRACTION = 0.25
 
 
-class Held(NamedTuple):
-    """The functions of a ball without motion; see `make_held`."""
+class Stiction(NamedTuple):
+    """The functions of a ball without motion; see `make_stiction`."""
 
     release_time: Callable[..., float]
     note_compression: Callable[..., None]
@@ -26,7 +26,7 @@ class Held(NamedTuple):
 
 @formula
 def compression_share(left: float, right: float) -> float:
-    """Return the share of a short interval in which a nearly linear tension is negative."""
+    """Share of a short interval in which a nearly linear tension is negative."""
     if left < 0.0 and right < 0.0:
         return 1.0
     if left >= 0.0 and right >= 0.0:
@@ -43,13 +43,13 @@ def add_compression(state: Any, ball: int, left: float, right: float, t: float, 
         state.compression_start[ball] = t if left < 0.0 else end - share * (end - t)
 
 
-def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
-    """Return the functions of a ball that a wall or friction holds."""
+def make_stiction(swing: TautStep, laws: Laws, part: Part = as_it_stands) -> Stiction:
+    """Make the functions of a ball that a wall or friction holds."""
     restoring, in_plane = laws.restoring, laws.plane is not None
 
     @part
     def hold(run: Any, t: float, ball: int, side: float, angle: float) -> float:
-        """Return how far [rad/s^2] the ball is from moving; negative once it does.
+        """Guard of the release: acceleration that holds the ball [rad/s^2], negative once it moves.
 
         `side` is that of the wall, or 0 where only friction holds the ball.
         """
@@ -58,7 +58,9 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
             return friction - abs(free)
         pressed = friction + side * free
         if in_plane and run.settings.is_string != 0:  # friction holds no ball on a slack string
-            pull: float = run.bodies[ball].coupling * swing.still(run, ball, t, angle)
+            pull: float = run.bodies[ball].inverse_length * swing.static_tension(
+                run, ball, t, angle
+            )
             return min(pressed, pull)
         return pressed
 
@@ -68,7 +70,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     def release_time(
         run: Any, ball: int, side: float, angle: float, begin: float, goal: float
     ) -> float:
-        """Return the first instant in [begin, goal] at which the ball is let go, or infinity.
+        """First instant in [begin, goal] at which the ball is released, or infinity [s].
 
         The hold is sampled four times a step; a dip between samples is followed to its bottom.
         """
@@ -80,7 +82,7 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
             return math.inf
         b = run.bodies[ball]
         restored = restoring(angle, run.settings.is_linear)
-        strongest = abs(swung(gravity + bound, b.coupling, restored))
+        strongest = abs(swung(gravity + bound, b.inverse_length, restored))
         if not in_plane and side == 0.0 and strongest <= b.coulomb:
             return math.inf
         dt = run.settings.step * _REST_FRACTION
@@ -117,18 +119,18 @@ def make_held(swing: Swing, laws: Laws, part: Part = as_it_stands) -> Held:
     def note_compression(run: Any, ball: int, angle: float) -> None:
         """Add the compression in a step without motion.
 
-        On a wall and where friction holds the ball, the tension has the sign of what `swing.still`
-        returns, ``(g + y0'') cos(angle)`` above a pivot that moves up and down; it is sampled four
-        times a step.
+        On a wall and where friction holds the ball, the tension has the sign of
+        `swing.static_tension`, ``(g + y0'') cos(angle)`` above a pivot that moves up and down; it
+        is sampled four times a step.
         """
         if not in_plane and run.settings.pivot_bound < run.settings.gravity and cosine(angle) > 0.0:
             return
         dt = run.settings.step * _REST_FRACTION
-        left = swing.still(run, ball, run.t, angle)
+        left = swing.static_tension(run, ball, run.t, angle)
         for i in range(math.ceil((run.t_end - run.t) / dt)):
             begin, end = run.t + i * dt, min(run.t + (i + 1) * dt, run.t_end)
-            right = swing.still(run, ball, end, angle)
+            right = swing.static_tension(run, ball, end, angle)
             add_compression(run.state, ball, left, right, begin, end)
             left = right
 
-    return Held(release_time, note_compression)
+    return Stiction(release_time, note_compression)

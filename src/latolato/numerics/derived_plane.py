@@ -7,9 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.core.scalar import cosine, sine
-from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.record import JOINT, REST
-from latolato.numerics.observe import (
+from latolato.numerics.derived import (
     DAMPING,
     DRIVE,
     KINETIC,
@@ -18,6 +16,8 @@ from latolato.numerics.observe import (
     ROD,
     TENSION,
 )
+from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.records import S_DISTANCE
 from latolato.physics.damping import static_friction
 from latolato.physics.pair import contact_torque, radial_push
@@ -38,7 +38,7 @@ def make_plane_observer(
     """Return the function that fills `pivot` and `out` of an `Observation`.
 
     Each kilogram is pulled by ``(-ax - c wx, -(g + ay) - c wy)``, with c the rate of the linear
-    drag, and w the pivot's velocity against the air or zero; see `engine.pull.make_planar`.
+    drag, and w the pivot's velocity against the air or zero; see `engine.forces.make_planar`.
     """
 
     @part
@@ -109,15 +109,15 @@ def make_plane_observer(
         k = 0
         for i in range(len(times)):
             t = times[i]
-            while k + 1 < len(o.stretches) and o.stretches[k + 1].start <= t:
+            while k + 1 < len(o.segments) and o.segments[k + 1].start <= t:
                 k += 1
-            p = o.stretches[k]
+            p = o.segments[k]
             o.pivot[0, i], o.pivot[1, i] = height(t, p), velocity(t, p)
             o.pivot[2, i], o.pivot[3, i] = acceleration(t, p), across(t, p)
             o.pivot[4, i], o.pivot[5, i] = across_velocity(t, p), across_acceleration(t, p)
             for j in range(len(balls)):
                 observe_ball(o, j, i, modes[i] == REST)
-            if modes[i] == JOINT:
+            if modes[i] == STICKING:
                 b1, b2 = balls[0], balls[1]
                 inertia_1, inertia_2 = b1.mass * b1.length**2, b2.mass * b2.length**2
                 torque = contact_torque(

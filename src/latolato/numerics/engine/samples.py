@@ -1,4 +1,4 @@
-"""The books of a trajectory: samples and the energy ledger."""
+"""Samples of a trajectory and its energy ledger."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from latolato.core.scalar import formula
-from latolato.numerics.engine.fall import radial_rate
+from latolato.numerics.engine.slack_step import radial_rate
 from latolato.numerics.records import (
     S_CAPTURED,
     S_DAMPED,
@@ -42,7 +42,7 @@ def write_place(run: Any, output: Any, points: Any, count: int) -> None:
     for i in range(count):
         row, is_slack = S_DISTANCE + 3 * i, state.is_slack[i] != 0
         distance = math.hypot(points[i].x, points[i].y)
-        samples[row, k] = distance if is_slack else 1.0 / run.bodies[i].coupling
+        samples[row, k] = distance if is_slack else 1.0 / run.bodies[i].inverse_length
         samples[row + 1, k] = radial_rate(points[i]) if is_slack else 0.0
         samples[row + 2, k] = 1.0 if is_slack else 0.0
     samples[S_RETENSION, k] = state.retension_loss
@@ -50,7 +50,7 @@ def write_place(run: Any, output: Any, points: Any, count: int) -> None:
 
 @formula
 def follow_ledger(state: Any, energy: float) -> None:
-    """Note the largest energy and the largest error of the ledger at the end of a step [J]."""
+    """Update the largest energy and the largest error of the ledger after a step [J]."""
     state.largest_energy = max(state.largest_energy, energy)
     gained = state.drive_work + state.noise_work - state.damping_loss
     gained -= state.impact_loss + state.capture_loss + state.retension_loss
@@ -71,7 +71,7 @@ _ROUNDING_OF_SUMS = 1e-13
 
 @formula
 def allowed_error(state: Any, tolerance: float) -> float:
-    """Return the error of the ledger up to which a run keeps its tolerance [J]."""
+    """Error of the ledger up to which a run keeps its tolerance [J]."""
     gone = state.damping_loss + state.impact_loss + state.capture_loss + state.retension_loss
     share = max(_LEDGER_MARGIN * tolerance, _ROUNDING)
     return max(share * state.largest_energy, _ROUNDING_OF_SUMS * gone)

@@ -1,7 +1,7 @@
-"""A swing: the splitting step of one ball, or of two as one body, and searches inside of it.
+"""The splitting step of one taut ball, or of two as one body, and searches inside of it.
 
-Kicks by gravity, drive and dry friction (`pull.py`) alternate with drifts under the exact drag; see
-`latolato.numerics.steppers`. A point whose `sign` is 0 is held by friction and does not move.
+Kicks by gravity, drive and dry friction (`forces.py`) alternate with drifts under the exact drag;
+see `latolato.numerics.steppers`. A point whose `sign` is 0 is held by friction and does not move.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.compiling import Part, as_it_stands
+from latolato.numerics.engine.forces import make_planar, make_upright
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.pull import make_planar, make_upright
-from latolato.numerics.engine.record import KICK, OFFSET, REACH
+from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
 from latolato.physics.damping import decay_time, drag
 
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
@@ -27,57 +27,61 @@ SHORTEST = 2.3e-16
 STILL = 1e-13
 
 
-class Swing(NamedTuple):
-    """The functions of a swing; see `make_swing`. Each begins with ``(run, body, ...)``."""
+class TautStep(NamedTuple):
+    """The functions of a swing; see `make_taut_step`. Each begins with ``(run, body, ...)``."""
 
-    feel: Callable[..., None]
+    write_forces: Callable[..., None]
     step: Callable[..., None]
     step_by: Callable[..., None]
-    glide: Callable[..., None]
+    extend_step: Callable[..., None]
     prepare: Callable[..., None]
     free: Callable[..., float]
     settle: Callable[..., None]
     turn: Callable[..., float]
     tangent: Callable[..., Any]
     tension: Callable[..., float]
-    still: Callable[..., float]
-    shake: Callable[..., None]
+    static_tension: Callable[..., float]
+    write_pivot_motion: Callable[..., None]
 
 
 @formula
-def slowed(point: Any, body: Any) -> float:
-    """Return the acceleration with all drag from that of a kick [rad/s^2]."""
+def acceleration_with_drag(point: Any, body: Any) -> float:
+    """Angular acceleration with all drag, from that of a kick [rad/s^2]."""
     if point.sign == 0.0:
         return 0.0
-    return point.acceleration - drag(point.velocity, point.sign, body.rate, body.quadratic, 0.0)
+    return point.acceleration - drag(
+        point.velocity, point.sign, body.damping_rate, body.quadratic, 0.0
+    )
 
 
 @formula
-def freed(free: float, velocity: float, body: Any) -> float:
-    """Return the acceleration with all drag from that without, static friction included."""
+def acceleration_with_friction(free: float, velocity: float, body: Any) -> float:
+    """Angular acceleration with drag and static friction, from that without [rad/s^2]."""
     if velocity == 0.0:
         if abs(free) <= body.coulomb:
             return 0.0
         return free - math.copysign(body.coulomb, free)
     sign = math.copysign(1.0, velocity)
-    return free - drag(velocity, sign, body.rate, body.quadratic, body.coulomb)
+    return free - drag(velocity, sign, body.damping_rate, body.quadratic, body.coulomb)
 
 
-def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
-    """Return the functions of a swing under these laws.
+def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
+    """Make the functions of a taut step under these laws.
 
     Points are records; a step goes from one to another one and writes work and loss there.
     """
-    make_pull = make_upright if laws.plane is None else make_planar
-    free, feel, step, tangent, tension, still, shake = make_pull(laws, part)
+    make_forces = make_upright if laws.plane is None else make_planar
+    free, write_forces, step, tangent, tension, static_tension, write_pivot_motion = make_forces(
+        laws, part
+    )
 
     @part
     def prepare(run: Any, body: int, table: int, length: float) -> None:
         """Fill a table with what a step of this length needs [s]."""
-        rate = run.bodies[body].rate
+        rate = run.bodies[body].damping_rate
         for i in range(run.stages):
             run.tables[table, KICK, i] = run.kicks[i] * length
-            run.tables[table, REACH, i] = decay_time(rate, run.drifts[i] * length)
+            run.tables[table, DRIFT_TIME, i] = decay_time(rate, run.drifts[i] * length)
             run.tables[table, OFFSET, i] = run.nodes[i] * length
         run.tables[table, KICK, run.stages] = run.kicks[run.stages] * length
 
@@ -88,24 +92,24 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
         step(run, body, table, begin, end)
 
     @part
-    def glide(run: Any, body: int, t: float, missing: float, point: Any) -> None:
-        """Take a point on to the time t, by a time so short that trapezia are exact to rounding."""
+    def extend_step(run: Any, body: int, t: float, missing: float, point: Any) -> None:
+        """Extend a step to the time t, by a time so short that trapezia are exact to rounding."""
         if point.sign == 0.0:
             return
         b, v0, driven = run.bodies[body], point.velocity, point.driven
-        a0 = slowed(point, b)
+        a0 = acceleration_with_drag(point, b)
         point.angle += missing * (v0 + 0.5 * missing * a0)
         point.velocity = v0 + missing * a0
-        feel(run, body, t, point)
-        v1 = point.velocity = v0 + 0.5 * missing * (a0 + slowed(point, b))
-        lost = v0 * drag(v0, point.sign, b.rate, b.quadratic, b.coulomb)
-        lost += v1 * drag(v1, point.sign, b.rate, b.quadratic, b.coulomb)
+        write_forces(run, body, t, point)
+        v1 = point.velocity = v0 + 0.5 * missing * (a0 + acceleration_with_drag(point, b))
+        lost = v0 * drag(v0, point.sign, b.damping_rate, b.quadratic, b.coulomb)
+        lost += v1 * drag(v1, point.sign, b.damping_rate, b.quadratic, b.coulomb)
         point.work += 0.5 * missing * (driven * v0 + point.driven * v1)
         point.loss += 0.5 * missing * lost
 
     @part
     def settle(run: Any, body: int, t: float, point: Any) -> None:
-        """Find the direction in which a point moves or begins to, and what pulls at it."""
+        """Find the direction in which a point moves or begins to, and the forces on it."""
         friction = run.bodies[body].coulomb
         if friction > 0.0 and abs(point.velocity) < STILL:
             point.velocity = 0.0
@@ -115,11 +119,11 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
             pulled = free(run, body, t, point.angle)
             held = friction > 0.0 and abs(pulled) <= friction
             point.sign = 0.0 if held else math.copysign(1.0, pulled)
-        feel(run, body, t, point)
+        write_forces(run, body, t, point)
 
     @part
     def turn(run: Any, body: int, table: int, length: float, begin: Any, end: Any) -> float:
-        """Return when, within a step, a velocity that ends against its sign or as NaN is zero [s].
+        """Time within a step at which a velocity that ends against its sign or as NaN is zero [s].
 
         The length itself if that cannot be seen. Bracketed Newton on the step, to rounding.
         """
@@ -135,7 +139,7 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
                 return length
         s = 0.5 * (low + high)
         span = move = high - low
-        rate = run.bodies[body].rate
+        rate = run.bodies[body].damping_rate
         for _ in range(MOST_TRIALS):
             step_by(run, body, table, s, begin, end)
             value = end.velocity
@@ -155,6 +159,17 @@ def make_swing(laws: Laws, part: Part = as_it_stands) -> Swing:
                 return s
         return s
 
-    return Swing(
-        feel, step, step_by, glide, prepare, free, settle, turn, tangent, tension, still, shake
+    return TautStep(
+        write_forces=write_forces,
+        step=step,
+        step_by=step_by,
+        extend_step=extend_step,
+        prepare=prepare,
+        free=free,
+        settle=settle,
+        turn=turn,
+        tangent=tangent,
+        tension=tension,
+        static_tension=static_tension,
+        write_pivot_motion=write_pivot_motion,
     )

@@ -11,30 +11,30 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.engine.compiling import Part, as_it_stands
-from latolato.numerics.engine.fall import radial_rate
+from latolato.numerics.engine.slack_step import radial_rate
 
 # A ball this close to another one, or to its string's end, is there; and what rounding can take
 # from such a distance. Shares of the string's length.
 THERE, ROUNDING = 1e-12, 1e-14
 
 
-class Apart(NamedTuple):
-    """The functions of distances; see `make_apart`."""
+class Gaps(NamedTuple):
+    """The functions of distances; see `make_gaps`."""
 
     gap: Callable[..., Any]
-    line: Callable[..., Any]
-    spare: Callable[..., Any]
+    line_of_centres: Callable[..., Any]
+    spare_length: Callable[..., Any]
     is_tensile: Callable[..., bool]
     side: Callable[..., float]
 
 
-def make_apart(count: int, part: Part = as_it_stands) -> Apart:
-    """Return the functions for one ball and its mirror image, or for two balls."""
+def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
+    """Make the functions for one ball and its mirror image, or for two balls."""
     two = count == 2
 
     @part
-    def line(points: Any) -> tuple[float, float, float]:
-        """Return the direction from the other ball to the first one, and their distance [m]."""
+    def line_of_centres(points: Any) -> tuple[float, float, float]:
+        """Unit vector from the other ball to the first one, and their distance [m]."""
         if not two:
             return 1.0, 0.0, points[0].x
         x, y = points[0].x - points[1].x, points[0].y - points[1].y
@@ -43,10 +43,10 @@ def make_apart(count: int, part: Part = as_it_stands) -> Apart:
 
     @part
     def gap(run: Any, points: Any) -> tuple[float, float]:
-        """Return the gap between balls [m] and its rate [m/s]; infinite if they never touch."""
+        """Gap between the balls [m] and its rate [m/s]; infinite if they never touch."""
         if run.settings.high == math.inf:
             return math.inf, 0.0
-        x, y, distance = line(points)
+        x, y, distance = line_of_centres(points)
         if not two:
             return distance - run.settings.radius[0], points[0].vx
         vx, vy = points[0].vx - points[1].vx, points[0].vy - points[1].vy
@@ -54,15 +54,15 @@ def make_apart(count: int, part: Part = as_it_stands) -> Apart:
         return distance - reach, x * vx + y * vy
 
     @part
-    def spare(run: Any, i: int, point: Any) -> tuple[float, float]:
-        """Return how much longer a ball's string is than its distance [m], and the rate [m/s]."""
-        length = 1.0 / run.bodies[i].coupling
+    def spare_length(run: Any, i: int, point: Any) -> tuple[float, float]:
+        """Length of a string beyond its ball's distance [m], and its rate [m/s]."""
+        length = 1.0 / run.bodies[i].inverse_length
         return length - math.hypot(point.x, point.y), -radial_rate(point)
 
     @part
     def is_tensile(run: Any, points: Any) -> bool:
-        """Return whether a push that parts the balls pulls at the strings of both."""
-        x, y, _ = line(points)
+        """Whether an impulse that parts the balls pulls at the strings of both."""
+        x, y, _ = line_of_centres(points)
         pulls = x * points[0].x + y * points[0].y >= 0.0
         if two:
             pulls = pulls and x * points[1].x + y * points[1].y <= 0.0
@@ -70,8 +70,14 @@ def make_apart(count: int, part: Part = as_it_stands) -> Apart:
 
     @part
     def side(points: Any) -> float:
-        """Return -1 for a contact at the bottom, 1 for one at the top of the circle."""
+        """-1 for a contact at the bottom, 1 for one at the top of the circle."""
         apart = points[0].angle - points[1].angle if two else 2.0 * points[0].angle
         return 1.0 if apart > math.pi else -1.0
 
-    return Apart(gap, line, spare, is_tensile, side)
+    return Gaps(
+        gap=gap,
+        line_of_centres=line_of_centres,
+        spare_length=spare_length,
+        is_tensile=is_tensile,
+        side=side,
+    )

@@ -1,0 +1,96 @@
+"""Observables as compiled pieces: each formula is compiled on its own and called by its address.
+
+Where points run in lanes, one call shows a step of all lanes: see `lane_flight`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from latolato.numerics.abi import (
+    ANY_SIZE,
+    address_of,
+    array_at,
+    caller_of,
+    kind_of,
+    value_at,
+    writer_of,
+)
+from latolato.numerics.callbacks import OCCASIONS, Accumulators, Callbacks
+from latolato.numerics.engine.compiling import Part
+from latolato.numerics.engine.record import MATRIX_SHAPE
+from latolato.numerics.pieces import CALLBACK
+from latolato.observables import Outcome, Step
+
+# What observables are shown on each occasion, behind their slots: see `Observable`.
+_SHOWN = tuple(map(kind_of, (
+    (Step(*[0.0] * len(Step._fields)),),
+    (0.0, 0, 0.0, 0.0, 0.0),
+    (0, 0.0, 0.0, 0.0),
+    (0.0, 0.0),
+    (0, 0.0, 0.0, np.empty(MATRIX_SHAPE)),
+    (0.0,),
+    (Outcome._make([*[0.0] * 13, 0]),),
+)))  # fmt: skip
+
+
+def make_callback(formula: Any, part: Part, *, occasion: int) -> Callable[..., None]:
+    """Return the callback of an observable on an occasion."""
+    numbers_at, shown_at = array_at(), value_at(_SHOWN[occasion])
+
+    def show(acc: int, i: int, n: int, shown: int) -> None:
+        formula(numbers_at(acc, ANY_SIZE), i, n, *shown_at(shown))
+
+    return show
+
+
+def make_address_callbacks(part: Part) -> Callbacks:
+    """Return functions that call the pieces whose table lies at ``run.callbacks``."""
+    call, numbers_at = caller_of(CALLBACK), array_at(np.dtype(np.int64))
+
+    @part
+    def call_all(run: Any, accumulators: Accumulators, ball: int, occasion: int) -> None:
+        """Call all pieces of an occasion; what they are shown lies in the run."""
+        acc, shown, column = (
+            address_of(accumulators.acc),
+            address_of(run.shown),
+            accumulators.column + ball,
+        )
+        callbacks = numbers_at(run.callbacks, ANY_SIZE)
+        at = callbacks[occasion]
+        while callbacks[at] != 0:
+            first = callbacks[at + 1] * accumulators.columns + column
+            call(callbacks[at], (acc, first, accumulators.columns, shown))
+            at += 2
+
+    @part
+    def is_wanted(run: Any, occasion: int) -> bool:
+        """Return whether anybody looks on then."""
+        callbacks = numbers_at(run.callbacks, ANY_SIZE)
+        result: bool = callbacks[callbacks[occasion]] != 0
+        return result
+
+    def make(occasion: int) -> Any:
+        write = writer_of(_SHOWN[occasion])
+
+        @part
+        def show(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
+            write(address_of(run.shown), shown)
+            call_all(run, accumulators, ball, occasion)
+
+        return show
+
+    step, contact, mark, restart, tangent, start, finish = map(make, range(len(OCCASIONS)))
+    return Callbacks(
+        step=step,
+        contact=contact,
+        mark=mark,
+        restart=restart,
+        tangent=tangent,
+        start=start,
+        finish=finish,
+        is_wanted=is_wanted,
+    )
