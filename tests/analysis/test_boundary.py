@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from hanging import tongue_edges
 
 RATIOS = np.linspace(1.0, 3.0, 401)  # spacing 0.005
 AMPLITUDES = np.array([0.1, 0.2, 0.3])
@@ -100,9 +101,7 @@ def test_a_damped_pendulum_from_a_small_angle_grows_between_the_edges_of_the_ton
         pendulum, axes=axes, initial_angle=1e-6, duration=150.0, observables=["largest_angle"]
     )
     result = ll.map_boundary(swept, "largest_angle", 1e-5)
-    from latolato.analysis import mathieu_tongue_edges
-
-    low, high = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
+    low, high = tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
     # 150 s of growth by a factor of ten need a rate of 0.015 1/s: one spacing inside the edge
     assert float(result.left_edge[0]) == pytest.approx(low, abs=0.01)
     assert float(result.right_edge[0]) == pytest.approx(high, abs=0.01)

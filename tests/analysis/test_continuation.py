@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from hanging import tongue_edges
 from latolato.analysis.closed_forms import fall_time
 from latolato.analysis.continuation import continue_orbit
 from latolato.analysis.flow import value_of, varied
-from latolato.analysis.mathieu import mathieu_tongue_edges
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)
@@ -25,7 +25,7 @@ def toy_shake(ratio, amplitude=0.03):
 def test_hanging_still_doubles_its_period_at_both_edges_of_the_tongue():
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=1.85 * NATURAL)
     branch = continue_orbit(PENDULUM, drive, low=1.8, high=2.2)
-    edges = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
+    edges = tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
     assert list(branch.special_kind.values) == ["period_doubling", "period_doubling"]
     # Bisected to 1e-11 of a step, on orbits known to 1e-11.
     assert branch.special_value.values == pytest.approx(edges, abs=1e-8)
@@ -99,7 +99,7 @@ def test_the_swing_branch_meets_the_hanging_one_in_a_pitchfork():
         initial_angle=run.angle.values[-1],
         initial_angular_velocity=run.angular_velocity.values[-1],
     )  # fmt: skip
-    edges = mathieu_tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
+    edges = tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
     assert branch.special_kind.values[0] == "symmetry_breaking"
     # The amplitude starts as a square root: the edge is met to the square of its error.
     assert branch.special_value.values[0] == pytest.approx(edges[1], abs=1e-7)
@@ -231,7 +231,7 @@ def test_hops_of_any_size_fold_where_bouncing_can_no_longer_pay_for_its_impacts(
 
 
 def test_hanging_loses_its_mirror_symmetry_in_the_second_tongue():
-    edges = mathieu_tongue_edges(
+    edges = tongue_edges(
         drive_amplitude=0.3, length=1.0, mass=0.8, damping=0.05, order=2
     )  # fmt: skip
     drive = ll.Harmonic(drive_amplitude=0.3, drive_frequency=0.8 * NATURAL)

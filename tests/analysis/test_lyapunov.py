@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from hanging import growth_rate
 from latolato.analysis.flow import Flow
 from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.symmetry import as_pair, pair_symmetry
 from latolato.core.errors import InputError
 
@@ -127,7 +127,7 @@ def test_the_rate_of_a_departure_does_not_depend_on_how_long_it_is_followed(dura
     found = pair_symmetry(toy, drive, initial_offset=0.0, duration=duration, transient=20 * period)
     cosine = math.sqrt(1.0 - 0.1**2)
     # S'' + gamma S' + (g + y0'') cos(contact angle)/l S = 0
-    expected = mathieu_growth_rate(
+    expected = growth_rate(
         drive_amplitude=0.05, drive_frequency=drive.drive_frequency, length=1.0 / cosine, mass=0.8,
         damping=0.02 / cosine,
     )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.mathieu import mathieu_growth_rate
+from hanging import growth_rate
 from latolato.analysis.multipliers import floquet
 
 NATURAL = math.sqrt(9.8)
@@ -20,7 +20,7 @@ TOY_SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.389 * math.sqrt(
 @pytest.mark.parametrize("damping", [0.0, 0.05])
 def test_hanging_still_grows_as_hills_determinant_says(kind, damping):
     result = floquet(kind(length=1.0, mass=0.8, damping=damping), SHAKE)
-    expected = mathieu_growth_rate(
+    expected = growth_rate(
         drive_amplitude=0.05, drive_frequency=6.26, length=1.0, mass=0.8, damping=damping
     )
     assert result.growth_rate.item() == pytest.approx(float(expected), abs=1e-9)

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from hanging import threshold_amplitude, tongue_edges
 from in_node import NODE
-from latolato.analysis import mathieu
+from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
-from latolato.analysis.mathieu import mathieu_threshold_amplitude, mathieu_tongue_edges
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, parse_trials, write_trials
@@ -60,7 +60,7 @@ def test_the_edges_of_the_tongue_are_those_of_hills_determinant():
     cases = [(a, zeta) for a in amplitudes for zeta in (0.0, 1e-7, 1e-3, 0.02, 0.2, 0.7, 0.97)]
     # Little beyond where the damped tongue opens, and where it has ended.
     for zeta in (1e-3, 0.1, 0.5):
-        tip = mathieu_threshold_amplitude(
+        tip = threshold_amplitude(
             frequency_ratio=2.0, length=1.0, mass=1.0, gravity=1.0, damping=damping_of(zeta)
         )
         cases += [(1.001 * tip, zeta), (0.9 * tip, zeta)]
@@ -68,7 +68,7 @@ def test_the_edges_of_the_tongue_are_those_of_hills_determinant():
     pages = over_in_node([{"name": "edges", "q": 2.0 * a, "zeta": zeta} for a, zeta in cases])
     kinds = set()
     for (amplitude, zeta), found in zip(cases, pages, strict=True):
-        wanted = mathieu_tongue_edges(
+        wanted = tongue_edges(
             drive_amplitude=amplitude, length=1.0, mass=1.0, gravity=1.0, damping=damping_of(zeta)
         )
         # Both err by roundings, which grow where the tongue's lower edge rises to infinity.
@@ -144,7 +144,7 @@ FAR = 1e3
 def test_curves_lie_where_python_draws_them_or_are_refused_alike(name, monkeypatch):
     every = EVERY if name == "tongue" else 1
     monkeypatch.setattr(overlays, "_SAMPLES", 1 + 399 // every)
-    monkeypatch.setattr(mathieu, "mathieu_tongue_edges", cache(mathieu_tongue_edges))
+    monkeypatch.setattr(linear, "tongue", cache(linear.tongue))
     pages = over_in_node([{"name": name, "grid": grid_of(*each)} for each in MAPS])
     refused = 0
     for each, found in zip(MAPS, pages, strict=True):

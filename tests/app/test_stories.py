@@ -15,6 +15,7 @@ import pytest
 
 import latolato as ll
 from browser_checks import SIZES, assert_panels_have_room, serious_faults
+from hanging import threshold_amplitude
 from latolato import analysis
 from latolato.app import STATIC, stories
 from latolato.app.run_request import RunRequest
@@ -311,7 +312,7 @@ def test_the_tongue_is_that_of_the_analysis():
     for ratio, side in zip(
         challenge["task"]["ratios"], ["low", "low", None, "high", "high"], strict=True
     ):
-        amplitude = analysis.mathieu.mathieu_threshold_amplitude(
+        amplitude = threshold_amplitude(
             frequency_ratio=ratio, length=system.length, mass=system.mass,
             damping=system.damping, gravity=system.gravity,
         )  # fmt: skip

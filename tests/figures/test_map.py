@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis import mathieu_tongue_edges
+from hanging import tongue_edges
 from latolato.figures import style
 from latolato.figures.map import NO_ANSWER
 from latolato.figures.overlays import Context, tongue
@@ -143,7 +143,7 @@ def test_parameters_that_vary_together_are_labelled_by_the_first():
 def test_the_tongue_is_that_of_the_sweeps_own_damping(grid):
     context = Context.of(grid, "frequency_ratio", "drive_amplitude")
     amplitudes, low, high = tongue(context, 0.1)
-    expected = mathieu_tongue_edges(drive_amplitude=0.1, length=0.5, mass=0.8, damping=0.05)
+    expected = tongue_edges(drive_amplitude=0.1, length=0.5, mass=0.8, damping=0.05)
     drawn = np.array([low[-1], high[-1]]) / math.sqrt(9.8 / 0.5)
     np.testing.assert_allclose(drawn, expected, rtol=1e-12)
     # the first amplitude is the tip: gamma/(2 w0) lengths, to first order (Landau & Lifshitz)
@@ -153,7 +153,7 @@ def test_the_tongue_is_that_of_the_sweeps_own_damping(grid):
     (line,) = figure.axes[0].get_lines()
     (x, *_), (y, *_) = line.get_data()
     assert y == figure.axes[0].get_ylim()[1]  # the upper border of the last cells
-    expected = mathieu_tongue_edges(drive_amplitude=y, length=0.5, mass=0.8, damping=0.05)
+    expected = tongue_edges(drive_amplitude=y, length=0.5, mass=0.8, damping=0.05)
     assert x == pytest.approx(expected[0])
     assert legend(figure) == ["Mathieu tongue (theory)"]
 

@@ -10,6 +10,7 @@ import pkgutil
 from latolato.analysis.attractors import BasinEntropy, basin_entropy, basins
 from latolato.analysis.bifurcation import bifurcation_diagram
 from latolato.analysis.closed_forms import (
+    MathieuParameters,
     collision_times,
     damped_small_angle,
     damping_from_decay_rate,
@@ -17,6 +18,7 @@ from latolato.analysis.closed_forms import (
     elastic_bounces,
     fall_time,
     impact_angular_velocity,
+    mathieu_parameters,
     reflected_angle,
     zeno_time,
 )
@@ -27,13 +29,6 @@ from latolato.analysis.growth import growth_rate
 from latolato.analysis.impacts import impact_map
 from latolato.analysis.lift_off import self_start
 from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.mathieu import (
-    MathieuParameters,
-    mathieu_growth_rate,
-    mathieu_parameters,
-    mathieu_threshold_amplitude,
-    mathieu_tongue_edges,
-)
 from latolato.analysis.multipliers import floquet
 from latolato.analysis.period_map import response_period_map
 from latolato.analysis.periods import response_period
@@ -74,10 +69,7 @@ __all__ = [
     "impact_map",
     "inverted_limits",
     "lyapunov_spectrum",
-    "mathieu_growth_rate",
     "mathieu_parameters",
-    "mathieu_threshold_amplitude",
-    "mathieu_tongue_edges",
     "pair_symmetry",
     "poincare_section",
     "reflected_angle",

@@ -1,4 +1,4 @@
-"""Exact solutions for a pivot at rest: decays, falls and bounces."""
+"""Closed forms: decays, falls and bounces of a pivot at rest, and the numbers of paper eq15."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from latolato.analysis.elliptic import Array, checked_shaped, checked_times, undriven_motion
 from latolato.core.errors import InputError
-from latolato.core.quantities import ANY, NON_NEGATIVE
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 
@@ -343,3 +343,54 @@ def _climb_time(bounce: _Bounce, speed: float | Array, complement: float | Array
     sn, dn = speed / (k * low_cosine), complement / low_cosine
     cn = low_sine * dn / k
     return np.asarray(sn * elliprf(cn * cn, dn * dn, 1.0) / bounce.frequency)
+
+
+class MathieuParameters(NamedTuple):
+    """Dimensionless parameters of the undamped linear equation.
+
+    The first two belong to the standard form ``x'' + (a - 2 q cos 2z) x = 0``, where the paper
+    writes b for q; the third is gamma of paper eq15.
+
+    Examples
+    --------
+    >>> mathieu_parameters(drive_amplitude=0.05, drive_frequency=6.0).mathieu_q
+    0.1
+    """
+
+    mathieu_a: float
+    mathieu_q: float
+    mathieu_strength: float
+
+
+def mathieu_parameters(
+    *, drive_amplitude: float, drive_frequency: float, length: float = 1.0, gravity: float = GRAVITY
+) -> MathieuParameters:
+    """Return a, q and the excitation strength of the undamped linear equation [1].
+
+    Source: paper eq15 and the standard form above it.
+
+    Parameters
+    ----------
+    drive_amplitude : float
+        A0 [m], at least 0.
+    drive_frequency : float
+        Angular frequency w [rad/s], positive.
+    length, gravity : float
+        l [m] and g [m/s^2], positive.
+
+    Returns
+    -------
+    MathieuParameters
+        ``a = (2 w0/w)^2``, ``q = 2 A0/l``, ``gamma = A0 w^2/(2 g)``.
+
+    Examples
+    --------
+    >>> a, q, strength = mathieu_parameters(drive_amplitude=0.05, drive_frequency=6.26)
+    >>> print(f"{a:.6f} {q} {strength:.6f}")
+    1.000316 0.1 0.099968
+    """
+    system = Pendulum(length=length, mass=1.0, gravity=gravity)
+    l, g = system.length, system.gravity
+    A0 = checked_number("drive_amplitude", drive_amplitude, NON_NEGATIVE, "m")
+    w = checked_number("drive_frequency", drive_frequency, POSITIVE, "rad/s")
+    return MathieuParameters(4.0 * g / (l * w**2), 2.0 * A0 / l, A0 * w**2 / (2.0 * g))

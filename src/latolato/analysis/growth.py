@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any, Literal
 
 from latolato.analysis.linear import SLOWEST, linearised
-from latolato.analysis.mathieu import mathieu_growth_rate
 from latolato.analysis.registry import analyses, labelled
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
@@ -55,10 +54,10 @@ def growth_rate(
 
     Notes
     -----
-    Hanging under a cosine: `mathieu_growth_rate`. Else ``angle = exp(-gamma t/2) z`` takes the drag
-    out, and the exponents of z are eigenvalues of Hill's Fourier matrix (Deconinck & Kutz 2006),
-    whose harmonics are doubled until the band edges settle. Error: 1e-12 of w; at an undamped
-    edge, where the rate starts as a square root, 1e-7 of w.
+    ``angle = exp(-gamma t/2) z`` takes the drag out. The growth rate of z is the drag that would
+    just hold it: a zero of Hill's determinant, with as many harmonics as the band edges need to
+    settle. Error: below 1e-14 of w under a cosine; at an undamped edge, where the rate starts as a
+    square root, 1e-8 of w.
 
     Examples
     --------
@@ -92,10 +91,6 @@ def growth_rate(
             parameter="drive_amplitude",
             value=amplitude,
             way_out="lower it or give suspension='rod'",
-        )
-    elif problem.is_plain and method == "determinant":
-        rate = float(
-            mathieu_growth_rate(drive_amplitude=amplitude, drive_frequency=w, **problem.parameters)
         )
     else:
         rate = problem.growth(w, amplitude, method)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from latolato.analysis.checks import check_drag, hits_pull
-from latolato.analysis.hill import find_root
 from latolato.analysis.linear import RATIOS, checked_template, peak, phase_of_peak, waveform_of
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.roots import find_root
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity

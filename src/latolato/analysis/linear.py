@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.checks import check_drag, checked_vertical
-from latolato.analysis.hill import find_peak, find_root, first_rise
+from latolato.analysis.roots import find_peak, find_root, first_rise
 from latolato.analysis.waveform import (
     Complexes,
     band_edges,
@@ -69,17 +69,6 @@ class Linear:
         return self.damping / (2.0 * self.mass * self.length * self.natural_frequency)
 
     @property
-    def is_plain(self) -> bool:
-        """Whether the closed form of Hill's determinant holds: hanging, harmonic."""
-        return self.side > 0.0 and self.template.is_cosine
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """What the functions of `latolato.analysis.mathieu` need."""
-        names = ("length", "mass", "damping", "gravity")
-        return {name: getattr(self, name) for name in names}
-
-    @property
     def largest_amplitude(self) -> float:
         """The largest drive amplitude [m] that the drive and this analysis allow."""
         return LARGEST_CRANK * self.template.largest_amplitude
@@ -102,7 +91,14 @@ class Linear:
     @lru_cache(maxsize=256)  # noqa: B019 - problems are small, and this bounds their number
     def coefficients(self, amplitude: float) -> Complexes:
         """Return the Fourier coefficients of `waveform`."""
+        if self.template.is_cosine:  # they are proportional to the amplitude
+            return np.asarray(amplitude / self.length * self._cosine)
         return fourier_coefficients(self.waveform(amplitude))
+
+    @cached_property
+    def _cosine(self) -> Complexes:
+        """Fourier coefficients of a cosine as large as the length."""
+        return fourier_coefficients(self.waveform(self.length))
 
     @lru_cache(maxsize=256)  # noqa: B019
     def harmonics(self, amplitude: float, is_odd: bool, count: int) -> int:
@@ -153,8 +149,16 @@ class Linear:
             rate = math.acosh(max(half, 1.0)) / math.tau
         else:
             a = (self.side - zeta**2) * slowness**2
-            harmonics = self.harmonics(amplitude, False, 2 + math.ceil(2.0 * math.sqrt(abs(a))))
-            rate = undamped_growth(a, self.coefficients(amplitude), harmonics)
+            count = 2 + math.ceil(2.0 * math.sqrt(abs(a)))
+            rate = max(
+                undamped_growth(
+                    a,
+                    self.coefficients(amplitude),
+                    is_odd,
+                    self.harmonics(amplitude, is_odd, count),
+                )
+                for is_odd in (False, True)
+            )
         return w * rate - zeta * w0
 
 
@@ -280,6 +284,17 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
         raise InputError(
             "the balls must have one drag rate damping/mass, or their meetings mix two motions",
             way_out=way_out,
+        )
+
+
+def check_oscillates(problem: Linear) -> None:
+    """Refuse a pendulum that is damped so strongly that it does not oscillate."""
+    if problem.damping_ratio >= 1.0:
+        raise InputError(
+            f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
+            f"({problem.damping_ratio:.3g} times that)",
+            parameter="damping",
+            way_out="use growth_rate for overdamped cases",
         )
 
 

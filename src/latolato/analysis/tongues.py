@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from latolato.analysis.linear import linearised, tongue, waveform_of
-from latolato.analysis.mathieu import mathieu_tongue_edges
+from latolato.analysis.linear import check_oscillates, linearised, tongue, waveform_of
 from latolato.analysis.registry import analyses, labelled, warn
-from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.core.registry import checked_count
 from latolato.physics.drives import Drive
@@ -71,12 +69,11 @@ def tongue_edges(
 
     Notes
     -----
-    Hanging under a cosine: `mathieu_tongue_edges`, error below 1e-14. Else the determinant of the
-    (anti)periodic Fourier system with drag, whose harmonics are doubled until nothing changes by
-    more than 1e-12; the monodromy agrees to 1e-12 where the tongue is wider than 1e-3, and loses
-    as the width shrinks, for it sees its square. Quadratic drag has no linear part and does not
-    matter here. A string is a rod as long as the downward acceleration of the pivot stays below
-    gravity.
+    The determinant of the (anti)periodic Fourier system with drag, whose harmonics are doubled
+    until nothing changes by more than 1e-12. Error: below 1e-14 under a cosine. The monodromy
+    agrees to 1e-12 where the tongue is wider than 1e-3, and loses as the width shrinks, for it sees
+    its square. Quadratic drag has no linear part and does not matter here. A string is a rod as
+    long as the downward acceleration of the pivot stays below gravity.
 
     Examples
     --------
@@ -89,19 +86,8 @@ def tongue_edges(
     problem = linearised(system, drive, position)
     if position == "hanging":
         checked_count("order", order, Range(1, _LARGEST_ORDER))
-    if position == "hanging" and problem.damping_ratio >= 1.0:
-        raise InputError(
-            f"must be below 2 m l w0, {problem.damping / problem.damping_ratio:.3g} kg m/s, for a "
-            "tongue to exist",
-            parameter="damping",
-            value=problem.damping,
-            way_out="use growth_rate for overdamped cases",
-        )
-    if problem.is_plain and method == "determinant":
-        low, high = mathieu_tongue_edges(
-            drive_amplitude=drive_amplitude, order=order, **problem.parameters
-        )
-    elif drive_amplitude == 0.0:
+        check_oscillates(problem)
+    if drive_amplitude == 0.0:
         low, high = _edges_at_rest(order, problem.side, problem.damping)
     else:
         low, high = tongue(problem, drive_amplitude, order, method)

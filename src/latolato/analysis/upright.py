@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated
 
-from latolato.analysis.hill import find_root
 from latolato.analysis.linear import RATIOS, Linear, linearised, waveform_of
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.roots import find_root
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System

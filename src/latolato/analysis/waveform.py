@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.analysis.roots import find_root
 from latolato.core.errors import InputError
 
 Complexes = NDArray[np.complex128]
@@ -96,12 +97,12 @@ def _wave_numbers(is_odd: bool, harmonics: int) -> Floats:
 
 def _coupling(coefficients: Complexes, size: int) -> Complexes:
     """Return the matrix of F_(k-j), shape (size, size)."""
-    from scipy.linalg import toeplitz
-
     column = np.zeros(size, dtype=np.complex128)
     count = min(size, len(coefficients))
     column[:count] = coefficients[:count]
-    return np.asarray(toeplitz(column, column.conj()))
+    both = np.concatenate((column[:0:-1].conj(), column))
+    k = np.arange(size)
+    return np.asarray(both[size - 1 + k[:, None] - k])
 
 
 def hill_value(a: float, c: float, coefficients: Complexes, is_odd: bool, harmonics: int) -> float:
@@ -127,19 +128,17 @@ def band_edges(coefficients: Complexes, is_odd: bool, harmonics: int, count: int
     return np.asarray(np.einsum("ki,ki->i", vectors.conj(), matrix @ vectors).real)
 
 
-def undamped_growth(a: float, coefficients: Complexes, harmonics: int) -> float:
-    """Return the largest real Floquet exponent of ``x'' + (a + F) x = 0`` per unit of phase.
+def undamped_growth(a: float, coefficients: Complexes, is_odd: bool, harmonics: int) -> float:
+    """Return the growth of ``x'' + (a + F) x = 0`` per unit of phase in (odd) tongues, 0 outside.
 
-    With the exponents ``i nu`` it is ``(nu + k)^2 u_k = a u_k + sum_j F_(k-j) u_j``, made linear by
-    ``v_k = (nu + k) u_k``.
+    With ``x = exp(m p) y`` it is ``y'' + 2 m y' + (a + m^2 + F) y = 0``: the growth m is the drag
+    under which y is just periodic (odd: antiperiodic), a zero of `hill_value`.
     """
-    kappa = _wave_numbers(False, harmonics)
-    one = np.eye(len(kappa))
-    stiffness: Any = a * one + _coupling(coefficients, len(kappa))
-    if not coefficients.imag.any():
-        stiffness = stiffness.real
-    shift = -np.diag(kappa)
-    nu = np.linalg.eigvals(np.block([[shift, one], [stiffness, shift]]))
-    # All others repeat these, shifted by 1: the further, the worse.
-    central = nu[np.abs(nu.real) <= 0.5 + 1e-6]
-    return float(np.abs(central.imag).max())
+
+    def value(m: float) -> float:
+        return hill_value(a + m * m, 2.0 * m, coefficients, is_odd, harmonics)
+
+    if value(0.0) >= 0.0:
+        return 0.0
+    # No solution grows faster than the square root of the largest -(a + F).
+    return find_root(value, 0.0, math.sqrt(abs(a) + 2.0 * float(np.abs(coefficients).sum())))

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from latolato.app import STATIC
 from latolato.core.errors import InputError
 from latolato.physics.drives import PeriodicDrive
+from latolato.physics.pendulum import Pendulum
 from latolato.scenario.scenario import ALTERNATIVES
 from latolato.scenario.units import to_si
 
@@ -303,7 +304,7 @@ def _least_amplitude(run: Run) -> float:
 
 def _distance_from_tongue(guess: str, ratios: list[float], preset: str, options: Tables) -> float:
     """Return how far guesses are on average from where parametric resonance begins [m]."""
-    from latolato.analysis.mathieu import mathieu_threshold_amplitude
+    from latolato.analysis.linear import linearised, threshold
     from latolato.app.run_request import RunRequest
 
     guesses = [to_si("guess", part.strip(), "m") for part in guess.split(",")]
@@ -311,14 +312,9 @@ def _distance_from_tongue(guess: str, ratios: list[float], preset: str, options:
         raise InputError(f"guess must hold {len(ratios)} amplitudes, got {len(guesses)}")
     system = RunRequest(preset, options).to_scenario().system
     [ball] = system.balls
-    edges = [
-        mathieu_threshold_amplitude(
-            frequency_ratio=ratio,
-            length=ball.length,
-            mass=ball.mass,
-            damping=ball.damping,
-            gravity=system.gravity,
-        )
-        for ratio in ratios
-    ]
+    pendulum = Pendulum(
+        length=ball.length, mass=ball.mass, damping=ball.damping, gravity=system.gravity
+    )
+    problem = linearised(pendulum, None)
+    edges = [threshold(problem, ratio, ball.length, None) for ratio in ratios]
     return float(np.mean(np.abs(np.subtract(guesses, edges))))

@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
+from latolato.physics.pendulum import Pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,16 +187,21 @@ def tongue(context: Context, largest: float) -> tuple[Floats, Floats, Floats]:
 
     The first row is the tip, where both edges meet; an upper edge of infinity is left out as NaN.
     """
-    from latolato.analysis.mathieu import mathieu_tongue_edges
+    from latolato.analysis import linear
 
-    def edges(amplitude: float) -> tuple[float, float]:
-        return mathieu_tongue_edges(
-            drive_amplitude=amplitude,
+    problem = linear.linearised(
+        Pendulum(
             length=context.length,
             mass=context.mass,
             damping=context.damping,
             gravity=context.gravity,
-        )
+        ),
+        None,
+    )
+    linear.check_oscillates(problem)
+
+    def edges(amplitude: float) -> tuple[float, float]:
+        return linear.tongue(problem, amplitude, 1, "determinant")
 
     largest = min(largest, _CLOSED * context.length)
     closed, opened = 0.0, largest

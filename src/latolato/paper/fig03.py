@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from latolato import Harmonic
-from latolato.analysis import mathieu_growth_rate, mathieu_tongue_edges
+from latolato.analysis import growth_rate, tongue_edges
 from latolato.figures import style
 from latolato.paper import measure
 from latolato.paper import systems as paper
@@ -39,7 +40,6 @@ def data(quick: bool = False) -> xr.Dataset:
     from latolato import simulate
 
     system, amplitude = paper.PENDULUM, paper.DRIVE.drive_amplitude
-    body = paper.body(system)
     # The same instants for all, so that they fit into one dataset.
     times = instants(DURATION, paper.DRIVE.drive_frequency)
     runs = {
@@ -53,9 +53,18 @@ def data(quick: bool = False) -> xr.Dataset:
     }
     dataset = stack(runs, title=TITLE, keep=("angle", "angular_velocity"))
     frequencies = list(FREQUENCIES.values())
-    rates = mathieu_growth_rate(drive_amplitude=amplitude, drive_frequency=frequencies, **body)
-    edge, _ = mathieu_tongue_edges(drive_amplitude=amplitude, **body)
-    undamped, _ = mathieu_tongue_edges(drive_amplitude=amplitude, length=system.length)
+    rates = [
+        float(
+            growth_rate(
+                system, Harmonic(drive_amplitude=amplitude, drive_frequency=frequency)
+            ).growth_rate
+        )
+        for frequency in frequencies
+    ]
+    edge, undamped = (
+        float(tongue_edges(each, drive_amplitude=amplitude).low)
+        for each in (system, replace(system, damping=0.0))
+    )
     beside = np.array([edge - 1e-3, edge + 1e-3])
     residuals = Residuals()
     dataset = dataset.assign(

@@ -45,7 +45,7 @@ def data(quick: bool = False) -> xr.Dataset:
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that the statements on the maps need."""
     from latolato import map_boundary
-    from latolato.analysis import mathieu_tongue_edges
+    from latolato.analysis import tongue_edges
 
     free, damped = (dataset.sel(case=case) for case in (UNDAMPED, DAMPED))
     by_energy = map_boundary(free, "mean_energy", LEVEL)
@@ -84,9 +84,8 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         amplitude = 0.1 * tenths
         edge = by_energy.left_edge.sel(drive_amplitude=amplitude, method="nearest")
         result[f"left_{tenths}"] = float(edge)
-        result[f"tongue_{tenths}"] = mathieu_tongue_edges(
-            drive_amplitude=amplitude, length=paper.UNDAMPED.length
-        )[0]
+        tongue = tongue_edges(paper.UNDAMPED, drive_amplitude=amplitude)
+        result[f"tongue_{tenths}"] = float(tongue.low)
     return result
 
 

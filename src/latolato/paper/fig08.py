@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato import Harmonic, Mathieu
-from latolato.analysis import mathieu_growth_rate, mathieu_threshold_amplitude
+from latolato.analysis import growth_rate, threshold_amplitude
 from latolato.figures import style
 from latolato.paper import measure
 from latolato.paper import systems as paper
@@ -38,8 +38,10 @@ def data(quick: bool = False) -> xr.Dataset:
     times = instants(DURATION, frequency)
     drive = Harmonic(drive_amplitude=paper.SINGLE_AMPLITUDE, drive_frequency=frequency)
     run = simulate(paper.SINGLE, drive, initial_angle=paper.SINGLE_START, times=times)
-    threshold = mathieu_threshold_amplitude(
-        frequency_ratio=frequency / paper.SINGLE.natural_frequency, **paper.body(paper.SINGLE)
+    threshold = float(
+        threshold_amplitude(
+            paper.SINGLE, frequency_ratio=frequency / paper.SINGLE.natural_frequency
+        ).drive_amplitude
     )
     amplitudes = np.linspace(0.008, 0.030, 221)
     checked = np.concatenate([[BELOW * threshold, ABOVE * threshold], np.arange(9, 31, 3) * 1e-3])
@@ -49,9 +51,7 @@ def data(quick: bool = False) -> xr.Dataset:
         growth_rate=quantity(
             "growth_rate",
             "drive_amplitude",
-            mathieu_growth_rate(
-                drive_amplitude=amplitudes, drive_frequency=frequency, **paper.body(paper.SINGLE)
-            ),
+            [_growth_rate(amplitude) for amplitude in amplitudes],
             long_name="growth rate by Hill's determinant",
         ),
         growth_rate_of_runs=quantity(
@@ -68,6 +68,12 @@ def data(quick: bool = False) -> xr.Dataset:
         drive_amplitude=quantity("drive_amplitude", "drive_amplitude", amplitudes),
         checked_amplitude=quantity("drive_amplitude", "checked_amplitude", checked),
     )
+
+
+def _growth_rate(amplitude: float) -> float:
+    """Growth rate by Hill's determinant at a driving amplitude [1/s]."""
+    drive = Harmonic(drive_amplitude=amplitude, drive_frequency=paper.SINGLE_FREQUENCY)
+    return float(growth_rate(paper.SINGLE, drive).growth_rate)
 
 
 def _linear_rate(amplitude: float, residuals: Residuals) -> float:
@@ -103,13 +109,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     growth, _ = measure.growth_per_period(
         time, angle, samples_per_period=SAMPLES_PER_PERIOD, first=first, last=last
     )
-    hill = float(
-        mathieu_growth_rate(
-            drive_amplitude=paper.SINGLE_AMPLITUDE,
-            drive_frequency=paper.SINGLE_FREQUENCY,
-            **paper.body(paper.SINGLE),
-        )
-    )
+    hill = _growth_rate(paper.SINGLE_AMPLITUDE)
     below, above = (float(value) for value in dataset.growth_rate_of_runs[:2])
     return {
         "ratio": paper.SINGLE_FREQUENCY / paper.SINGLE.natural_frequency,

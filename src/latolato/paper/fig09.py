@@ -60,7 +60,7 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def numbers(dataset: xr.Dataset) -> Numbers:
     """Return the numbers that Fig. 9's statements need."""
-    from latolato.analysis import mathieu_tongue_edges
+    from latolato.analysis import tongue_edges
 
     ratio = dataset.frequency_ratio.values
     amplitudes = dataset.drive_amplitude.values
@@ -70,12 +70,8 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     rows = [int(i) for i in np.flatnonzero(amplitudes >= 0.0099) if grown[i].any()]
     first = np.array([int(np.argmax(grown[i])) for i in rows])
     last = np.array([len(ratio) - 1 - int(np.argmax(grown[i][::-1])) for i in rows])
-    edges = np.array(
-        [
-            mathieu_tongue_edges(drive_amplitude=amplitudes[i], **paper.body(paper.SINGLE))
-            for i in rows
-        ]
-    )
+    tongues = [tongue_edges(paper.SINGLE, drive_amplitude=float(amplitudes[i])) for i in rows]
+    edges = np.array([(float(each.low), float(each.high)) for each in tongues])
     ends = last < len(ratio) - 1
     shifts = ratio[first] - edges[:, 0]
     right_shifts = (ratio[last] - edges[:, 1])[ends]

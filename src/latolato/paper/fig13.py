@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.analysis import mathieu_growth_rate
+from latolato.analysis import growth_rate
 from latolato.figures import style
 from latolato.paper import measure
 from latolato.paper import systems as paper
@@ -44,14 +44,7 @@ def data(quick: bool = False) -> xr.Dataset:
         panel: simulate(system, paper.DRIVE, initial_angle=paper.SMALL_ANGLE, times=times)
         for panel, (system, _) in CASES.items()
     }
-    rates = [
-        mathieu_growth_rate(
-            drive_amplitude=paper.DRIVE.drive_amplitude,
-            drive_frequency=paper.DRIVE.drive_frequency,
-            **paper.body(system),
-        )
-        for system, _ in CASES.values()
-    ]
+    rates = [float(growth_rate(system, paper.DRIVE).growth_rate) for system, _ in CASES.values()]
     return stack(runs, title=TITLE, keep=("angle", "angular_velocity")).assign(
         growth_rate=quantity(
             "growth_rate", "case", np.array(rates), long_name="growth rate by Hill's determinant"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato import CrankSlider, Harmonic, equivalent_pendulum
-from latolato.analysis import mathieu_tongue_edges
+from latolato.analysis import tongue_edges
 from latolato.paper import measure
 from latolato.paper import systems as paper
 from latolato.paper.cases import Floats, instants, quantity, stack, variable
@@ -82,9 +82,8 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     crank = dataset.sel(case="crank")
     settled = {str(case): _settled(dataset.sel(case=case)) for case in dataset.case.values}
     gravity, length = paper.SINGLE.gravity, paper.SINGLE.length
-    edge, _ = mathieu_tongue_edges(
-        drive_amplitude=paper.DRIVE.drive_amplitude, **paper.body(paper.PENDULUM)
-    )
+    tongue = tongue_edges(paper.PENDULUM, drive_amplitude=paper.DRIVE.drive_amplitude)
+    edge = float(tongue.low)
     return {
         "rod_shift": with_rod**-0.5 - 1.0,
         "edge": edge,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,9 +11,9 @@ import numpy as np
 from latolato import Harmonic
 from latolato.analysis import (
     decay_rate,
-    mathieu_growth_rate,
-    mathieu_threshold_amplitude,
-    mathieu_tongue_edges,
+    growth_rate,
+    threshold_amplitude,
+    tongue_edges,
 )
 from latolato.paper import measure
 from latolato.paper import systems as paper
@@ -36,17 +37,12 @@ def data(quick: bool = False) -> xr.Dataset:
     """Return edges, growth rates and thresholds of eq14, and runs of eq10 at a small amplitude."""
     from latolato import simulate
 
-    length, mass = paper.UNDAMPED.length, paper.UNDAMPED.mass
     w0 = paper.UNDAMPED.natural_frequency
-    edges = [mathieu_tongue_edges(drive_amplitude=a, length=length)[0] for a in AMPLITUDES]
-    multiples = mathieu_growth_rate(
-        drive_amplitude=paper.DRIVE.drive_amplitude,
-        drive_frequency=w0 * np.array(TIMES_OMEGA0),
-        length=length,
-    )
+    edges = [float(tongue_edges(paper.UNDAMPED, drive_amplitude=a).low) for a in AMPLITUDES]
+    multiples = [_growth(paper.DRIVE.drive_amplitude, w0 * n) for n in TIMES_OMEGA0]
     dampings = (paper.UNDAMPED.damping, paper.PENDULUM.damping)
     thresholds = [
-        mathieu_threshold_amplitude(length=length, mass=mass, damping=damping)
+        float(threshold_amplitude(replace(paper.UNDAMPED, damping=damping)).drive_amplitude)
         for damping in dampings
     ]
     bands = np.array([[_band(order, a) for a in BAND_AMPLITUDES] for order in ORDERS])
@@ -92,12 +88,17 @@ def data(quick: bool = False) -> xr.Dataset:
 
 def _band(order: int, amplitude: float) -> tuple[float, float]:
     """Return the largest growth rate in an undamped band [1/s] and its width in w/w0."""
-    length, w0 = paper.UNDAMPED.length, paper.UNDAMPED.natural_frequency
-    low, high = mathieu_tongue_edges(drive_amplitude=amplitude, length=length, order=order)
-    rates = mathieu_growth_rate(
-        drive_amplitude=amplitude, drive_frequency=w0 * np.linspace(low, high, 101), length=length
-    )
-    return float(rates.max()), high - low
+    w0 = paper.UNDAMPED.natural_frequency
+    tongue = tongue_edges(paper.UNDAMPED, drive_amplitude=amplitude, order=order)
+    low, high = float(tongue.low), float(tongue.high)
+    rates = [_growth(amplitude, w0 * ratio) for ratio in np.linspace(low, high, 101)]
+    return max(rates), high - low
+
+
+def _growth(amplitude: float, frequency: float) -> float:
+    """Growth rate without damping, by Hill's determinant [1/s]."""
+    drive = Harmonic(drive_amplitude=amplitude, drive_frequency=frequency)
+    return float(growth_rate(paper.UNDAMPED, drive).growth_rate)
 
 
 def numbers(dataset: xr.Dataset) -> Numbers:

@@ -111,7 +111,7 @@ export function tongue(placing) {
   if (zeta >= 1)
     throw new InputError("must be below 2 m l w0 for a tongue to exist, "
       + `got ${general(damping)} (${general(zeta, 3)} times that)`, { parameter: "damping",
-      wayOut: "use mathieu_growth_rate for overdamped cases" });
+      wayOut: "use growth_rate for overdamped cases" });
   const edges = (/** @type {number} */ amplitude) => tongueEdges(2 * amplitude / length, zeta);
   const isClosed = (/** @type {number} */ amplitude) => Number.isNaN(edges(amplitude)[0]);
   const largest = Math.min(placing.largestAmplitude(), CLOSED * length);
