@@ -21,7 +21,7 @@ from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
 from latolato.physics.drives.segment import POLYNOMIAL, STILL
 from latolato.scenario.scenario import Scenario
-from latolato.simulation.run import SAMPLES_PER_PERIOD
+from latolato.simulation.plan import SAMPLES_PER_PERIOD
 from latolato.simulation.record import LEDGER
 
 if TYPE_CHECKING:

@@ -13,12 +13,12 @@ from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import describe, flattened
 from latolato.core.versions import version_of
 from latolato.numerics import records
-from latolato.numerics.integrate import Floats, Start, Trajectory
 from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS
-from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, contact_laws
-from latolato.physics.drives import Drive, drives
-from latolato.physics.noise import VelocityKicks
+from latolato.numerics.integrate import Floats, Trajectory
+from latolato.physics.contacts import CONTACT_KINDS, contact_laws
+from latolato.physics.drives import drives
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
+from latolato.simulation.plan import RunPlan
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -183,16 +183,9 @@ def _on_strings(
     return result
 
 
-def attributes_of(
-    system: System,
-    drive: Drive,
-    law: ContactLaw,
-    noise: VelocityKicks | None,
-    start: Start,
-    end: float,
-    run: dict[str, Any],
-) -> dict[str, Any]:
+def attributes_of(plan: RunPlan) -> dict[str, Any]:
     """Return the run's parameters, flat for reading and as JSON for running it again."""
+    system, drive, start, noise = plan.system, plan.drive, plan.start, plan.noise
     many = system.angles == 2
     scenario: dict[str, Any] = {
         "system": systems.described(system),
@@ -200,10 +193,13 @@ def attributes_of(
         "run": {
             "initial_angle": list(start.angles) if many else start.angles[0],
             "initial_angular_velocity": list(start.velocities) if many else start.velocities[0],
-            "duration": end,
-            "contact": contact_laws.name_of(law),
-            **describe(law),
-            **run,
+            "duration": plan.end,
+            "contact": contact_laws.name_of(plan.law),
+            **describe(plan.law),
+            "tolerance": plan.tolerance,
+            "rest_speed": plan.rest_speed,
+            "frame": plan.frame,
+            "contact_limit": plan.contact_limit,
         },
     }
     if start.distances:

@@ -5,42 +5,31 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from functools import partial
-from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import check_increasing, checked_array, in_unit
 from latolato.numerics import records
+from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.numerics.engine.samples import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
     Floats,
     Trajectory,
-    choose_step,
     integrate,
     laws_key,
     moves_in_plane,
     observe,
 )
-from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
-from latolato.numerics.prepare import MOST_STEPS, choose_stepper
+from latolato.numerics.prepare import choose_stepper
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.parameters import MOST_SAMPLES, RUN_PARAMETERS
+from latolato.simulation.plan import RunPlan, make_run_plan
 from latolato.simulation.record import Record, attributes_of, record_of
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
-    checked_contact,
-    checked_drive,
-    checked_start,
-    checked_system,
-    kicks_of,
-    walls_of,
-    warn_of_degrees,
 )
 
 if TYPE_CHECKING:
@@ -144,10 +133,26 @@ def simulate(
     >>> [str(kind) for kind in run.contact_kind.values]
     ['bottom', 'bottom']
     """
-    return _recorded(**locals()).to_dataset()
+    plan = make_run_plan(
+        system,
+        drive,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        initial_distance=initial_distance,
+        duration=duration,
+        times=times,
+        tolerance=tolerance,
+        contact=contact,
+        rest_speed=rest_speed,
+        frame=frame,
+        noise=noise,
+        contact_limit=contact_limit,
+    )
+    return run_plan(plan, progress).to_dataset()
 
 
-def record(*args: Any, **options: Any) -> Record:
+def record(*args: Any, progress: Callable[[float], None] | None = None, **options: Any) -> Record:
     """Return the result of `simulate` for the same arguments, as plain arrays.
 
     Examples
@@ -156,75 +161,17 @@ def record(*args: Any, **options: Any) -> Record:
     >>> float(record(ll.Pendulum(length=1.0, mass=1), initial_angle=0.1, duration=2.0)["time"][-1])
     2.0
     """
-    bound = signature(simulate).bind(*args, **options)
-    bound.apply_defaults()
-    return _recorded(**bound.arguments)
+    return run_plan(make_run_plan(*args, **options), progress)
 
 
-def _recorded(
-    *,
-    system: System,
-    drive: Drive | None,
-    initial_angle: float | Sequence[float] | None,
-    initial_angular_velocity: float | Sequence[float],
-    initial_offset: float | None,
-    initial_distance: float | Sequence[float] | None,
-    duration: float | None,
-    times: Sequence[float] | Floats | None,
-    tolerance: float,
-    contact: str | ContactLaw | None,
-    rest_speed: float,
-    frame: str,
-    noise: VelocityKicks | None,
-    contact_limit: int,
-    progress: Callable[[float], None] | None,
-) -> Record:
-    """Return the record of a run; arguments as of `simulate`."""
-    drive = checked_drive(drive, checked_system(system))
-    law = checked_contact(contact, system)
-    tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
-    rest_speed = RUN_PARAMETERS["rest_speed"].checked(rest_speed)
-    contact_limit = RUN_PARAMETERS["contact_limit"].checked(contact_limit)
+def run_plan(plan: RunPlan, progress: Callable[[float], None] | None = None) -> Record:
+    """Return the record of a planned run."""
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
-    frame = RUN_PARAMETERS["frame"].checked(frame)
-    instants, end = _checked_times(system, drive, times, duration)
-    walls = walls_of(system, law)
-    start = checked_start(
-        system, walls, initial_angle, initial_angular_velocity, initial_offset, initial_distance
-    )
-    warn_of_degrees("initial_angle", start.angles, stacklevel=3)
-    kick_times, kick_sizes = kicks_of(noise, system, end)
-
-    if law.fixed_step is not None and law.fixed_step > end:
-        raise InputError(
-            f"must not exceed the duration {end:g} s",
-            parameter="clamp_step",
-            value=law.fixed_step,
-            way_out="a thousandth of a second is usual",
-        )
-    step = choose_step(system, drive, start, tolerance, law)
-    if end / step > MOST_STEPS:
-        raise InputError(
-            f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
-            f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
-        )
-    begun = partial(
-        integrate,
-        system,
-        drive,
-        start,
-        instants,
-        end,
-        rest_speed=rest_speed,
-        contact_limit=contact_limit,
-        kick_times=kick_times,
-        kick_sizes=kick_sizes,
-        law=law,
-        progress=progress,
-    )
-    clamped = law.fixed_step is not None
-    trajectory, halvings = (begun(step=step), 0) if clamped else _closed(begun, step, tolerance)
+    clamped = plan.law.fixed_step is not None
+    trajectory, halvings = _integrated(plan, plan.step, progress), 0
+    if not clamped:
+        trajectory, halvings = _closed(plan, trajectory, progress)
     residual = float(trajectory.state.ledger_error)
     if trajectory.status != "complete":
         if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
@@ -235,36 +182,47 @@ def _recorded(
         warnings.warn(
             f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
         )
-    quantities = _observe(system, drive, trajectory, instants, end, frame == "both")
-    is_string = system.suspension == "string"
-    run = {
-        "tolerance": tolerance,
-        "rest_speed": rest_speed,
-        "frame": frame,
-        "contact_limit": contact_limit,
-    }
-    attrs = attributes_of(system, drive, law, noise, start, end, run)
+    quantities = _observe(plan, trajectory)
+    attrs = attributes_of(plan)
     attrs.update(
         energy_residual=residual,
         status=trajectory.status,
         step=trajectory.step,
-        stepper="classical Runge-Kutta" if clamped else choose_stepper(system).name,
+        stepper="classical Runge-Kutta" if clamped else choose_stepper(plan.system).name,
         step_halvings=halvings,
         grazing_contacts=int(trajectory.state.grazes),
         contacts=len(trajectory.contact_times),
     )
-    if not law.stores_energy:
+    if not plan.law.stores_energy:
         attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
-    result = record_of(system, trajectory, quantities, instants, frame, attrs)
-    if is_string:
-        attrs.update(_slackness(system, trajectory))
+    result = record_of(plan.system, trajectory, quantities, plan.instants, plan.frame, attrs)
+    if plan.system.suspension == "string":
+        attrs.update(_slackness(plan.system, trajectory))
     elif "tension" in result:
-        attrs.update(_compression(system, trajectory))
+        attrs.update(_compression(plan.system, trajectory))
     return result
 
 
+def _integrated(plan: RunPlan, step: float, progress: Callable[[float], None] | None) -> Trajectory:
+    """Return the trajectory of a plan with steps of this length [s]."""
+    return integrate(
+        plan.system,
+        plan.drive,
+        plan.start,
+        plan.instants,
+        plan.end,
+        rest_speed=plan.rest_speed,
+        contact_limit=plan.contact_limit,
+        kick_times=plan.kick_times,
+        kick_sizes=plan.kick_sizes,
+        law=plan.law,
+        step=step,
+        progress=progress,
+    )
+
+
 def _closed(
-    begun: Callable[..., Trajectory], step: float, tolerance: float
+    plan: RunPlan, trajectory: Trajectory, progress: Callable[[float], None] | None
 ) -> tuple[Trajectory, int]:
     """Return the run with the largest step that closes the energy ledger, and its halvings.
 
@@ -272,22 +230,22 @@ def _closed(
     """
     halvings = 0
     while True:
-        trajectory = begun(step=step * 0.5**halvings)
         state = trajectory.state
-        residual, allowed = float(state.ledger_error), float(allowed_error(state, tolerance))
+        residual, allowed = float(state.ledger_error), float(allowed_error(state, plan.tolerance))
         if residual <= allowed or trajectory.status != "complete":
             return trajectory, halvings
         if halvings == MOST_HALVINGS or int(state.total_steps) > MOST_STEPS_TO_REPEAT:
             share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
             warnings.warn(
                 f"the energy ledger closes only to {residual:.3g} J, {share:.2g} of "
-                f"the largest energy: tolerance {tolerance:g} was not reached with step "
+                f"the largest energy: tolerance {plan.tolerance:g} was not reached with step "
                 f"{trajectory.step:.3g} s",
                 RuntimeWarning,
                 stacklevel=4,
             )
             return trajectory, halvings
         halvings += 1
+        trajectory = _integrated(plan, plan.step * 0.5**halvings, progress)
 
 
 def _share_of(time: Any, trajectory: Trajectory) -> Any:
@@ -321,56 +279,10 @@ def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
     return {"compression_time": first, "compression_fraction": share}
 
 
-def _checked_times(
-    system: System, drive: Drive, times: Any, duration: float | None
-) -> tuple[Floats, float]:
-    """Return the sample instants and the end of the run [s]."""
-    if times is None:
-        if duration is None:
-            raise InputError(
-                "is needed: give the end of the run in s, or times", parameter="duration"
-            )
-        end = RUN_PARAMETERS["duration"].checked(duration)
-        fastest = max(system.natural_frequency, drive.fastest_frequency)
-        periods = end * fastest / (2.0 * math.pi)
-        if periods * SAMPLES_PER_PERIOD > MOST_SAMPLES:
-            raise InputError(
-                f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
-                f"{MOST_SAMPLES}; ask for the instants you need with times"
-            )
-        count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
-        return np.linspace(0.0, end, max(count, 2)), end
-    parameter = RUN_PARAMETERS["times"]
-    times = in_unit("times", times, parameter.unit)
-    is_one = isinstance(times, (int, float)) or getattr(times, "shape", None) == ()
-    times = [times] if is_one else times
-    numbers = checked_array("times", times, parameter.allowed, unit=parameter.unit)
-    instants = np.array(numbers)
-    if np.any(np.diff(instants) <= 0.0):
-        check_increasing("times", numbers)
-    if duration is None and instants[-1] <= 0.0:
-        raise InputError(
-            f"must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last",
-            parameter="times",
-            way_out="add a later instant or give duration",
-        )
-    end = RUN_PARAMETERS["duration"].checked(instants[-1] if duration is None else duration)
-    if instants[0] < 0.0 or instants[-1] > end:
-        outside = instants[0] if instants[0] < 0.0 else instants[-1]
-        raise InputError(f"must lie in [0, duration = {end:g}] s", parameter="times", value=outside)
-    return instants, end
-
-
-def _observe(
-    system: System,
-    drive: Drive,
-    trajectory: Trajectory,
-    times: Floats,
-    end: float,
-    with_lab: bool,
-) -> dict[str, Floats]:
+def _observe(plan: RunPlan, trajectory: Trajectory) -> dict[str, Floats]:
     """Return the pivot's motion, shape (time,), and per-ball quantities, shape (ball, time)."""
-    segments = records.segment_records(drive, end)
+    system, drive, times = plan.system, plan.drive, plan.instants
+    segments = records.segment_records(drive, plan.end)
     balls, in_plane = ball_records(system.balls), moves_in_plane(system, drive)
     names = (*PIVOT_ROWS, *ACROSS_ROWS) if in_plane else PIVOT_ROWS
     pivot = np.empty((len(names), len(times)))
@@ -378,7 +290,8 @@ def _observe(
     samples = trajectory.samples
     observation = Observation(
         times, samples[records.S_MODE], samples, segments, balls, float(system.gravity),
-        int(system.is_linear), int(system.drag_frame == "lab"), int(with_lab), pivot, out,
+        int(system.is_linear), int(system.drag_frame == "lab"), int(plan.frame == "both"), pivot,
+        out,
     )  # fmt: skip
     laws: tuple[Any, ...] = drive.height, drive.velocity, drive.acceleration
     if in_plane:

@@ -132,8 +132,27 @@ def sweep(
     >>> grid.largest_angle.dims
     ('drive_amplitude', 'frequency_ratio')
     """
-    arguments = locals()
-    plan = make_plan(**{name: arguments[name] for name in signature(make_plan).parameters})
+    plan = make_plan(
+        system,
+        drive,
+        axes=axes,
+        duration=duration,
+        observables=observables,
+        initial_angle=initial_angle,
+        initial_angular_velocity=initial_angular_velocity,
+        initial_offset=initial_offset,
+        initial_distance=initial_distance,
+        transient=transient,
+        transient_periods=transient_periods,
+        tolerance=tolerance,
+        contact=contact,
+        rest_speed=rest_speed,
+        contact_limit=contact_limit,
+        noise=noise,
+        continuation=continuation,
+        direction=direction,
+        chunk_size=chunk_size,
+    )
     options = {"workers": workers, "client": client}
     options = {name: value for name, value in options.items() if value is not None}
     return run_plan(plan, executor=executor, store=store, progress=progress, **options)

@@ -1,0 +1,172 @@
+"""A run as a frozen plan: all that determines its numbers, checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from latolato.core.errors import InputError
+from latolato.core.registry import check_increasing, checked_array, in_unit
+from latolato.numerics.integrate import Floats, Start, choose_step
+from latolato.numerics.prepare import MOST_STEPS
+from latolato.physics.contacts import ContactLaw
+from latolato.physics.drives import Drive
+from latolato.physics.noise import VelocityKicks
+from latolato.physics.pendulum import System
+from latolato.simulation.parameters import MOST_SAMPLES, RUN_PARAMETERS
+from latolato.simulation.start import (
+    DEFAULT_REST_SPEED,
+    checked_contact,
+    checked_drive,
+    checked_start,
+    checked_system,
+    kicks_of,
+    walls_of,
+    warn_of_degrees,
+)
+
+SAMPLES_PER_PERIOD = 100
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunPlan:
+    """Everything that determines the numbers of a run.
+
+    Attributes
+    ----------
+    law : ContactLaw
+        What happens where balls touch.
+    instants : ndarray, shape (time,)
+        When the state is wanted [s].
+    end : float
+        End of the run [s].
+    step : float
+        Length of the first try's steps [s].
+    kick_times, kick_sizes : ndarray, shapes (kick,) and (ball, kick), or None
+        Of the noise [s], [rad/s].
+    """
+
+    system: System
+    drive: Drive
+    law: ContactLaw
+    start: Start
+    instants: Floats
+    end: float
+    step: float
+    tolerance: float
+    rest_speed: float
+    frame: str
+    contact_limit: int
+    noise: VelocityKicks | None
+    kick_times: Floats | None
+    kick_sizes: Floats | None
+
+
+def make_run_plan(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
+    initial_distance: float | Sequence[float] | None = None,
+    duration: float | None = None,
+    times: Sequence[float] | Floats | None = None,
+    tolerance: float = 1e-10,
+    contact: str | ContactLaw | None = "exact",
+    rest_speed: float = DEFAULT_REST_SPEED,
+    frame: str = "pivot",
+    noise: VelocityKicks | None = None,
+    contact_limit: int = 1_000_000,
+) -> RunPlan:
+    """Return the plan of a run; parameters and errors are those of `latolato.simulate`."""
+    drive = checked_drive(drive, checked_system(system))
+    law = checked_contact(contact, system)
+    tolerance = RUN_PARAMETERS["tolerance"].checked(tolerance)
+    rest_speed = RUN_PARAMETERS["rest_speed"].checked(rest_speed)
+    contact_limit = RUN_PARAMETERS["contact_limit"].checked(contact_limit)
+    frame = RUN_PARAMETERS["frame"].checked(frame)
+    instants, end = _checked_times(system, drive, times, duration)
+    start = checked_start(
+        system,
+        walls_of(system, law),
+        initial_angle,
+        initial_angular_velocity,
+        initial_offset,
+        initial_distance,
+    )
+    warn_of_degrees("initial_angle", start.angles, stacklevel=3)
+    kick_times, kick_sizes = kicks_of(noise, system, end)
+    if law.fixed_step is not None and law.fixed_step > end:
+        raise InputError(
+            f"must not exceed the duration {end:g} s",
+            parameter="clamp_step",
+            value=law.fixed_step,
+            way_out="a thousandth of a second is usual",
+        )
+    step = choose_step(system, drive, start, tolerance, law)
+    if end / step > MOST_STEPS:
+        raise InputError(
+            f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
+            f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
+        )
+    return RunPlan(
+        system=system,
+        drive=drive,
+        law=law,
+        start=start,
+        instants=instants,
+        end=end,
+        step=step,
+        tolerance=tolerance,
+        rest_speed=rest_speed,
+        frame=frame,
+        contact_limit=contact_limit,
+        noise=noise,
+        kick_times=kick_times,
+        kick_sizes=kick_sizes,
+    )
+
+
+def _checked_times(
+    system: System, drive: Drive, times: Any, duration: float | None
+) -> tuple[Floats, float]:
+    """Return the sample instants and the end of the run [s]."""
+    if times is None:
+        if duration is None:
+            raise InputError(
+                "is needed: give the end of the run in s, or times", parameter="duration"
+            )
+        end = RUN_PARAMETERS["duration"].checked(duration)
+        fastest = max(system.natural_frequency, drive.fastest_frequency)
+        periods = end * fastest / (2.0 * math.pi)
+        if periods * SAMPLES_PER_PERIOD > MOST_SAMPLES:
+            raise InputError(
+                f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
+                f"{MOST_SAMPLES}; ask for the instants you need with times"
+            )
+        count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
+        return np.linspace(0.0, end, max(count, 2)), end
+    parameter = RUN_PARAMETERS["times"]
+    times = in_unit("times", times, parameter.unit)
+    is_one = isinstance(times, (int, float)) or getattr(times, "shape", None) == ()
+    times = [times] if is_one else times
+    numbers = checked_array("times", times, parameter.allowed, unit=parameter.unit)
+    instants = np.array(numbers)
+    if np.any(np.diff(instants) <= 0.0):
+        check_increasing("times", numbers)
+    if duration is None and instants[-1] <= 0.0:
+        raise InputError(
+            f"must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last",
+            parameter="times",
+            way_out="add a later instant or give duration",
+        )
+    end = RUN_PARAMETERS["duration"].checked(instants[-1] if duration is None else duration)
+    if instants[0] < 0.0 or instants[-1] > end:
+        outside = instants[0] if instants[0] < 0.0 else instants[-1]
+        raise InputError(f"must lie in [0, duration = {end:g}] s", parameter="times", value=outside)
+    return instants, end
