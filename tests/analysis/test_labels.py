@@ -1,5 +1,6 @@
 """Every analysis labels its dataset in the same way."""
 
+from importlib.util import find_spec
 from inspect import signature
 
 import numpy as np
@@ -81,3 +82,10 @@ def test_every_argument_of_an_analysis_becomes_an_attribute() -> None:
     )  # fmt: skip
     names = signature(ll.analysis.bifurcation_diagram).parameters.keys() - {"system", "drive"}
     assert names - found.attrs.keys() == {"initial_offset", "direction"}  # None; a coordinate
+
+
+def test_an_analysis_and_its_picture_are_in_modules_of_its_name() -> None:
+    for name, function in analyses.items():
+        if function.__module__.startswith("latolato."):
+            assert function.__module__ == f"latolato.analysis.{name}"
+            assert find_spec(f"latolato.figures.analyses.{name}") is not None

@@ -9,12 +9,12 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.checks import hits_pull
-from latolato.analysis.continuation import continue_orbit
-from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.multipliers import floquet
-from latolato.analysis.periods import response_period
-from latolato.analysis.section import poincare_section
-from latolato.analysis.symmetry import as_pair
+from latolato.analysis.continue_orbit import continue_orbit
+from latolato.analysis.floquet import floquet
+from latolato.analysis.lyapunov_spectrum import lyapunov_spectrum
+from latolato.analysis.pair_symmetry import as_pair
+from latolato.analysis.poincare_section import poincare_section
+from latolato.analysis.response_period import response_period
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.analysis.multipliers import floquet
+from latolato.analysis.floquet import floquet
 from latolato.analysis.registry import labelled
 from latolato.analysis.summary import as_lines, summarise
 from latolato.cli.analyse import AnalysisCall, Targets

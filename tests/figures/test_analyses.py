@@ -15,9 +15,9 @@ TOY = ll.LatoLato(length=0.245, mass=0.1, radius=0.0196, damping=0.00274, restit
 SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
 
 
-def made(name, module, variables, coordinates=None, settings=None):
+def made(name, variables, coordinates=None, settings=None):
     """A dataset as the analysis would label it."""
-    home = importlib.import_module(f"latolato.analysis.{module}")
+    home = importlib.import_module(f"latolato.analysis.{name}")
     return labelled(
         name, variables, {"system": TOY, "drive": SHAKE}, coordinates=coordinates,
         quantities=home.QUANTITIES, settings=settings,
@@ -30,7 +30,7 @@ def multipliers(values, status, **changes):
         "slowest_impact": 1.0, "multiplier_error": 1e-12, "defect": 1e-14,
     }  # fmt: skip
     variables = {"multipliers": ("multiplier", np.array(values, dtype=complex)), "status": status}
-    return made("floquet", "multipliers", variables | numbers | changes)
+    return made("floquet", variables | numbers | changes)
 
 
 def branch(x, angle, stable, specials=(), status="end of range"):
@@ -38,7 +38,6 @@ def branch(x, angle, stable, specials=(), status="end of range"):
     kinds = np.array([s[0] for s in specials], dtype="U20")
     return made(
         "continue_orbit",
-        "continuation",
         {
             "frequency_ratio": ("point", np.array(x, dtype=float)),
             "largest_angle": ("point", np.array(angle, dtype=float)),
@@ -61,7 +60,6 @@ def spectrum(values, status, residual=1e-15):
     variables |= {"divergence": -1.0, "sum_rule_residual": residual}
     return made(
         "lyapunov_spectrum",
-        "lyapunov",
         variables,
         {"exponent": np.arange(1, len(values) + 1)},
         {"duration": 300.0, "transient": 100.0},
@@ -73,7 +71,6 @@ def symmetry(rate, status, **axes):
     rate = np.array(rate, dtype=float)
     return made(
         "pair_symmetry",
-        "symmetry",
         {
             "transverse_exponent": (dims, rate),
             "largest_angle_after_transient": (dims, np.ones_like(rate)),

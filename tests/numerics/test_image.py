@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.analysis.floquet import floquet
 from latolato.analysis.flow import Flow
-from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.multipliers import floquet
+from latolato.analysis.lyapunov_spectrum import lyapunov_spectrum
 from latolato.core.errors import InputError
 from latolato.numerics.records import C_RADIAL
 from latolato.physics.contacts import BOTTOM, SLACK, TAUT, TOP

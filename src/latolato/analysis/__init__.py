@@ -7,8 +7,8 @@ loaded by discovery. Those below are named for type checkers.
 import importlib
 import pkgutil
 
-from latolato.analysis.attractors import BasinEntropy, basin_entropy, basins
-from latolato.analysis.bifurcation import bifurcation_diagram
+from latolato.analysis.basins import BasinEntropy, basin_entropy, basins
+from latolato.analysis.bifurcation_diagram import bifurcation_diagram
 from latolato.analysis.closed_forms import (
     MathieuParameters,
     collision_times,
@@ -22,28 +22,28 @@ from latolato.analysis.closed_forms import (
     reflected_angle,
     zeno_time,
 )
-from latolato.analysis.continuation import continue_orbit
+from latolato.analysis.continue_orbit import continue_orbit
 from latolato.analysis.elliptic import undriven_motion, undriven_period
-from latolato.analysis.frequency_sweeps import hysteresis
-from latolato.analysis.growth import growth_rate
-from latolato.analysis.impacts import impact_map
-from latolato.analysis.lift_off import self_start
-from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.multipliers import floquet
-from latolato.analysis.period_map import response_period_map
-from latolato.analysis.periods import response_period
+from latolato.analysis.first_passage_time import first_passage_time
+from latolato.analysis.first_push import first_push
+from latolato.analysis.floquet import floquet
+from latolato.analysis.growth_rate import growth_rate
+from latolato.analysis.hysteresis import hysteresis
+from latolato.analysis.impact_map import impact_map
+from latolato.analysis.inverted_limits import inverted_limits
+from latolato.analysis.lyapunov_spectrum import lyapunov_spectrum
+from latolato.analysis.pair_symmetry import pair_symmetry
+from latolato.analysis.poincare_section import poincare_section
 from latolato.analysis.protocol import Protocol
-from latolato.analysis.protocol_search import shortest_protocol
-from latolato.analysis.push import first_push
 from latolato.analysis.registry import analyses
-from latolato.analysis.section import poincare_section
+from latolato.analysis.response_period import response_period
+from latolato.analysis.response_period_map import response_period_map
+from latolato.analysis.self_start import self_start
+from latolato.analysis.shortest_protocol import shortest_protocol
 from latolato.analysis.stroboscopic import wilson_interval
-from latolato.analysis.subharmonic import time_crystal
-from latolato.analysis.symmetry import pair_symmetry
-from latolato.analysis.threshold import threshold_amplitude
-from latolato.analysis.tongues import tongue_edges
-from latolato.analysis.upright import inverted_limits
-from latolato.analysis.waiting_time import first_passage_time
+from latolato.analysis.threshold_amplitude import threshold_amplitude
+from latolato.analysis.time_crystal import time_crystal
+from latolato.analysis.tongue_edges import tongue_edges
 
 __all__ = [
     "BasinEntropy",

@@ -135,7 +135,7 @@ def is_even(system: Any, drive: Any) -> str | None:
 
 def ends_as_cosine(system: Any, drive: Any) -> str | None:
     """Say whether the pivot ends up moving as a cosine."""
-    from latolato.analysis.protocol_search import last_cosine
+    from latolato.analysis.shortest_protocol import last_cosine
 
     last = last_cosine(drive)
     if last is None or last.frequency == 0.0 or drive.moves_across:

@@ -387,7 +387,7 @@ def _demodulated(signs: Floats, angles: Floats, velocities: Floats, frequency: f
 
 def _survival(demodulated: Floats, period: float) -> dict[str, Any]:
     """Return order, slips, lifetime and autocorrelation of an answer, (trajectory, period)."""
-    from latolato.analysis.waiting_time import censored_mean
+    from latolato.analysis.first_passage_time import censored_mean
 
     states = sign_states(demodulated).astype(np.float64)
     count, periods = states.shape

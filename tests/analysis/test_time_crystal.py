@@ -8,7 +8,7 @@ import pytest
 import latolato as ll
 from hanging import tongue_edges
 from latolato.analysis import time_crystal
-from latolato.analysis.subharmonic import (
+from latolato.analysis.time_crystal import (
     _HANN_WIDTH,
     _demodulated,
     _survival,

@@ -10,8 +10,8 @@ import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.checks import check_vertical
+from latolato.analysis.floquet import shorter_period, smallest_period
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
-from latolato.analysis.multipliers import shorter_period, smallest_period
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.errors import InputError

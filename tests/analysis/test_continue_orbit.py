@@ -9,7 +9,7 @@ import pytest
 import latolato as ll
 from hanging import tongue_edges
 from latolato.analysis.closed_forms import fall_time
-from latolato.analysis.continuation import continue_orbit
+from latolato.analysis.continue_orbit import continue_orbit
 from latolato.analysis.flow import value_of, varied
 from latolato.core.errors import InputError
 

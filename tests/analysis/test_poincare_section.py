@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import bifurcation_diagram, impact_map, poincare_section, response_period
-from latolato.analysis.bifurcation import _differ
+from latolato.analysis.bifurcation_diagram import _differ
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)

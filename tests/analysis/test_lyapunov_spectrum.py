@@ -8,8 +8,8 @@ import pytest
 import latolato as ll
 from hanging import growth_rate
 from latolato.analysis.flow import Flow
-from latolato.analysis.lyapunov import lyapunov_spectrum
-from latolato.analysis.symmetry import as_pair, pair_symmetry
+from latolato.analysis.lyapunov_spectrum import lyapunov_spectrum
+from latolato.analysis.pair_symmetry import as_pair, pair_symmetry
 from latolato.core.errors import InputError
 
 SHAKE = ll.Harmonic(drive_amplitude=0.15, drive_frequency=6.0)
@@ -32,7 +32,7 @@ def test_the_sum_is_that_of_drag_and_impacts():
 
 
 def test_exponents_at_a_fixed_point_are_those_of_floquet():
-    from latolato.analysis.multipliers import floquet
+    from latolato.analysis.floquet import floquet
 
     system = ll.Pendulum(length=1.0, mass=0.8, damping=0.2)
     drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=8.0)

@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis import basin_entropy, basins, first_push
-from latolato.analysis.attractors import UNRESOLVED, find_attractors
+from latolato.analysis.basins import UNRESOLVED, find_attractors
 
 SINGLE = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)

@@ -7,7 +7,7 @@ import pytest
 
 import latolato as ll
 from hanging import growth_rate
-from latolato.analysis.multipliers import floquet
+from latolato.analysis.floquet import floquet
 
 NATURAL = math.sqrt(9.8)
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)

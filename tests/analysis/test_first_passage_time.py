@@ -8,8 +8,8 @@ from scipy.special import expi
 
 import latolato as ll
 from latolato.analysis import first_passage_time
+from latolato.analysis.first_passage_time import censored_mean
 from latolato.analysis.starts import hanging_angles
-from latolato.analysis.waiting_time import censored_mean
 from latolato.figures.analyses.first_passage_time import draw
 
 TOY = ll.LatoLato(length=0.245, mass=0.10644, damping=0.00506, radius=0.0196, restitution=0.9)

@@ -8,7 +8,7 @@ import pytest
 import latolato as ll
 from hanging import tongue_edges
 from latolato.analysis import hysteresis
-from latolato.analysis.frequency_sweeps import _loop
+from latolato.analysis.hysteresis import _loop
 from latolato.figures.analyses.hysteresis import draw
 
 PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
