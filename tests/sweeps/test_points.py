@@ -219,7 +219,7 @@ def test_points_begin_as_single_runs_do(name, follows):
         case = cases_of(
             system, plan.contact, angles=start.angles, velocities=start.velocities,
             bounds=(drive.largest_acceleration, drive.fastest_frequency), is_exact=1,
-            tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_rough=not is_smooth(plan),
+            tolerance=plan.tolerance, rest_speed=plan.rest_speed, is_nonsmooth=not is_smooth(plan),
             follows_tension=_follows_tension(plan),
         )  # fmt: skip
         alone, problem = prepared_runs(case, stepper)
