@@ -1,6 +1,7 @@
 """The drag laws: exact flows, their semigroup, signs and series."""
 
 import math
+from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -10,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from latolato.numerics.prepare import body_record
-from latolato.physics.damping import damping_power, decay_time, drag, drift
+from latolato.numerics.records import BODY
+from latolato.physics.damping import damping_power, drag, drift, effective_time
 from latolato.physics.pendulum import Ball
 
 RATES = [0.0, 1e-6, 0.02, 1.7]
@@ -20,15 +22,21 @@ QUADRATICS = [0.0, 1e-4, 0.3, 2.0]
 def flow(velocity, time, rate, quadratic):
     """Angle travelled and velocity after `time` with the sign that the velocity has."""
     sign = math.copysign(1.0, velocity)
-    return drift(velocity, sign, decay_time(rate, time), rate, quadratic)
+    body = SimpleNamespace(damping_rate=rate, quadratic=quadratic)
+    return drift(velocity, sign, effective_time(rate, time), body)
+
+
+def body_of(ball):
+    """The body of one ball, as kernels read it."""
+    return np.rec.array([body_record(ball)], dtype=BODY)[0]
 
 
 @pytest.mark.parametrize("time", [1e-9, 1e-4, 0.05, 3.0, -0.02])
 @pytest.mark.parametrize("rate", [0.0, 1e-12, 1e-5, 0.0199, 0.0201, 1.0, 30.0])
-def test_decay_time_is_exact_to_rounding_on_both_sides_of_its_series(rate, time):
+def test_effective_time_is_exact_to_rounding_on_both_sides_of_its_series(rate, time):
     with mp.workdps(50):
         exact = mp.mpf(time) if rate == 0.0 else -mp.expm1(-mp.mpf(rate) * time) / mp.mpf(rate)
-    assert decay_time(rate, time) == pytest.approx(float(exact), rel=4e-16)
+    assert effective_time(rate, time) == pytest.approx(float(exact), rel=4e-16)
 
 
 @pytest.mark.parametrize("velocity", [-4.0, -0.01, 0.3, 7.0])
@@ -103,19 +111,19 @@ def test_dissipated_power_is_drag_force_times_speed(velocity, length, mass, laws
         quadratic_damping=quadratic,
         coulomb_damping=coulomb,
     )
-    _, c1, c2, c0, inertia = body_record(ball)[:5]
+    body = body_of(ball)
     sign = float(np.sign(velocity))
     power = damping_power(velocity, length, linear, quadratic, coulomb)
     assert power >= 0.0
-    assert power == pytest.approx(inertia * drag(velocity, sign, c1, c2, c0) * velocity, rel=1e-12)
+    assert power == pytest.approx(body.inertia * drag(velocity, sign, body) * velocity, rel=1e-12)
 
 
 def test_drag_opposes_the_motion(damping_law):
     ball = Ball(length=0.9, mass=0.5, **damping_law)
-    _, c1, c2, c0 = body_record(ball)[:4]
+    body = body_of(ball)
     for velocity in (0.7, 5.0):
-        forward = drag(velocity, 1.0, c1, c2, c0)
-        assert forward == -drag(-velocity, -1.0, c1, c2, c0)
+        forward = drag(velocity, 1.0, body)
+        assert forward == -drag(-velocity, -1.0, body)
         assert (forward > 0.0) == bool(damping_law)
 
 

@@ -8,8 +8,9 @@ import sympy as sp
 
 import latolato as ll
 from latolato.numerics.prepare import body_record
+from latolato.numerics.records import BODY
 from latolato.physics import energy as law
-from latolato.physics.damping import damping_power, drag
+from latolato.physics.damping import damping_power, drag, drag_force
 from latolato.physics.pendulum import (
     potential_linear,
     potential_sine,
@@ -79,12 +80,12 @@ def derived():
 @pytest.mark.parametrize("lift", [0.0, 13.0, -21.0])
 def test_acceleration_of_eq10_follows_from_its_lagrangian(derived, angle, speed, lift):
     ball = ll.Ball(length=l, mass=m, damping=C)
-    inverse_length, rate, quadratic = body_record(ball)[:3]
+    body = np.rec.array([body_record(ball)], dtype=BODY)[0]
     restored = restoring_sine(angle)
-    alpha = swung(g + lift, inverse_length, restored)
-    alpha -= drag(speed, float(np.sign(speed)), rate, quadratic, 0.0)
+    alpha = swung(g + lift, body.inverse_length, restored)
+    alpha -= drag(speed, float(np.sign(speed)), body)
     assert alpha == pytest.approx(derived["alpha"](angle, speed, 0, 0, lift, l, m, g, C), rel=1e-13)
-    driven = swung(lift, inverse_length, restored)
+    driven = swung(lift, body.inverse_length, restored)
     assert driven == pytest.approx(-lift * math.sin(angle) / l, rel=1e-14)
 
 
@@ -100,7 +101,7 @@ def test_rod_power_is_the_vertical_force_on_the_ball_times_the_pivots_velocity(
     derived, angle, speed
 ):
     lift, rise = -7.0, 1.3
-    force = drag(speed, float(np.sign(speed)), C, 0.0, 0.0)
+    force = drag_force(speed, float(np.sign(speed)), C, 0.0, 0.0)
     pull = tension(angle, speed, lift, m, l, g)
     exact = derived["vertical"](angle, speed, 0, rise, lift, l, m, g, C) * rise
     assert law.rod_power(angle, force, pull, rise) == pytest.approx(exact, rel=1e-12)

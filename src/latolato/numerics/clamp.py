@@ -39,7 +39,7 @@ def make_clamped(
         restored = restoring(x, run.settings.is_linear)
         driven = swung(pivot_acceleration(t, run.segment), b.inverse_length, restored)
         sign = 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
-        slowing = drag(v, sign, b.damping_rate, b.quadratic, b.coulomb)
+        slowing = drag(v, sign, b)
         a = driven + swung(gravity, b.inverse_length, restored) - slowing
         return a, driven * v, slowing * v
 

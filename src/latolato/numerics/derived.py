@@ -13,7 +13,7 @@ from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
-from latolato.physics.damping import damping_power, drag, static_friction
+from latolato.physics.damping import damping_power, drag_force, static_friction
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
 from latolato.physics.pair import contact_torque, radial_push
 from latolato.physics.pendulum import Ball, swung
@@ -106,7 +106,7 @@ def make_observer(
             force = -b.mass * (o.gravity + ay) * restored_at(angle, o.is_linear)
             return static_friction(force, b.coulomb_damping)
         sign = 1.0 if speed > 0.0 else -1.0
-        return drag(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
+        return drag_force(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
 
     @part
     def joint_friction(o: Any, samples: Any, i: int, ay: float) -> float:

@@ -19,7 +19,7 @@ from latolato.numerics.derived import (
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.records import S_DISTANCE
-from latolato.physics.damping import static_friction
+from latolato.physics.damping import drag_force, static_friction
 from latolato.physics.pair import contact_torque, radial_push
 
 # The formulas that `make_plane_observer` takes: height, velocity and acceleration, up and across.
@@ -58,8 +58,8 @@ def make_plane_observer(
         force = x * cosine(angle) + y * sine(angle)
         if w == 0.0:
             return force - static_friction(force, b.coulomb_damping)
-        drag = b.damping * w + b.quadratic_damping * w * abs(w)
-        return force - drag - math.copysign(b.coulomb_damping, w)
+        sign = math.copysign(1.0, w)
+        return force - drag_force(w, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
 
     @part
     def observe_ball(o: Any, j: int, i: int, is_still: bool) -> None:

@@ -33,7 +33,7 @@ from latolato.numerics.entry import make_caller
 from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.pieces import FLY, LOCATE, SHOW
-from latolato.physics.damping import decay_time
+from latolato.physics.damping import effective_time
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
 _RESYNC = 256.0
@@ -165,7 +165,7 @@ def make_lanes(
         table[r.COS * L + j], table[r.SIN * L + j] = 1.0, 0.0
         for i in range(len(weights.drifts)):
             at, following = i * r.TABLE_ROWS * L + j, (i + 1) * r.TABLE_ROWS * L + j
-            reach = decay_time(body.damping_rate, weights.drifts[i] * h)
+            reach = effective_time(body.damping_rate, weights.drifts[i] * h)
             turn = frequency * h * weights.nodes[i]
             table[at + r.DRIFT_TIME * L] = reach / h
             table[at + r.LEFT * L] = 1.0 - body.damping_rate * reach

@@ -9,6 +9,7 @@ that each law keeps its full order there.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from latolato.core.scalar import formula
 
@@ -19,8 +20,8 @@ _NONE = 1e-100
 
 
 @formula
-def decay_time(rate: float, time: float) -> float:
-    """Return (1 - exp(-rate time))/rate [s], the distance per initial speed of linear drag."""
+def effective_time(rate: float, time: float) -> float:
+    """(1 - exp(-rate time))/rate [s]: the distance per initial speed under linear drag."""
     x = rate * time
     if abs(x) < _SERIES:
         return time * (
@@ -30,81 +31,143 @@ def decay_time(rate: float, time: float) -> float:
 
 
 @formula
-def drift(
-    velocity: float, sign: float, reach: float, rate: float, quadratic: float
-) -> tuple[float, float]:
-    """Return the angle travelled [rad] and the angular velocity after a force-free stretch.
+def drift(velocity: float, sign: float, time: float, body: Any) -> tuple[float, float]:
+    """Angle travelled [rad] and angular velocity after a force-free interval.
 
-    Exact flow of ``w' = -c1 w - c2 sign w^2``: with the reach
-    ``E = (1 - exp(-c1 t))/c1`` of `decay_time`, ``d = 1 + c2 sign w E``,
-    ``w -> w (1 - c1 E)/d`` and the travelled angle is ``ln(d)/(c2 sign)``, or ``w E`` for c2 = 0.
+    Exact flow of ``w' = -c1 w - c2 sign w^2``: with the effective time
+    ``E = (1 - exp(-c1 t))/c1``, ``d = 1 + c2 sign w E``, ``w -> w (1 - c1 E)/d`` and the travelled
+    angle is ``ln(d)/(c2 sign)``, or ``w E`` for c2 = 0.
 
     Parameters
     ----------
     velocity : float
         Angular velocity at the start [rad/s].
     sign : float
-        Sign of the velocity in this stretch of motion, +1 or -1; only used by quadratic drag.
-    reach : float
-        `decay_time` of the stretch [s]; negative in the backward substeps of a splitting.
-    rate : float
-        c1 = damping/(mass length) [1/s].
-    quadratic : float
-        c2 = quadratic_damping/(mass length) [1].
+        Sign of the velocity in this interval, +1 or -1; only used by quadratic drag.
+    time : float
+        `effective_time` of the interval [s]; negative in the backward substeps of a splitting.
+    body : record
+        ``damping_rate`` is c1 [1/s], ``quadratic`` c2 [1]; see `numerics.records.BODY`.
 
     Notes
     -----
     A velocity against its sign grows without bound within ``1/(c2 |w|)``: d is then 0, and both
     results are NaN. A step that ends with NaN has thus gone far beyond a turning point.
     """
-    # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
-    slowed = velocity - velocity * (rate * reach)
-    if quadratic < _NONE:
-        return velocity * reach, slowed
-    stretch = quadratic * sign * velocity * reach
-    if stretch <= -1.0:
-        return math.nan, math.nan
-    return sign * math.log1p(stretch) / quadratic, slowed / (1.0 + stretch)
+    return _flow(velocity, sign, time, body.damping_rate, body.quadratic)
+
+
+@formula
+def drift_slopes(velocity: float, sign: float, time: float, body: Any) -> tuple[float, float]:
+    """Derivatives of what `drift` returns by the velocity, [s] and [1]."""
+    return _flow_slopes(velocity, sign, time, body.damping_rate, body.quadratic)
 
 
 @formula
 def drift_in_plane(
-    vx: float, vy: float, reach: float, rate: float, quadratic: float
+    vx: float, vy: float, time: float, body: Any
 ) -> tuple[float, float, float, float]:
-    """Return how far a ball travels in the plane [m], x and y, and its velocity afterwards [m/s].
+    """Distance that a ball travels in the plane [m], x and y, and its velocity afterwards [m/s].
 
-    The drag opposes the velocity and keeps its direction: this is `drift` of the speed. Here
-    `quadratic` is quadratic_damping/(mass length^2) [1/m].
+    The drag opposes the velocity and keeps its direction: this is the flow of the speed, with
+    ``c2/l`` [1/m].
     """
+    rate, quadratic = body.damping_rate, body.quadratic * body.inverse_length
     if quadratic < _NONE:
-        kept = rate * reach
-        return vx * reach, vy * reach, vx - vx * kept, vy - vy * kept
+        kept = rate * time
+        return vx * time, vy * time, vx - vx * kept, vy - vy * kept
     speed = math.hypot(vx, vy)
     if speed == 0.0:
         return 0.0, 0.0, 0.0, 0.0
-    travelled, slower = drift(speed, 1.0, reach, rate, quadratic)
+    travelled, slower = _flow(speed, 1.0, time, rate, quadratic)
     far, kept = travelled / speed, slower / speed
     return vx * far, vy * far, vx * kept, vy * kept
 
 
 @formula
-def drift_slopes(
-    velocity: float, sign: float, reach: float, rate: float, quadratic: float
-) -> tuple[float, float]:
-    """Return how what `drift` returns changes with the velocity, [s] and [1]."""
-    stretch = 1.0 + quadratic * sign * velocity * reach
-    return reach / stretch, (1.0 - rate * reach) / (stretch * stretch)
+def drift_slopes_in_plane(
+    speed: float, time: float, body: Any
+) -> tuple[float, float, float, float]:
+    """Derivatives of `drift_in_plane` by the velocity: along it [s] and [1], and across it."""
+    rate, quadratic = body.damping_rate, body.quadratic * body.inverse_length
+    far, kept = _flow_slopes(speed, 1.0, time, rate, quadratic)
+    if speed == 0.0:
+        return far, kept, far, kept
+    travelled, slower = _flow(speed, 1.0, time, rate, quadratic)
+    return far, kept, travelled / speed, slower / speed
 
 
 @formula
-def drag(velocity: float, sign: float, rate: float, quadratic: float, coulomb: float) -> float:
-    """Return the deceleration by drag [rad/s^2]; `sign` is the velocity's (0 when it sticks)."""
-    return rate * velocity + quadratic * velocity * abs(velocity) + coulomb * sign
+def _flow(
+    velocity: float, sign: float, time: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """See `drift`."""
+    # Not velocity * (1 - c1 E): the rounding of that factor is the same in every step and adds up.
+    slowed = velocity - velocity * (rate * time)
+    if quadratic < _NONE:
+        return velocity * time, slowed
+    excess = quadratic * sign * velocity * time
+    if excess <= -1.0:
+        return math.nan, math.nan
+    return sign * math.log1p(excess) / quadratic, slowed / (1.0 + excess)
+
+
+@formula
+def _flow_slopes(
+    velocity: float, sign: float, time: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """See `drift_slopes`."""
+    divisor = 1.0 + quadratic * sign * velocity * time
+    return time / divisor, (1.0 - rate * time) / (divisor * divisor)
+
+
+@formula
+def viscous_drag(velocity: float, body: Any) -> float:
+    """Deceleration by all drag that vanishes with the velocity [rad/s^2]."""
+    slowing: float = body.damping_rate * velocity + body.quadratic * velocity * abs(velocity)
+    return slowing
+
+
+@formula
+def drag(velocity: float, sign: float, body: Any) -> float:
+    """Deceleration by all drag [rad/s^2]; `sign` is the velocity's (0 when it sticks)."""
+    slowing: float = viscous_drag(velocity, body) + body.coulomb * sign
+    return slowing
+
+
+@formula
+def slowing_in_plane(speed: float, body: Any) -> float:
+    """Deceleration per velocity of a ball that moves freely in the plane [1/s]."""
+    slowing: float = body.damping_rate + body.quadratic * body.inverse_length * speed
+    return slowing
+
+
+@formula
+def divergence(time: float, travelled: float, body: Any) -> float:
+    """Logarithm of the tangent map's determinant after a time and an angle travelled [1]."""
+    shrinks: float = body.damping_rate * time + 2.0 * body.quadratic * abs(travelled)
+    return -shrinks
+
+
+@formula
+def is_nonsmooth(body: Any) -> bool:
+    """Whether any drag is not smooth where the velocity is zero."""
+    return bool(body.quadratic > 0.0 or body.coulomb > 0.0)
+
+
+@formula
+def drag_force(
+    velocity: float, sign: float, damping: float, quadratic_damping: float, coulomb_damping: float
+) -> float:
+    """Tangential force that opposes the motion of a ball [N]: C w + C2 w |w| + C0 sgn w."""
+    return (
+        damping * velocity + quadratic_damping * velocity * abs(velocity) + coulomb_damping * sign
+    )
 
 
 @formula
 def static_friction(force: float, limit: float) -> float:
-    """Return the static friction [N] that opposes a tangential force, at most `limit`."""
+    """Static friction [N] that opposes a tangential force, at most `limit`."""
     return min(max(force, -limit), limit)
 
 
@@ -116,6 +179,6 @@ def damping_power(
     quadratic_damping: float,
     coulomb_damping: float,
 ) -> float:
-    """Return the dissipated power [W], l (C w^2 + C2 |w|^3 + C0 |w|)."""
+    """Dissipated power [W], l (C w^2 + C2 |w|^3 + C0 |w|)."""
     speed = abs(velocity)
     return length * speed * (coulomb_damping + speed * (damping + speed * quadratic_damping))

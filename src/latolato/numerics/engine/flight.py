@@ -24,6 +24,7 @@ from latolato.numerics.engine.taut_step import (
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.wall_contact import hop
 from latolato.observables.hermite import quintic_bounds
+from latolato.physics.damping import divergence
 
 # A step is cut here when the gap's acceleration changes sign beside a contact, so that a dip in
 # between is seen by one of its parts; and here when the balls begin to part from touch.
@@ -274,7 +275,7 @@ def make_flight(
             b, begin, end = run.bodies[i], run.now[i], run.end[i]
             swing.prepare(run, i, ANY_LENGTH + i, run.length)
             write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, begin))
-            spread -= b.damping_rate * run.length + 2.0 * b.quadratic * abs(end.angle - begin.angle)
+            spread += divergence(run.length, end.angle - begin.angle, b)
             if begin.sign == 0.0:
                 spread = -math.inf
         report.matrix(run, accumulators, 2 * count, run.length, spread)

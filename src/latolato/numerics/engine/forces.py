@@ -82,12 +82,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
         work, loss, t = 0.0, 0.0, run.t
         b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
-        inverse_length, rate, quadratic, friction = (
-            b.inverse_length,
-            b.damping_rate,
-            b.quadratic,
-            b.coulomb * sign,
-        )
+        inverse_length, friction = b.inverse_length, b.coulomb * sign
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
             end.acceleration = end.driven = 0.0
@@ -99,8 +94,8 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
             work += h * driven * middle
             loss += h * friction * middle
             velocity += change
-            reach = run.tables[table, DRIFT_TIME, i]
-            travelled, slower = drift(velocity, sign, reach, rate, quadratic)
+            drift_time = run.tables[table, DRIFT_TIME, i]
+            travelled, slower = drift(velocity, sign, drift_time, b)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
@@ -144,13 +139,13 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
             velocity += h * a
             v1 += curvature * x1
             v2 += curvature * x2
-            reach = run.tables[table, DRIFT_TIME, i]
-            far, kept = drift_slopes(velocity, sign, reach, b.damping_rate, b.quadratic)
+            drift_time = run.tables[table, DRIFT_TIME, i]
+            far, kept = drift_slopes(velocity, sign, drift_time, b)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
-            travelled, velocity = drift(velocity, sign, reach, b.damping_rate, b.quadratic)
+            travelled, velocity = drift(velocity, sign, drift_time, b)
             angle += travelled
             lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
             a = swung(lifted, b.inverse_length, restoring(angle, is_linear)) + push(angle, run)
@@ -283,7 +278,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
         work, loss, t = 0.0, 0.0, run.t
         b, gravity = run.bodies[body], run.settings.gravity
-        rate, quadratic, friction = b.damping_rate, b.quadratic, b.coulomb * sign
+        friction = b.coulomb * sign
         wind = wind_acceleration(b, angle, wx, wy)
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
@@ -296,9 +291,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
             work += h * driven * middle
             loss += h * (friction - wind) * middle
             velocity += change
-            travelled, slower = drift(
-                velocity, sign, run.tables[table, DRIFT_TIME, i], rate, quadratic
-            )
+            travelled, slower = drift(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
@@ -341,13 +334,13 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
             v2 += curvature * x2
             if i == run.stages:
                 break
-            reach = run.tables[table, DRIFT_TIME, i]
-            far, kept = drift_slopes(velocity, sign, reach, b.damping_rate, b.quadratic)
+            drift_time = run.tables[table, DRIFT_TIME, i]
+            far, kept = drift_slopes(velocity, sign, drift_time, b)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
-            travelled, velocity = drift(velocity, sign, reach, b.damping_rate, b.quadratic)
+            travelled, velocity = drift(velocity, sign, drift_time, b)
             angle += travelled
             ax, ay, wx, wy = pivot_motion(run, t + run.tables[table, OFFSET, i])
             a = angular_acceleration(b, angle, -ax, -(gravity + ay)) + wind_acceleration(

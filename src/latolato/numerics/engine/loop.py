@@ -37,6 +37,7 @@ from latolato.numerics.engine.strings import NO_STRINGS, Strings, make_strings
 from latolato.numerics.engine.tangent_map import make_tangent_map
 from latolato.numerics.engine.taut_step import TautStep, make_taut_step
 from latolato.numerics.matrices import clear_matrix, write_matrix
+from latolato.physics.damping import is_nonsmooth
 from latolato.physics.pendulum import swung
 
 # As many rows of the contact table as one step may need: on rods, and on strings.
@@ -203,7 +204,7 @@ def make_engine(
         for i in range(count):
             b = run.bodies[i]
             swing.prepare(run, i, i, h)
-            if b.quadratic > 0.0 or b.coulomb > 0.0:
+            if is_nonsmooth(b):
                 run.is_nonsmooth = 1
             run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
             if in_plane:

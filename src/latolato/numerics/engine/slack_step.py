@@ -1,7 +1,7 @@
 """The splitting step of a ball whose string is slack, free in the plane.
 
 Positions and velocities are those against the pivot. Kicks by gravity and drive alternate with
-drifts under the exact drag, as in a swing; the hinge's dry friction does not reach the ball.
+drifts under the exact drag, as in a swing; the hinge's dry friction does not drift_time the ball.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import DRIFT_TIME, KICK
 from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
-from latolato.physics.damping import drift_in_plane
+from latolato.physics.damping import drift_in_plane, slowing_in_plane
 
 
 class SlackStep(NamedTuple):
@@ -88,7 +88,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         b, gravity, t = run.bodies[i], run.settings.gravity, run.t
         x, y, vx, vy = begin.x, begin.y, begin.vx, begin.vy
         ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
-        work, loss, quadratic = 0.0, 0.0, b.quadratic * b.inverse_length
+        work, loss = 0.0, 0.0
         for k in range(run.stages + 1):
             h = run.tables[table, KICK, k]
             change_x = -h * (ax + b.damping_rate * wx)
@@ -100,8 +100,8 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
             vy += change_y
             if k == run.stages:
                 break
-            reach = run.tables[table, DRIFT_TIME, k]
-            far_x, far_y, slow_x, slow_y = drift_in_plane(vx, vy, reach, b.damping_rate, quadratic)
+            drift_time = run.tables[table, DRIFT_TIME, k]
+            far_x, far_y, slow_x, slow_y = drift_in_plane(vx, vy, drift_time, b)
             loss += 0.5 * ((vx - slow_x) * (vx + slow_x) + (vy - slow_y) * (vy + slow_y))
             x += far_x
             y += far_y
@@ -143,7 +143,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         if run.state.is_slack[i] == 0:
             around, inward = acceleration_with_drag(point, b), point.velocity * point.velocity
             return -around * point.y - inward * point.x, around * point.x - inward * point.y
-        slowing = b.damping_rate + b.quadratic * b.inverse_length * math.hypot(point.vx, point.vy)
+        slowing = slowing_in_plane(math.hypot(point.vx, point.vy), b)
         ax = -point.across - b.damping_rate * point.wind_x - slowing * point.vx
         ay = (
             -gravity - point.pivot_acceleration - b.damping_rate * point.wind_y - slowing * point.vy

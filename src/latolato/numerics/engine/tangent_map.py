@@ -30,7 +30,7 @@ from latolato.numerics.engine.record import DELAY_ROWS, DRIFT_TIME, KICK
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut
 from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
-from latolato.physics.damping import drift, drift_slopes
+from latolato.physics.damping import drift_slopes_in_plane
 
 
 class TangentMap(NamedTuple):
@@ -145,18 +145,14 @@ def make_tangent_map(
         z, row, b, table = run.state.tangent_map, 4 * i, run.bodies[i], ANY_LENGTH + i
         vx, vy, gravity = run.now[i].vx, run.now[i].vy, run.settings.gravity
         ax, ay = run.now[i].across, run.now[i].pivot_acceleration
-        wx, wy, quadratic = run.now[i].wind_x, run.now[i].wind_y, b.quadratic * b.inverse_length
+        wx, wy = run.now[i].wind_x, run.now[i].wind_y
         for k in range(run.stages):
-            h, reach = run.tables[table, KICK, k], run.tables[table, DRIFT_TIME, k]
+            h, drift_time = run.tables[table, KICK, k], run.tables[table, DRIFT_TIME, k]
             vx -= h * (ax + b.damping_rate * wx)
             vy -= h * (gravity + ay + b.damping_rate * wy)
             speed = math.hypot(vx, vy)
-            far, kept = drift_slopes(speed, 1.0, reach, b.damping_rate, quadratic)
-            far_beside, kept_beside, ux, uy = far, kept, 0.0, 0.0
-            if speed > 0.0:
-                travelled, slower = drift(speed, 1.0, reach, b.damping_rate, quadratic)
-                far_beside, kept_beside = travelled / speed, slower / speed
-                ux, uy = vx / speed, vy / speed
+            far, kept, far_beside, kept_beside = drift_slopes_in_plane(speed, drift_time, b)
+            ux, uy = (vx / speed, vy / speed) if speed > 0.0 else (0.0, 0.0)
             for column in range(size):
                 x, y = z[row + 2, column], z[row + 3, column]
                 along = ux * x + uy * y
@@ -215,7 +211,7 @@ def make_tangent_map(
 
     @part
     def reach_full_length(run: Any) -> None:
-        """Find the delays of strings that reach their full length, and shift there."""
+        """Find the delays of strings that drift_time their full length, and shift there."""
         if run.state.has_tangent_map == 0:
             return
         z = run.state.tangent_map

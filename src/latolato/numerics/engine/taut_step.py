@@ -16,7 +16,7 @@ from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.forces import make_planar, make_upright
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
-from latolato.physics.damping import decay_time, drag
+from latolato.physics.damping import drag, effective_time, viscous_drag
 
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
 # ball 1, ball 2 and both as one body.
@@ -49,9 +49,7 @@ def acceleration_with_drag(point: Any, body: Any) -> float:
     """Angular acceleration with all drag, from that of a kick [rad/s^2]."""
     if point.sign == 0.0:
         return 0.0
-    return point.acceleration - drag(
-        point.velocity, point.sign, body.damping_rate, body.quadratic, 0.0
-    )
+    return point.acceleration - viscous_drag(point.velocity, body)
 
 
 @formula
@@ -62,7 +60,7 @@ def acceleration_with_friction(free: float, velocity: float, body: Any) -> float
             return 0.0
         return free - math.copysign(body.coulomb, free)
     sign = math.copysign(1.0, velocity)
-    return free - drag(velocity, sign, body.damping_rate, body.quadratic, body.coulomb)
+    return free - drag(velocity, sign, body)
 
 
 def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
@@ -81,7 +79,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         rate = run.bodies[body].damping_rate
         for i in range(run.stages):
             run.tables[table, KICK, i] = run.kicks[i] * length
-            run.tables[table, DRIFT_TIME, i] = decay_time(rate, run.drifts[i] * length)
+            run.tables[table, DRIFT_TIME, i] = effective_time(rate, run.drifts[i] * length)
             run.tables[table, OFFSET, i] = run.nodes[i] * length
         run.tables[table, KICK, run.stages] = run.kicks[run.stages] * length
 
@@ -102,8 +100,8 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         point.velocity = v0 + missing * a0
         write_forces(run, body, t, point)
         v1 = point.velocity = v0 + 0.5 * missing * (a0 + acceleration_with_drag(point, b))
-        lost = v0 * drag(v0, point.sign, b.damping_rate, b.quadratic, b.coulomb)
-        lost += v1 * drag(v1, point.sign, b.damping_rate, b.quadratic, b.coulomb)
+        lost = v0 * drag(v0, point.sign, b)
+        lost += v1 * drag(v1, point.sign, b)
         point.work += 0.5 * missing * (driven * v0 + point.driven * v1)
         point.loss += 0.5 * missing * lost
 
