@@ -204,6 +204,7 @@ def test_a_claim_that_is_incomplete_or_unknown_is_refused(claims, line, other, m
 
 
 def test_claims_of_a_figure_that_does_not_exist_are_refused(claims, monkeypatch):
-    monkeypatch.setattr(catalogue, "FILE", claims(CLAIM.replace("fig14", "fig1")))
+    path = claims(CLAIM.replace("fig14", "fig1"))
+    monkeypatch.setattr(catalogue, "claims_of", lambda paper: path)
     with pytest.raises(ValueError, match="no figure 'fig1', did you mean 'fig01'"):
         catalogue.evidence()

@@ -14,7 +14,7 @@ import pytest
 from latolato.cli.reproduce import print_result
 from latolato.figures import style
 from latolato.io.files import load
-from latolato.paper import catalogue, page, report
+from latolato.paper import about, catalogue, page, report
 from latolato.paper.claim import Verdict
 from quick_figures import EVIDENCE, RESULTS, picture_of, quick_data
 
@@ -89,8 +89,8 @@ def read(made):
 def one_figure(monkeypatch):
     """Only the drawing of the model, which needs no run."""
     only = {"fig01": catalogue.figures()["fig01"]}
-    monkeypatch.setattr(catalogue, "evidence", lambda: only)
-    monkeypatch.setattr(catalogue, "results", dict)
+    monkeypatch.setattr(catalogue, "evidence", lambda paper: only)
+    monkeypatch.setattr(catalogue, "results", lambda paper: {})
     return only
 
 
@@ -166,10 +166,10 @@ def test_nothing_of_the_machine_is_on_the_page(made):
 
 
 def test_open_claims_are_listed_until_they_are_judged():
-    names = [row[0] for row in page.DEFERRED]
-    everything = page._deferred(set())
+    names = [row[0] for row in about.DEFERRED]
+    everything = page._deferred(about.DEFERRED, set())
     assert everything.count("<li>") == len(names)
-    assert page._deferred({names[0]}).count("<li>") == len(names) - 1
+    assert page._deferred(about.DEFERRED, {names[0]}).count("<li>") == len(names) - 1
 
 
 @pytest.mark.parametrize(
@@ -247,8 +247,8 @@ def test_figures_that_need_videos_are_left_out_plainly(tmp_path, monkeypatch):
     from latolato.paper import chain
 
     only = {name: catalogue.figures()[name] for name in ("fig01", "fig07")}
-    monkeypatch.setattr(catalogue, "evidence", lambda: only)
-    monkeypatch.setattr(catalogue, "results", dict)
+    monkeypatch.setattr(catalogue, "evidence", lambda paper: only)
+    monkeypatch.setattr(catalogue, "results", lambda paper: {})
     monkeypatch.setattr(chain, "is_missing", lambda: True)
     result = report.reproduce(tmp_path / "out", quick=True)
     (text,) = result.left_out

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,6 +12,7 @@ import typer
 
 from latolato.cli.options import JsonOption
 from latolato.cli.output import print_summary
+from latolato.core.errors import InputError
 from latolato.io.progress import bar
 
 if TYPE_CHECKING:
@@ -22,13 +25,22 @@ def reproduce(
         bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
     ] = False,
     output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
+    paper: Annotated[str, typer.Option(help="Package of the paper.")] = "latolato.paper",
     as_json: JsonOption = False,
 ) -> None:
     """Reproduce the paper's figures and judge its claims in a report."""
     from latolato.paper import report
 
+    if find_spec(paper.partition(".")[0]) is None or find_spec(f"{paper}.about") is None:
+        raise InputError(
+            "must be the name of a package",
+            parameter="paper",
+            value=paper,
+            way_out="CONTRIBUTING.md says how to add a paper",
+        )
+    package = import_module(paper)
     with bar("reproducing") as progress:
-        result = report.reproduce(output, quick=quick, full=full, progress=progress)
+        result = report.reproduce(output, quick=quick, full=full, progress=progress, paper=package)
     print_result(result, as_json=as_json)
 
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Numbers = Mapping[str, float]
-FILE = Path(__file__).with_name("claims.toml")
 _LINE_END = re.compile(r"\s*\n\s*")
 _TYPES: dict[str, Any] = {"str": str, "float": (float, int), "bool": bool}
 
@@ -234,7 +233,7 @@ class Evidence:
         return [statement.judge(numbers) for statement in self.statements]
 
 
-def read_statements(path: Path = FILE) -> dict[str, tuple[Statement, ...]]:
+def read_statements(path: Path) -> dict[str, tuple[Statement, ...]]:
     """Return the statements of a file of claims, by figure.
 
     Raises

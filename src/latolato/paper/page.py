@@ -10,9 +10,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from latolato.core.quantities import QUANTITIES
@@ -25,7 +27,6 @@ from latolato.paper.powers import rewritten_powers
 if TYPE_CHECKING:
     import xarray as xr
 
-TITLE = "Parametric resonance of the Lato Lato 2.0, recalculated"
 LIBRARIES = ("latolato", "numpy", "scipy", "numba", "xarray", "matplotlib")
 # Left out of tables of parameters: what changes no number, and zeros of what is rarely used.
 _OMITTED = ("frame",)
@@ -36,54 +37,6 @@ _CLASSES = {
     Verdict.NOT_AS_PRINTED: "no",
     Verdict.METHOD_CHECK: "check",
 }
-
-# Claims that need more than single runs: where, the paper's words, and what decides them. A row
-# leaves the list when a statement of its name exists.
-DEFERRED = (
-    (
-        "fig7-fit",
-        "Figs. 7, 10",
-        "damping coefficients from measured decays",
-        "the paper's videos (Figs. 7 and 10 here are made from synthetic ones)",
-    ),
-    ("fig8-measured", "Fig. 8a", "agreement with the measured curve", "the measured curve"),
-    (
-        "fig9-measured",
-        "Fig. 9",
-        "experimental boundaries match the numerical threshold",
-        "the trials",
-    ),
-    (
-        "fig11-measured",
-        "Fig. 11",
-        "the measured angles",
-        "the trials",
-    ),
-    (
-        "time-crystal",
-        "Abstract, Conclusions",
-        "a response like a discrete time crystal",
-        "maps of the response period, and lifetimes under noise",
-    ),
-)
-
-# Errors that change no number but confuse a reader.
-ERRATA = (
-    "“(eq11)” in the text on Fig. 2 and in the supplement's Nonlinear phenomena means eq14, the "
-    "small-angle equation; eq11 is the impact law.",
-    "The line before eq7 lacks factors of l; eq7 and eq10 are right. C has the unit kg m/s: the "
-    "drag force is -Cθ', its torque -Clθ'.",
-    "The excitation strength of eq15 is \N{GREEK SMALL LETTER GAMMA} = A0ω²/(2g). In the standard "
-    "form above it a = (2ω0/ω)² and b = 2A0/l, which does not depend on the frequency. The signs "
-    "of eq14 and eq15 agree.",
-    "“Power law” in the captions of Figs. 7 and 10 means the exponential of eq13.",
-    "Potential energy in Fig. 6 must be counted from the lowest point; eq2 counts it from the "
-    "pivot.",
-    "The conservation law of an impact is that of angular momentum about the pivot; it holds for "
-    "every coefficient of restitution.",
-    "Energies, works and losses of the mirror-symmetric pair are given per ball here; the pair "
-    "has twice as much.",
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,12 +56,17 @@ class Part:
 
 
 def render(
-    parts: Sequence[Part], folder: Path, *, quick: bool, left_out: Sequence[str] = ()
+    paper: ModuleType,
+    parts: Sequence[Part],
+    folder: Path,
+    *,
+    quick: bool,
+    left_out: Sequence[str] = (),
 ) -> str:
-    """Return the page; pictures are read from `folder` and embedded."""
+    """Return the page on a paper; pictures are read from `folder` and embedded."""
     from latolato import cite
-    from latolato.core.citation import PAPER_AUTHORS, PAPER_TITLE
 
+    about = import_module(f"{paper.__name__}.about")
     claims = [claim for part in parts for claim in part.claims]
     template = Template(files("latolato.paper").joinpath("report.html").read_text("utf-8"))
     sections = ("claims", "later", "figures", "strings", "errata", "method", "rerun", "cite")
@@ -129,17 +87,11 @@ def render(
     kind = "A quick run: some scans have fewer points." if quick else "A full run."
     return template.substitute(
         style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
-        title=_text(TITLE),
+        title=_text(about.TITLE),
         version=escape(version_of()),
-        lead=_text(
-            f"This report compares what {PAPER_AUTHORS[0]} and others, “{PAPER_TITLE}”, state "
-            "about a driven pendulum and a colliding pair of pendulums with an accurate "
-            "calculation. The program that wrote this page computed every number. Every verdict "
-            "follows from the numbers and the limits shown with them."
-        ),
+        lead=_text(about.LEAD),
         meta=_text(
-            f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. {kind} "
-            "SI units; angles from the downward vertical; g = 9.8 m/s² as in the paper."
+            f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. {kind} {about.CONVENTIONS}"
         ),
         tally=_tally(claims),
         contents=contents,
@@ -151,14 +103,14 @@ def render(
             "nothing about the paper's measurements. ✓ marks limits that hold, ✗ limits that fail."
         ),
         claims=_claims(claims),
-        deferred=_left_out(left_out) + _deferred({claim.name for claim in claims}),
+        deferred=_left_out(left_out) + _deferred(about.DEFERRED, {claim.name for claim in claims}),
         figures="".join(
             _figure(part, folder) for part in parts if part.caption is not None and not part.words
         ),
         strings="".join(_figure(part, folder) for part in parts if part.words),
-        errata=_list(ERRATA),
-        method=_method(parts),
-        rerun=_rerun(parts),
+        errata=_list(about.ERRATA),
+        method=_method(parts, about.METHOD),
+        rerun=_rerun(parts, paper.__name__),
         cite=escape(cite()),
         footer=_text(
             f"Written by latolato {version_of()}. This file is self-contained; the pictures and "
@@ -256,11 +208,11 @@ def _anchor(claim: Claim) -> str:
     return "claim-" + re.sub(r"[^a-z0-9]+", "-", claim.name.lower())
 
 
-def _deferred(judged: set[str]) -> str:
+def _deferred(open_claims: Iterable[tuple[str, str, str, str]], judged: set[str]) -> str:
     """Return the list of claims that later work decides."""
     rows = "".join(
         f"<li><b>{_text(where)}</b>: {_text(words)}. <i>Needs {_text(needs)}.</i></li>"
-        for name, where, words, needs in DEFERRED
+        for name, where, words, needs in open_claims
         if name not in judged
     )
     return f"<ul>{rows}</ul>"
@@ -443,7 +395,7 @@ def _ledger_sentence(dataset: xr.Dataset) -> str:
     return _text(f"{runs} energy ledger closes to {worst:.0e} of the largest energy.")
 
 
-def _method(parts: Sequence[Part]) -> str:
+def _method(parts: Sequence[Part], words: str) -> str:
     """Return how the numbers were made, with each part's residuals and the versions."""
     rows = []
     for part in parts:
@@ -469,17 +421,7 @@ def _method(parts: Sequence[Part]) -> str:
     notes = [f"{part.name}: {text}" for part in parts for text in part.warnings]
     return (
         "<p>"
-        + _text(
-            "Runs use a symmetric splitting method of sixth order with fixed steps. Contacts are "
-            "located on the solution itself, and a pair at rest stays at rest until the pivot "
-            "falls faster than gravity. The residual is the largest error of E(t) - E(0) - work + "
-            "losses, relative to the largest energy of the run; work and losses are separate "
-            "integrals. Runs with the clamp artefact are left out, because it breaks the ledger. "
-            "Growth rates, edges and thresholds of eq14 come from Hill's determinant and are "
-            "checked by runs. Maps use the same method with longer steps; their tolerance is the "
-            "target error of the angle for regular motion. Chaotic motion keeps its averages but "
-            "not its digits."
-        )
+        + _text(words)
         + f"</p>{_scrolled(heads, rows)}{_method_of_maps(parts)}"
         + (f"<p>Warnings of the runs:</p>{_list(notes)}" if notes else "")
         + f'<p class="meta">{_text(f"Python {platform.python_version()}, {versions}.")}</p>'
@@ -514,12 +456,12 @@ def _method_of_maps(parts: Sequence[Part]) -> str:
     return _scrolled(heads, rows)
 
 
-def _rerun(parts: Sequence[Part]) -> str:
+def _rerun(parts: Sequence[Part], package: str) -> str:
     """Return how to make the report, one figure and one run again."""
     pictures = [part for part in parts if part.caption is not None]
     example = next((part.name for part in pictures if _scenarios(part.dataset)), pictures[0].name)
     code = (
-        f"from latolato.paper import {example}\n"
+        f"from {package} import {example}\n"
         "from latolato.figures.style import save_figure\n\n"
         f"dataset = {example}.data()          # an xarray.Dataset, also in {example}.nc\n"
         f'save_figure({example}.draw(dataset), "{example}.svg")'

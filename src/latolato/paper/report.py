@@ -9,8 +9,10 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
+import latolato.paper
 from latolato import InputError
 from latolato.paper.claim import Claim, Evidence, Verdict
 from latolato.paper.powers import rewritten_powers
@@ -68,8 +70,9 @@ def reproduce(
     quick: bool = False,
     full: bool = False,
     progress: Callable[[float], None] | None = None,
+    paper: ModuleType = latolato.paper,
 ) -> Result:
-    """Write figures, their data and a report on the paper's claims into a folder.
+    """Write figures, their data and a report on a paper's claims into a folder.
 
     Parameters
     ----------
@@ -83,6 +86,8 @@ def reproduce(
         Send every trial of Figs. 9 and 11 through a synthetic video, not only ten of them.
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
+    paper : module
+        The package of the paper; see `latolato.paper.about`.
 
     Returns
     -------
@@ -124,7 +129,7 @@ def reproduce(
     unfinished = beside / f".latolato.{os.getpid()}.{secrets.token_hex(3)}"
     try:
         unfinished.mkdir()
-        claims, left_out = _write(unfinished, quick, full, tell)
+        claims, left_out = _write(paper, unfinished, quick, full, tell)
         if not folder.exists():
             os.replace(unfinished, folder)
         else:
@@ -144,7 +149,7 @@ def reproduce(
 
 
 def _write(
-    folder: Path, quick: bool, full: bool, tell: Callable[[float], None]
+    paper: ModuleType, folder: Path, quick: bool, full: bool, tell: Callable[[float], None]
 ) -> tuple[tuple[Claim, ...], tuple[str, ...]]:
     """Compute, draw and write all of it into an empty folder; return claims, what is missing."""
     from latolato import save
@@ -153,13 +158,13 @@ def _write(
     from latolato.paper import catalogue, chain
     from latolato.paper.page import Part, render
 
-    entries = catalogue.evidence()
+    entries = catalogue.evidence(paper)
     left_out: tuple[str, ...] = ()
     if chain.is_missing():
         films = [name for name, entry in entries.items() if entry.needs_video]
         left_out = tuple(f"{catalogue.title_of(name)}: {chain.MISSING}" for name in films)
         entries = {name: entry for name, entry in entries.items() if name not in films}
-    everything: dict[str, Evidence | Finding] = {**entries, **catalogue.results()}
+    everything: dict[str, Evidence | Finding] = {**entries, **catalogue.results(paper)}
     parts = []
     for done, (name, entry) in enumerate(everything.items()):
         with warnings.catch_warnings(record=True) as caught:
@@ -185,7 +190,7 @@ def _write(
             )
         )
         tell((done + 1.0) / len(everything))
-    page = render(parts, folder, quick=quick, left_out=left_out)
+    page = render(paper, parts, folder, quick=quick, left_out=left_out)
     with atomic_path(folder / INDEX) as unfinished:  # an error then names the file
         unfinished.write_text(page, encoding="utf-8")
     return tuple(claim for part in parts for claim in part.claims), left_out
