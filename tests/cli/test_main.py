@@ -538,7 +538,7 @@ def test_reproduce_hands_folder_and_quickness_on_and_prints_claims(monkeypatch):
     )  # fmt: skip
     calls = []
 
-    def reproduce(folder, *, quick, full, progress):
+    def reproduce(folder, *, quick, full, progress, paper):
         calls.append((folder, quick, full))
         return report.Result(folder / "index.html", (claim,), ("Figure 7: no videos",))
 

@@ -55,7 +55,7 @@ def test_gathered_sweeps_survive_a_file(tiny, tmp_path):
 
 
 def test_the_report_tells_the_parameters_of_sweeps(tiny):
-    text = page._parameters(tiny)
+    text = str(page._parameters(tiny))
     assert "5 from 0.1 to 0.5, 3 from 0.1667 to 0.5 m" in text
     assert "0, 0.05 kg m/s" in text
     assert page._ledger_sentence(tiny) == "59 runs, of which none ended without an answer."

@@ -6,10 +6,7 @@ import base64
 import io
 import math
 from datetime import UTC, datetime
-from html import escape
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +25,7 @@ from latolato.experiment.quality import (
 from latolato.experiment.track_table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
 from latolato.figures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, THIN, new_figure, use_style
+from latolato.report.templates import environment
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,24 +98,19 @@ def render(table: xr.Dataset, video: Video) -> str:
     artist = Artist(table, (video.width, video.height))
     first = artist.drawn(picture_of(kept[0], video), 0)
     notes = [text for text in str(table.attrs.get("warnings", "")).split("; ") if text]
-    template = Template(files("latolato.report").joinpath("track.html").read_text("utf-8"))
     source = str(table.attrs["source"])
-    return template.substitute(
-        version=escape(version_of()),
-        style=files("latolato.report").joinpath("page.css").read_text("utf-8"),
-        title=escape(f"Tracked: {source}"),
-        meta=escape(
-            f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. "
-            f"{video.width} x {video.height} pixels, {table.sizes['frame']} frames, "
-            f"{float(table.time[-1] - table.time[0]):.4g} s. SHA-256 "
-            f"{table.attrs['source_sha256'][:16]}…"
-        ),
-        warnings=_warnings(notes),
+    template = environment("report").get_template("track.html")
+    return template.render(
+        version=version_of(),
+        title=f"Tracked: {source}",
+        meta=f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. "
+        f"{video.width} x {video.height} pixels, {table.sizes['frame']} frames, "
+        f"{float(table.time[-1] - table.time[0]):.4g} s. SHA-256 "
+        f"{table.attrs['source_sha256'][:16]}…",
+        warnings=notes,
         numbers=_numbers(table),
-        first=_image(
-            encoded(_fitted(first, 1100), ".jpg"), "image/jpeg", "The first frame, marked"
-        ),
-        graphs="".join(_graph(figure, text) for figure, text in _figures(table)),
+        first=_base64(encoded(_fitted(first, 1100), ".jpg")),
+        graphs=[(_png(figure), text) for figure, text in _figures(table)],
         flags=_flags(table),
         worst=_thumbnails(worst, kept, artist, video),
     )
@@ -285,8 +278,8 @@ def _path_figure(table: xr.Dataset) -> Figure:
     return figure
 
 
-def _numbers(table: xr.Dataset) -> str:
-    """Return the table of what was measured of the clip as a whole."""
+def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
+    """Return what was measured of the clip as a whole."""
     attrs = table.attrs
     rows = [("geometry", GEOMETRIES[attrs["geometry"]])]
     sigma = typical_sigma(table)
@@ -331,45 +324,27 @@ def _numbers(table: xr.Dataset) -> str:
         rows.append(("slow motion", clock))
     if attrs.get("proposed"):
         rows.append(("pivot and balls", "found in the video; nobody pointed at them"))
-    body = "".join(
-        f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>'
-        for name, text in rows
-    )
-    return f"<table>{body}</table>"
+    return rows
 
 
-def _flags(table: xr.Dataset) -> str:
-    """Return the table of flags with their shares."""
+def _flags(table: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Return the flags with their shares and meanings."""
     meanings = MEANINGS if balls_of(table) == 2 else MEANINGS | {"ok": "measured"}
-    body = "".join(
-        f'<tr><th scope="row">{flag}</th><td>{100.0 * share:.3g} %</td>'
-        f"<td>{escape(meanings[flag])}</td></tr>"
-        for flag, share in flag_shares(table).items()
-    )
-    return f"<table>{body}</table>"
+    shares = flag_shares(table)
+    return [(flag, f"{100.0 * share:.3g} %", meanings[flag]) for flag, share in shares.items()]
 
 
-def _warnings(notes: list[str]) -> str:
-    """Return the warnings as a list."""
-    if not notes:
-        return '<p class="good">No warnings.</p>'
-    items = "".join(f"<li>{escape(note[0].upper() + note[1:])}.</li>" for note in notes)
-    return f'<div class="warn"><b>Warnings</b><ul>{items}</ul></div>'
-
-
-def _graph(figure: Figure, text: str) -> str:
-    """Return a graph and what it shows."""
+def _png(figure: Figure) -> str:
+    """Return a graph as it is embedded in a page."""
     content = io.BytesIO()
     with use_style():
         figure.savefig(content, format="png", dpi=140, metadata={"Software": None})
-    image = _image(content.getvalue(), "image/png", text)
-    return f"<figure>{image}<figcaption>{escape(text)}</figcaption></figure>"
+    return _base64(content.getvalue())
 
 
-def _image(content: bytes, kind: str, text: str) -> str:
-    """Return an image with its content in it."""
-    data = base64.b64encode(content).decode("ascii")
-    return f'<img alt="{escape(text)}" src="data:{kind};base64,{data}">'
+def _base64(content: bytes) -> str:
+    """Return bytes as text."""
+    return base64.b64encode(content).decode("ascii")
 
 
 def _fitted(picture: np.ndarray, width: int) -> np.ndarray:
@@ -386,9 +361,9 @@ def _fitted(picture: np.ndarray, width: int) -> np.ndarray:
 
 def _thumbnails(
     worst: list[tuple[int, str]], kept: dict[int, Frame], artist: Artist, video: Video
-) -> str:
-    """Return cut-outs of frames about the ball in question, plain and marked."""
-    cells = []
+) -> list[tuple[str, int, str]]:
+    """Return cut-outs of frames about the ball in question, plain and marked, with their texts."""
+    result = []
     for number, reason in worst:
         if number not in kept:
             continue
@@ -396,12 +371,10 @@ def _thumbnails(
         marked = artist.drawn(plain.copy(), number, has_text=False)
         b = 1 if reason.startswith("ball 2") else 0
         parts = [_cut(one, artist, number, b) for one in (plain, marked)]
-        image = _image(
-            encoded(np.hstack(parts), ".jpg"), "image/jpeg", f"Frame {artist.numbers[number]}"
-        )
-        text = escape(f"frame {artist.numbers[number]}, {artist.times[number]:.3f} s: {reason}")
-        cells.append(f"<figure>{image}<figcaption>{text}</figcaption></figure>")
-    return "".join(cells) or "<p>None.</p>"
+        text = f"frame {artist.numbers[number]}, {artist.times[number]:.3f} s: {reason}"
+        picture = _base64(encoded(np.hstack(parts), ".jpg"))
+        result.append((picture, int(artist.numbers[number]), text))
+    return result
 
 
 def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray:
