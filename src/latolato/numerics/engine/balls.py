@@ -191,14 +191,14 @@ def make_balls(
         return 0.0
 
     @part
-    def separation_acceleration(run: Any, far: float, t: float, points: Any) -> float:
+    def separation_acceleration(run: Any, side: float, t: float, points: Any) -> float:
         """Acceleration of the gap away from a contact, with all drag [rad/s^2]."""
-        apart = 0.0
+        separating = 0.0
         for i in range(count):
             free = swing.free(run, i, t, points[i].angle)
             pulled = acceleration_with_friction(free, points[i].velocity, run.bodies[i])
-            apart += pulled if i == 0 else -pulled
-        return -far * apart
+            separating += pulled if i == 0 else -pulled
+        return -side * separating
 
     @inlined(part)
     def energy(run: Any) -> float:
@@ -212,8 +212,8 @@ def make_balls(
             height = (
                 settings.gravity * b.inverse_length * potential(point.angle, settings.is_linear)
             )
-            held = push_potential(point.angle, run)
-            total += b.inertia * (0.5 * point.velocity * point.velocity + height + held)
+            pushed = push_potential(point.angle, run)
+            total += b.inertia * (0.5 * point.velocity * point.velocity + height + pushed)
         return total
 
     @inlined(part)

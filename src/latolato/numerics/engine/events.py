@@ -136,7 +136,7 @@ def make_events(
         return rests
 
     @part
-    def strike(run: Any, side: float) -> bool:
+    def collide_balls(run: Any, side: float) -> bool:
         """Apply the impact of two balls; whether they rest on each other.
 
         The capture speed counts for each of two mirrored balls, so twice it for the gap's rate.
@@ -163,14 +163,14 @@ def make_events(
         return captures or (presses and joins)
 
     @part
-    def meet(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def apply_impact(run: Any, output: Output, accumulators: Accumulators) -> None:
         """Event: balls meet on ``run.side``, with an impact, a capture, or both."""
         side, state = run.side, run.state
         v1, v2 = run.now[0].velocity, run.now[1].velocity
         b1, b2 = run.bodies[0], run.bodies[1]
         a1, a2 = acceleration_with_drag(run.now[0], b1), acceleration_with_drag(run.now[1], b2)
         lost = state.impact_loss
-        rests = strike(run, side) if two else collide_with_wall(run, side)
+        rests = collide_balls(run, side) if two else collide_with_wall(run, side)
         captures = rests and state.impact_loss == lost
         closing = v1 - v2 if two else v1
         if closing != 0.0 or run.t > 0.0:
@@ -257,6 +257,6 @@ def make_events(
         balls.settle(run)
 
     return (
-        Event(TURN, turn), Event(CONTACT, meet), Event(SETTLE, start_sticking),
+        Event(TURN, turn), Event(CONTACT, apply_impact), Event(SETTLE, start_sticking),
         Event(RELEASE, release),
     )  # fmt: skip

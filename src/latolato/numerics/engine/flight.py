@@ -83,7 +83,7 @@ def make_flight(
                     cut_at_turn(run, i)
         side = contact_ahead(run, soon)
         if side != 0.0:
-            meet(run, side, soon)
+            end_at_contact(run, side, soon)
         if has_strings and run.settings.is_string != 0:
             for i in range(count):
                 await_slack(run, i)
@@ -138,7 +138,7 @@ def make_flight(
         return 0.0
 
     @part
-    def meet(run: Any, side: float, soon: float) -> None:
+    def end_at_contact(run: Any, side: float, soon: float) -> None:
         """End the step at the contact on this side, if it is met indeed."""
         wall = run.settings.low if side < 0.0 else run.settings.high
         if soon > 0.0:

@@ -71,8 +71,8 @@ def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
     @part
     def side(points: Any) -> float:
         """-1 for a contact at the bottom, 1 for one at the top of the circle."""
-        apart = points[0].angle - points[1].angle if two else 2.0 * points[0].angle
-        return 1.0 if apart > math.pi else -1.0
+        separation = points[0].angle - points[1].angle if two else 2.0 * points[0].angle
+        return 1.0 if separation > math.pi else -1.0
 
     return Gaps(
         gap=gap,

@@ -190,7 +190,7 @@ def make_engine(
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
     evaluate_inside, apply = by_mode(modes, "evaluate_inside", part), by_event(events, part)
-    meet = next(event.apply for event in events if event.number == CONTACT)
+    apply_impact = next(event.apply for event in events if event.number == CONTACT)
     release = next(event.apply for event in events if event.number == RELEASE)
     restoring, slope = laws.restoring, laws.slope
 
@@ -227,7 +227,7 @@ def make_engine(
             state.touch = state.side = -1.0 if gap <= settings.low + margin else 1.0
             if balls.gap_rate(run.now) * state.side >= 0.0:
                 run.side = state.side
-                meet(run, output, accumulators)
+                apply_impact(run, output, accumulators)
 
     @inlined(part)
     def set_goal(run: Any, timetable: Timetable, stop: float) -> None:
@@ -283,23 +283,23 @@ def make_engine(
         jump = timetable.segments[state.segment + 1].jump if is_jump else 0.0
         for i in range(count):
             b, point = run.bodies[i], run.now[i]
-            thrown = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
+            kicked = timetable.kick_sizes[i, state.kick] if is_kick else 0.0
             if in_plane and run.settings.is_string != 0:
                 if jump != 0.0 and state.is_slack[i] == 0:
                     release_string(run, i)  # it tightens again where the jump pulls at it
                 if state.is_slack[i] != 0:
-                    worked, noise = kick(run, i, jump, thrown)
+                    worked, noise = kick(run, i, jump, kicked)
                     state.drive_work += worked
                     state.noise_work += noise
-                    if thrown != 0.0 and state.has_tangent_map != 0:
-                        kick_tangent_map(run, i, thrown)
-                    moved = moved or jump != 0.0 or thrown != 0.0
+                    if kicked != 0.0 and state.has_tangent_map != 0:
+                        kick_tangent_map(run, i, kicked)
+                    moved = moved or jump != 0.0 or kicked != 0.0
                     continue
             pushed = swung(jump, b.inverse_length, restoring(point.angle, run.settings.is_linear))
             state.drive_work += b.inertia * pushed * (point.velocity + 0.5 * pushed)
-            state.noise_work += b.inertia * thrown * (point.velocity + pushed + 0.5 * thrown)
-            point.velocity += pushed + thrown
-            moved = moved or pushed + thrown != 0.0
+            state.noise_work += b.inertia * kicked * (point.velocity + pushed + 0.5 * kicked)
+            point.velocity += pushed + kicked
+            moved = moved or pushed + kicked != 0.0
         return moved
 
     @part
@@ -338,7 +338,7 @@ def make_engine(
             touches = rests or (state.mode == FLIGHT and state.touch != 0.0)
             if touches and closing > 0.0:
                 run.side = state.side
-                meet(run, output, accumulators)
+                apply_impact(run, output, accumulators)
             elif rests and closing < 0.0:
                 release(run, output, accumulators)
 

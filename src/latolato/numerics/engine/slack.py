@@ -81,8 +81,8 @@ def make_slack(
         distance, turned = math.hypot(x, y), x * vy - y * vx
         if distance == 0.0:
             return 0.0
-        apart = (turned * turned / (distance * distance) + x * ax + y * ay) / distance
-        return apart if what == _GAP else -apart
+        second = (turned * turned / (distance * distance) + x * ax + y * ay) / distance
+        return second if what == _GAP else -second
 
     @part
     def course(run: Any, what: int, i: int) -> tuple[float, float, float, float, float, float]:

@@ -124,17 +124,17 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         swing.write_pivot_motion(run, run.t, point)
 
     @part
-    def kick(run: Any, i: int, jump: float, thrown: float) -> tuple[float, float]:
+    def kick(run: Any, i: int, jump: float, kicked: float) -> tuple[float, float]:
         """Apply a jump of the pivot's velocity [m/s] and a kick [rad/s]; their works [J]."""
         point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].inverse_length ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
         point.vy -= jump
-        x, y = -point.y * thrown, point.x * thrown
-        thrown_work = mass * (x * (point.vx + 0.5 * x) + y * (point.vy + 0.5 * y))
+        x, y = -point.y * kicked, point.x * kicked
+        kick_work = mass * (x * (point.vx + 0.5 * x) + y * (point.vy + 0.5 * y))
         point.vx += x
         point.vy += y
         turn_to_place(point)
-        return worked, thrown_work
+        return worked, kick_work
 
     @part
     def acceleration(run: Any, i: int, point: Any) -> tuple[float, float]:

@@ -170,12 +170,12 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
             end.velocity = 0.0
         split(run, run.end)
         # Friction may have let go of both together: then they move on as one.
-        release_sticking = run.event == RELEASE and one.sign == 0.0
+        is_released = run.event == RELEASE and one.sign == 0.0
         if run.settings.is_string != 0:  # or a string did
             pull = abs(swing.free(run, body_of(run), run.t_end, one.angle))
-            release_sticking = release_sticking and pull > run.bodies[body_of(run)].coulomb
+            is_released = is_released and pull > run.bodies[body_of(run)].coulomb
         if (
-            release_sticking
+            is_released
             and balls.separation_acceleration(run, state.side, run.t_end, run.end) <= 0.0
         ):
             run.event = NOTHING

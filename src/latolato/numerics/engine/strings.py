@@ -73,7 +73,7 @@ def make_strings(
 ) -> Strings:  # fmt: skip
     """Make the functions of the strings of `count` balls; `usual` are the events on rods."""
     two = count == 2
-    meet = next(event.apply for event in usual if event.number == CONTACT)
+    apply_impact = next(event.apply for event in usual if event.number == CONTACT)
     release = next(event.apply for event in usual if event.number == RELEASE)
     tension = balls.tension
 
@@ -153,9 +153,9 @@ def make_strings(
         """Distance of a taut string from the other ball [m], and a bound of its rate [m/s]."""
         one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].inverse_length
         along, tangential_part = place_beside(run, points, i)
-        apart = math.hypot(tangential_part, max(-along, along - length, 0.0))
+        distance = math.hypot(tangential_part, max(-along, along - length, 0.0))
         speed = abs(one.velocity) * math.hypot(other.x, other.y)
-        return apart - run.settings.radius[1 - i], speed + math.hypot(other.vx, other.vy)
+        return distance - run.settings.radius[1 - i], speed + math.hypot(other.vx, other.vy)
 
     @part
     def string_may_touch_ball(run: Any) -> bool:
@@ -257,7 +257,7 @@ def make_strings(
         write_row(run, output, contacts.TAUT, i + 1 if two else 0, before)
 
     @part
-    def strike(run: Any, output: Output, closing: float, captures: bool) -> None:
+    def collide_in_plane(run: Any, output: Output, closing: float, captures: bool) -> None:
         """Apply the impulse of a collision that involves a slack string.
 
         A ball on a taut string that the impulse would push inwards loses its string at once and
@@ -306,7 +306,7 @@ def make_strings(
             write_row(run, output, contacts.SLACK, loosened + 1 if two else 0, velocities(run))
 
     @part
-    def meets_again(run: Any) -> bool:
+    def still_presses(run: Any) -> bool:
         """Whether balls after a capture press against each other."""
         length = 1e-3 * run.settings.step
         balls.fly_by(run, length, run.inside)
@@ -314,7 +314,7 @@ def make_strings(
         return gap < -ROUNDING / run.bodies[0].inverse_length
 
     @part
-    def comes_at_once(run: Any) -> bool:
+    def is_simultaneous(run: Any) -> bool:
         """Whether balls meet just where a string tightens: rounding decides which is first."""
         gap, rate = gaps.gap(run, run.now)
         slow = -run.settings.rest_speed / run.bodies[0].inverse_length
@@ -328,7 +328,7 @@ def make_strings(
         return False
 
     @part
-    def collide(run: Any, output: Output) -> None:
+    def resolve_instant(run: Any, output: Output) -> None:
         """Do what happens where a string tightens or balls meet: strings first, then balls.
 
         What two balls on taut strings do that a push would only tighten is left to the rods' rule.
@@ -336,7 +336,7 @@ def make_strings(
         state, length = run.state, 1.0 / run.bodies[0].inverse_length
         state.touch = 0.0
         balls.settle(run)
-        if state.has_tangent_map != 0 and comes_at_once(run):
+        if state.has_tangent_map != 0 and is_simultaneous(run):
             tangent_map.mark_undefined(run)
         for _ in range(MOST_AT_ONCE):
             is_over = True
@@ -353,9 +353,9 @@ def make_strings(
                 if rate < 0.0 and (is_slack or not gaps.is_tensile(run, run.now)):
                     slow = -rate <= 2.0 * run.settings.rest_speed * length
                     captures = slow and run.settings.restitution < 1.0
-                    strike(run, output, -rate, captures)
+                    collide_in_plane(run, output, -rate, captures)
                     balls.settle(run)
-                    if captures and meets_again(run):
+                    if captures and still_presses(run):
                         state.is_outside_model = 1
                     is_over = False
             if is_over:
@@ -382,7 +382,7 @@ def make_strings(
     def apply_impact_taut(run: Any, output: Output, accumulators: Accumulators) -> None:
         """Apply an impact as on rods, and keep the largest impulse that it pulls at the strings."""
         before = run.now[0].velocity
-        meet(run, output, accumulators)
+        apply_impact(run, output, accumulators)
         nx, ny, _ = gaps.line_of_centres(run.now)
         one, b = run.now[0], run.bodies[0]
         around = abs(ny * one.x - nx * one.y)
@@ -410,7 +410,7 @@ def make_strings(
     def resolve_contacts(run: Any, output: Output, accumulators: Accumulators) -> None:
         """Resolve all contacts of strings and balls that a change of velocities brings about."""
         state = run.state
-        collide(run, output)
+        resolve_instant(run, output)
         if state.touch == 0.0 or balls.gap_rate(run.now) * state.touch < 0.0:
             for i in range(count):
                 pushes = swing.tension(run, i, run.now[i]) < -brink(run, i)

@@ -328,12 +328,12 @@ def make_tangent_map(
                 z[row + 3, column] += per_mass * py
 
     @part
-    def kick(run: Any, i: int, thrown: float) -> None:
+    def kick(run: Any, i: int, kicked: float) -> None:
         """Multiply by the derivative of a kick of a slack ball around the pivot [rad/s]."""
         z, row = run.state.tangent_map, 4 * i
         for column in range(size):
-            z[row + 2, column] -= thrown * z[row + 1, column]
-            z[row + 3, column] += thrown * z[row, column]
+            z[row + 2, column] -= kicked * z[row + 1, column]
+            z[row + 3, column] += kicked * z[row, column]
 
     @part
     def mark_undefined(run: Any) -> None:
