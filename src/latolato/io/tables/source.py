@@ -16,6 +16,7 @@ from latolato.core.registry import checked_choice, suggest
 from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
 from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
+from latolato.io.tables.joining import Rows, meet, side_by_side
 from latolato.io.tables.kinds import kind_of_file
 from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
 from latolato.io.tables.numbers import (
@@ -25,10 +26,18 @@ from latolato.io.tables.numbers import (
     numbers_of,
     other_delimiter,
     plain_text,
+    shown,
     signs_of,
 )
 from latolato.io.tables.units import canonical, is_known, is_unit
 
+# Columns that number the object to which a row belongs, and those that all objects share.
+_OBJECTS = ("track_id", "track id", "track", "particle", "object")
+_CLOCKS = ("position_t", "time", "t", "frame")
+# A column of more different numbers does not number objects.
+_MOST_OBJECTS = 50
+# So many names are listed in a sentence.
+_MOST_LISTED = 20
 # The sheet or member that a program's export keeps the measurement in.
 _MAIN = ("raw data",)
 
@@ -151,19 +160,20 @@ class Section:
             if len(found) == 1:
                 return found[0]
             if found:
-                places = ", ".join(str(column.position) for column in found)
+                places = listed([str(column.position) for column in found])
                 tracked = next((c.path for c in found if c.track), None)
                 way_out = f"name one by its position ({places})"
                 if tracked and len({c.path for c in found}) == len(found):
                     way_out += f" or its track, as in '{tracked}'"
                 raise InputError(f"it has {len(found)} columns '{base}'", way_out=way_out)
-        known = [column.path for column in self.columns]
+        known = listed([column.path for column in self.columns])
         if not any(column.name for column in self.columns):
             raise InputError(
-                f"it has no column '{base}', for it has no names above its {len(known)} columns",
+                f"it has no column '{base}', for it has no names above "
+                f"{counted(len(self.columns), 'column')}",
                 way_out="name columns by position, as in '1 [s]'",
             )
-        raise InputError(f"it has no column '{base}'; it has {', '.join(known)}")
+        raise InputError(f"it has no column '{base}'; it has {known}")
 
     def numbers(
         self, columns: Sequence[SourceColumn], *, decimal: str | None = None
@@ -191,10 +201,12 @@ class Section:
         """
         for column in columns:
             if column.kind == "texts":
-                example = self.texts(column, rows=1)
+                index = self._layout.columns[column.position - 1].first["text"]
+                cells = split(self._layout.lines.line(index), self._layout.delimiter)
                 raise InputError(
-                    f"column {column.label} holds texts such as '{''.join(example)[:40]}'",
-                    way_out="name a column of numbers",
+                    f"column {column.label} holds texts such as {shown(cells[column.position - 1])}"
+                    f" in line {self._layout.lines.numbers[index]}",
+                    way_out="write plain numbers such as -0.25, or name another column",
                 )
         places = [column.position - 1 for column in columns]
         wanted = list(dict.fromkeys(places))
@@ -278,10 +290,10 @@ class SourceTable:
         words = [self.kind]
         first = self.sections[0]
         if len(self.sections) > 1:
-            names = ", ".join(section.name for section in self.sections)
-            words.append(f"{_counted(len(self.sections), 'section')}: {names}")
+            names = listed([section.name for section in self.sections])
+            words.append(f"{counted(len(self.sections), 'section')}: {names}")
         elif first.tracks:
-            words.append(f"{_counted(len(first.tracks), 'track')}: {', '.join(first.tracks)}")
+            words.append(f"{counted(len(first.tracks), 'track')}: {listed(first.tracks)}")
         if not any(column.name for column in first.columns):
             words.append("no names")
         return ", ".join(words)
@@ -299,7 +311,7 @@ class SourceTable:
             if len(names) == 1:
                 return self.sections[0]
             raise InputError(
-                f"it holds {len(names)} tables: {', '.join(names)}",
+                f"it holds {len(names)} tables: {listed(names)}",
                 way_out=f"choose one, as in section = '{names[0]}'",
             )
         if name in names:
@@ -430,17 +442,20 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
 
 def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, list[str]]:
     """Return the sections of a text, the kind of its export, and notes."""
-    known = {"delimiter": "\t", "decimal": "."} if part.is_sheet else {}
-    layout = layout_of(part.text, **known)
+    layout = layout_of(part.text, delimiter=part.delimiter, decimal=part.decimal)
     lines = layout.lines
     header_lines = [
         [HeaderLine(lines.line(i), is_comment(lines.line(i))) for i in block.header]
         for block in layout.blocks
     ]
     width = max(_names_width(layout, each) for each in header_lines)
-    headers = [header_of(header_lines[0], width, layout.delimiter)]
+    unnamed = frozenset(
+        place for place, column in enumerate(layout.columns) if column.counts.keys() <= {"empty"}
+    )
+    headers = [header_of(header_lines[0], width, layout.delimiter, unnamed)]
     headers += [
-        later_header(each, width, layout.delimiter, headers[0]) for each in header_lines[1:]
+        later_header(each, width, layout.delimiter, unnamed, headers[0])
+        for each in header_lines[1:]
     ]
     named = headers[0].named
     if decimal != "." and is_comma_both(layout, named):
@@ -448,7 +463,8 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
     if layout.delimiter == BLANKS and 0 < named < layout.width:
         raise InputError(
             f"it has {named} names above {layout.width} columns that blanks separate",
-            way_out="write names without blanks, or export it with semicolons or tabs",
+            way_out="write names without blanks, also one above row numbers, or export it with "
+            "semicolons or tabs",
         )
     other = other_delimiter(layout)
     if other is not None and not (headers[0].is_own and named == layout.width):
@@ -475,7 +491,61 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
         numbers = lines.numbers[block.rows]
         sections.append(Section(name, columns, numbers, comments, layout, block))
-    return sections, kind, list(layout.notes)
+    notes = list(layout.notes)
+    if kind == "Kinovea export" and len(sections) > 1:
+        objects = [Rows(each.name, each.lines.tolist(), each.cells()) for each in sections]
+        return _joined(sections, objects, frozenset()), kind, notes
+    if len(sections) == 1:
+        objects, place = _objects_of(sections[0])
+        if len(objects) > 1:
+            return _joined(sections, objects, frozenset({place})), kind, notes
+    return sections, kind, notes
+
+
+def _objects_of(section: Section) -> tuple[list[Rows], int]:
+    """Return the rows of each object if a column numbers objects, and the place of that column."""
+    by_name = {column.name.lower(): column for column in reversed(section.columns)}
+    column = next((by_name[name] for name in _OBJECTS if name in by_name), None)
+    if column is None or not any(name in by_name for name in _CLOCKS):
+        return [], 0
+    place = column.position - 1
+    objects: dict[str, Rows] = {}
+    for line, cells in zip(section.lines.tolist(), section.cells(), strict=True):
+        name = f"{section.columns[place].name.lower().removesuffix('_id')} {cells[place]}"
+        rows = objects.setdefault(name, Rows(name, [], []))
+        rows.lines.append(line)
+        rows.cells.append(cells)
+        if len(objects) > _MOST_OBJECTS:
+            return [], place
+    return list(objects.values()), place
+
+
+def _joined(
+    sections: list[Section], objects: list[Rows], left_out: frozenset[int]
+) -> list[Section]:
+    """Return one section with the columns of all objects, if they have times in common."""
+    first = sections[0]
+    names = [column.name.lower() for column in first.columns]
+    shared = [names.index(name) for name in _CLOCKS if name in names]
+    alike = all(
+        [c.name for c in each.columns] == [c.name for c in first.columns] for each in sections
+    )
+    if not (alike and shared and meet(objects, shared[0])):
+        return sections
+    own = [
+        place
+        for place, column in enumerate(first.columns)
+        if place not in shared and place not in left_out and column.kind == "numbers"
+    ]
+    layout = side_by_side(objects, shared, own, first._layout.decimal)
+    titles = [("", place) for place in shared]
+    titles += [(each.name, place) for each in objects for place in own]
+    columns = tuple(
+        replace(first.columns[place], position=position, track=track)
+        for position, (track, place) in enumerate(titles, start=1)
+    )
+    (block,) = layout.blocks
+    return [Section("", columns, layout.lines.numbers[block.rows], first.comments, layout, block)]
 
 
 def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
@@ -548,7 +618,20 @@ def _base_and_unit(text: str) -> tuple[str, str]:
     return match[1].strip(), canonical(unit) or unit.strip()
 
 
-def _counted(count: int, noun: str) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Return names as a list for a sentence, of many the first ones.
+
+    Examples
+    --------
+    >>> listed(["t", "x"]), listed([f"c{i}" for i in range(90)])[-20:]
+    ('t, x', 'c18, c19 and 70 more')
+    """
+    more = len(names) - _MOST_LISTED
+    shown = ", ".join(names[:_MOST_LISTED])
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+def counted(count: int, noun: str) -> str:
     """Return a number of things in words."""
     words = ("no", "one", "two", "three", "four", "five", "six")
     number = words[count] if count < len(words) else str(count)
