@@ -10,6 +10,7 @@ import pytest
 
 from latolato.core.errors import InputError
 from latolato.io.tables.source import parse_source
+from spreadsheets import workbook, zipped
 
 TRACKER = "\tpendulum A\t\t\nt\tx\ty\t\n0.000\t1.25E-1\t-3.41E-1\n0.033\t1.19E-1\t-3.43E-1\n"
 TWO_TRACKS = (
@@ -426,14 +427,6 @@ def test_encodings_and_line_ends_are_found(encoding, end):
     assert section.columns[1].unit == "deg"
 
 
-def zipped(**members):
-    memory = io.BytesIO()
-    with zipfile.ZipFile(memory, "w") as archive:
-        for name, text in members.items():
-            archive.writestr(name.replace("__", "/"), text)
-    return memory.getvalue()
-
-
 def test_archives_are_opened():
     first, second = PHYPHOX[:80], PHYPHOX[80:]
     raw = gzip.compress(first.encode()) + gzip.compress(second.encode())
@@ -476,48 +469,6 @@ def test_files_without_a_table_are_named_with_the_way_out(raw, said):
     with pytest.raises(InputError, match=said) as caught:
         parse_source(raw)
     assert caught.value.way_out
-
-
-def sheet_xml(rows):
-    """Return the XML of a sheet of numbers and texts."""
-    cells = [
-        "".join(
-            f"<c><v>{cell!r}</v></c>"
-            if isinstance(cell, float)
-            else f'<c t="inlineStr"><is><t>{cell}</t></is></c>'
-            for cell in row
-        )
-        for row in rows
-    ]
-    space = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    body = "".join(f"<row>{each}</row>" for each in cells)
-    return f'<worksheet xmlns="{space}"><sheetData>{body}</sheetData></worksheet>'
-
-
-def workbook(**sheets):
-    """Return the bytes of an .xlsx with these sheets."""
-    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    relations = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-    package = "http://schemas.openxmlformats.org/package/2006/relationships"
-    listed = "".join(
-        f'<sheet name="{name}" sheetId="{i}" r:id="r{i}"/>' for i, name in enumerate(sheets, 1)
-    )
-    links = "".join(
-        f'<Relationship Id="r{i}" Type="{relations}/worksheet" Target="worksheets/s{i}.xml"/>'
-        for i in range(1, len(sheets) + 1)
-    )
-    parts = {
-        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{relations}">'
-        f"<sheets>{listed}</sheets></workbook>",
-        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}">{links}</Relationships>',
-        "_rels/.rels": f'<Relationships xmlns="{package}"><Relationship Id="r0" '
-        f'Type="{relations}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
-    }
-    parts |= {
-        f"xl/worksheets/s{i}.xml": sheet_xml(rows) for i, rows in enumerate(sheets.values(), 1)
-    }
-    return zipped(**parts)
 
 
 def test_sheets_of_a_spreadsheet_are_tables():

@@ -295,8 +295,8 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
     Returns
     -------
     dict of str to str
-        Incomplete where the names leave something open: no time, or more than two balls. What is
-        open is the error of `usual_columns`.
+        Incomplete where the names leave something open: no time, two columns for the same, or more
+        than two balls. What is open is the error of `usual_columns`.
 
     Examples
     --------
@@ -305,7 +305,7 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
     {'time': '1', 'angle_1': '3'}
     """
     times = _times(section, has_rate=has_rate)
-    mapping = {"time": str(times[0].position)} if times else {}
+    mapping = {"time": str(times[0].position)} if len(times) == 1 else {}
     tracks = _usual_tracks(section)
     balls = _balls_among(tracks)
     for ball, track in enumerate(balls if len(balls) <= 2 else [], start=1):
@@ -323,11 +323,20 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
 def _usual_tracks(section: Section) -> dict[str, dict[str, str]]:
     """Return the positions of angle, x and y of each track that has an angle or both places."""
     tracks: dict[str, dict[str, str]] = {}
+    for (what, track), columns in _candidates(section).items():
+        if len(columns) == 1:
+            tracks.setdefault(track, {})[what] = str(columns[0].position)
+    return {track: found for track, found in tracks.items() if "angle" in found or len(found) == 2}
+
+
+def _candidates(section: Section) -> dict[tuple[str, str], list[SourceColumn]]:
+    """Return the columns that may be the angle, x or y of each track."""
+    found: dict[tuple[str, str], list[SourceColumn]] = {}
     for column in section.columns:
         for what in ("angle", "x", "y"):
             if column.kind == "numbers" and _is_called(column, _USUAL[what]):
-                tracks.setdefault(column.track, {}).setdefault(what, str(column.position))
-    return {track: found for track, found in tracks.items() if "angle" in found or len(found) == 2}
+                found.setdefault((what, column.track), []).append(column)
+    return found
 
 
 def _balls_among(tracks: Mapping[str, Any]) -> list[str]:
@@ -357,6 +366,7 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
             f"it holds {len(runs)} runs beside each other: {listed(runs)}",
             way_out=f"choose one, as in section = '{runs[0]}'",
         )
+    _refuse_rivals(section, has_rate=has_rate)
     mapping = proposed_columns(section, has_rate=has_rate)
     has_time = "time" in mapping
     if not has_time and not has_rate and _times(section, has_rate=True):
@@ -365,13 +375,9 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     if has_rate and clocks:
         # Times such as 0:00:03:12 need a frame rate too.
         if clocks[0].kind != "texts":
-            raise InputError(
-                f"column {clocks[0].label} holds times, which need no frame rate",
-                way_out="leave out frame_rate",
-            )
+            raise _needless_rate(clocks[0])
         mapping["time"] = str(clocks[0].position)
     has_time = has_rate or has_time
-    _refuse_rivals(section, has_rate=has_rate)
     balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
         raise InputError(
@@ -404,6 +410,14 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     return mapping
 
 
+def _needless_rate(column: SourceColumn) -> InputError:
+    """Return the error for a frame rate beside times."""
+    return InputError(
+        f"column {column.label} holds times, which need no frame rate",
+        way_out="leave out frame_rate",
+    )
+
+
 def _refuse_without_numbers(section: Section, column: SourceColumn) -> None:
     """Raise for a column that holds no numbers."""
     if column.kind == "empty":
@@ -416,11 +430,7 @@ def _refuse_without_numbers(section: Section, column: SourceColumn) -> None:
 
 def _refuse_rivals(section: Section, *, has_rate: bool) -> None:
     """Raise if several columns may be the time, the angle, x or y of the same object."""
-    rivals = {("time", ""): _times(section, has_rate=has_rate)}
-    for column in section.columns:
-        for what in ("angle", "x", "y"):
-            if column.kind == "numbers" and _is_called(column, _USUAL[what]):
-                rivals.setdefault((what, column.track), []).append(column)
+    rivals = {("time", ""): _times(section, has_rate=has_rate), **_candidates(section)}
     for (what, _), found in rivals.items():
         if len(found) > 1:
             target = {"time": "time", "angle": "angle_1"}.get(what, f"ball_1_{what}")
@@ -443,7 +453,10 @@ def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _
         frames = _times(section, has_rate=True)
         mapping = {**mapping, "time": str(frames[0].position)} if frames else mapping
     elif "time" not in mapping:
-        raise InputError("which column is the time?", way_out="name it, as in time = 't [s]'")
+        raise InputError(
+            "which column is the time?",
+            way_out="name it, as in time = 't [s]', or give frame_rate if each row is a frame",
+        )
     known = [*TARGETS, _RATE]
     for target in mapping:
         if target not in known:
@@ -474,7 +487,10 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
         asked.notes.append("the file has no times; each row is a frame")
     elif asked.columns["time"][0].kind == "texts":
         column, _ = asked.columns["time"]
-        series["time"] = seconds_of(asked.section.texts(column), lines.tolist(), frame_rate)
+        cells = asked.section.texts(column)
+        series["time"] = seconds_of(cells, lines.tolist(), frame_rate)
+        if frame_rate is not None and not any(cell.count(":") == 3 for cell in cells):
+            raise _needless_rate(column)
     names = [name for name in asked.columns if name not in series]
     values, notes = asked.section.numbers(
         [asked.columns[name][0] for name in names], decimal=decimal

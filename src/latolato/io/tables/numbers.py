@@ -166,8 +166,9 @@ def _counts_in_thousands(layout: Layout, place: int, unsure: str) -> bool:
 def _two_ways(layout: Layout, place: int, sign: str, label: Label) -> InputError:
     """Return the error for numbers that could be read in two ways."""
     return InputError(
-        f"its {_PLURAL[sign]} may be decimal signs or group thousands: "
+        f"its {_PLURAL[sign]} may be {{parameter}} signs or group thousands: "
         f"{_example(layout, place, _UNSURE[sign], label)}",
+        parameter="decimal",
         way_out=_WAY_OUT,
     )
 

@@ -578,8 +578,9 @@ def _refuse_comma(layout: Layout, named: int) -> None:
     shown = layout.lines.line(first)
     below = f"{named} names" if named else "no names"
     raise InputError(
-        f"the comma seems to be delimiter and decimal sign at once, or to group thousands: line "
+        "the comma seems to be delimiter and {parameter} sign at once, or to group thousands: line "
         f"{layout.lines.numbers[first]} is '{shown[:40]}' below {below}",
+        parameter="decimal",
         way_out="export it with semicolons or tabs, or with decimal points; if its numbers are "
         "whole, give decimal = '.'",
     )
