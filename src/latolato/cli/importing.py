@@ -33,7 +33,7 @@ def import_(
     ] = None,
     frame_rate: Annotated[
         str | None,
-        typer.Option(help="Frames per second, in Hz, if the time is given as frame numbers."),
+        typer.Option(help="Frames per second, in Hz, if rows are frames or count them."),
     ] = None,
     length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
     radius: Annotated[str | None, typer.Option(help="Radius of the ball, in m.")] = None,

@@ -399,7 +399,7 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
                 _refuse_without_numbers(section, column)
         for target, unit in wanted.items():
             others = [c for c in section.columns if str(c.position) != mapping.get("time")]
-            fitting = [c for c in others if _may_be(c, unit)]
+            fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
             if fitting:
                 stated = fitting[0].unit or unit
                 way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
