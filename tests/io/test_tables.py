@@ -171,6 +171,7 @@ def test_sections_below_each_other_keep_titles_columns_and_lines():
 def test_objects_filmed_together_stand_side_by_side():
     found = source(KINOVEA.replace("33.4 431", "66.7 431"))
     assert found.about == "Kinovea export, two tracks: Trajectory 1, My left ball"
+    assert found.delimiter == "blanks"
     nan = np.nan
     expected = {
         "T": [0.0, 33.4, 66.7],

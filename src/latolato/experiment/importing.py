@@ -491,6 +491,10 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
         series["time"] = seconds_of(cells, lines.tolist(), frame_rate)
         if frame_rate is not None and not any(cell.count(":") == 3 for cell in cells):
             raise _needless_rate(column)
+        known = np.flatnonzero(np.isfinite(series["time"]))
+        if known.size and series["time"][known[0]] >= 3600.0:  # a time of day
+            series["time"] -= series["time"][known[0]]
+            asked.notes.append(f"times are counted from {cells[known[0]]}")
     names = [name for name in asked.columns if name not in series]
     values, notes = asked.section.numbers(
         [asked.columns[name][0] for name in names], decimal=decimal

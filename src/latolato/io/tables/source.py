@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -406,11 +406,11 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
     if decimal is not None:
         checked_choice("decimal", decimal, DECIMALS)
     parts = read_parts(name, raw)
-    tables: dict[str, tuple[Part, list[Section], str, list[str]]] = {}
+    tables: dict[str, _Found] = {}
     refusals: list[InputError] = []
     for part in parts:
         try:
-            tables[part.name] = (part, *_sections_of(part, decimal))
+            tables[part.name] = _sections_of(part, decimal)
         except InputError as error:
             if len(parts) > 1:
                 error.where = error.where or part.name
@@ -424,24 +424,34 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
         notes.append(f"read '{main[0]}', not {others}")
         tables = {main[0]: tables[main[0]]}
     sections: list[Section] = []
-    for part, found, _, own_notes in tables.values():
-        notes += [f"{part.name}: {note}" if part.name else note for note in own_notes]
-        for section in found:
-            title = ": ".join(filter(None, (part.name if len(tables) > 1 else "", section.name)))
+    for name, found in tables.items():
+        notes += [f"{name}: {note}" if name else note for note in found.notes]
+        for section in found.sections:
+            title = ": ".join(filter(None, (name if len(tables) > 1 else "", section.name)))
             sections.append(replace(section, name=title))
-    first, _, kind, _ = next(iter(tables.values()))
+    first = next(iter(tables.values()))
     return SourceTable(
-        kind=kind if len(tables) == 1 else "tables",
+        kind=first.kind if len(tables) == 1 else "tables",
         sections=tuple(sections),
-        encoding=first.encoding,
-        delimiter=delimiter_name(sections[0]._layout.delimiter),
+        encoding=first.part.encoding,
+        delimiter=delimiter_name(first.delimiter),
         notes=tuple(notes),
         comments=sections[0].comments,
     )
 
 
-def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, list[str]]:
-    """Return the sections of a text, the kind of its export, and notes."""
+class _Found(NamedTuple):
+    """What one text of a file holds."""
+
+    part: Part
+    sections: list[Section]
+    kind: str
+    delimiter: str
+    notes: list[str]
+
+
+def _sections_of(part: Part, decimal: str | None) -> _Found:
+    """Return the sections of a text."""
     layout = layout_of(part.text, delimiter=part.delimiter, decimal=part.decimal)
     lines = layout.lines
     header_lines = [
@@ -491,15 +501,14 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
         numbers = lines.numbers[block.rows]
         sections.append(Section(name, columns, numbers, comments, layout, block))
-    notes = list(layout.notes)
     if kind == "Kinovea export" and len(sections) > 1:
         objects = [Rows(each.name, each.lines.tolist(), each.cells()) for each in sections]
-        return _joined(sections, objects, frozenset()), kind, notes
-    if len(sections) == 1:
+        sections = _joined(sections, objects, frozenset())
+    elif len(sections) == 1:
         objects, place = _objects_of(sections[0])
         if len(objects) > 1:
-            return _joined(sections, objects, frozenset({place})), kind, notes
-    return sections, kind, notes
+            sections = _joined(sections, objects, frozenset({place}))
+    return _Found(part, sections, kind, layout.delimiter, layout.notes)
 
 
 def _objects_of(section: Section) -> tuple[list[Rows], int]:
