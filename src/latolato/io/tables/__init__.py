@@ -7,6 +7,7 @@ step                       module         result
 ========================== ============== ==========================================
 open the file, decode it   `container`    texts: of the file, its members or sheets
 tell apart kinds of lines  `shapes`       the few distinct shapes of its lines
+take names out of rows     `keys`         lines of numbers below a line of names
 choose the delimiter       `cells`        cells of a line and what each of them is
 part header and rows       `layout`       blocks of header lines and rows
 read the header            `headings`     columns with name, unit and track

@@ -24,6 +24,7 @@ from latolato.io.tables.cells import (
     split,
     zeros,
 )
+from latolato.io.tables.keys import with_names_above
 from latolato.io.tables.shapes import LEADING, Lines, lines_of
 
 # A cell in quotation marks goes over at most so many lines.
@@ -114,6 +115,7 @@ def layout_of(text: bytes, *, delimiter: str | None = None, decimal: str | None 
     """
     lines = _with_whole_cells(lines_of(text))
     _refuse_endless_line(lines)
+    lines = with_names_above(lines)
     counts = np.bincount(lines.shape_of, minlength=len(lines.shapes))
     if delimiter is None:
         delimiter = _named_delimiter(lines) or _likeliest_delimiter(lines.shapes, counts)
