@@ -189,6 +189,10 @@ def test_objects_filmed_together_stand_side_by_side():
     found = source(f"{head}ID1{spots}{others}")
     assert found.section().tracks == ["track 0", "track 3"]
     assert numbers(found.section())["track 3/POSITION_X"] == [1.5, 1.25]
+    # Also if one begins where the other ends; a spot of no track is left out.
+    found = source(f"{head}ID1{spots}{others.replace('0.0,0', '0.5,0').replace('3,1.25', ',1.25')}")
+    assert numbers(found.section())["track 3/POSITION_X"][-1] == 1.5
+    assert found.notes == ("one row without 'TRACK_ID' left out",)
     with pytest.raises(InputError, match=r"track 3 has a second row for 0\.04 in line 9"):
         source(f"{head}ID1{spots}{others}ID7,7,3,1.5,2.5,0.04,1\n")
 
@@ -314,6 +318,7 @@ def test_numbers_are_read_as_written(text, values):
             "or group thousands: '1.000' in line 3",
         ),
         ("t;x\n0,5;0.41\n0,6;0.40\n", "two decimal signs: '0.41' in line 2.*'0,5' in line 2"),
+        ("0,-1 000\n\n0,0\n", None),
         ("t,x\n5,1 000\n6,1 010\n", "could be separated by blanks or commas"),
         ("t;x\n0.5;0.3\nlost;0.4\n", r"line 3 of column 't' holds 'lost'"),
         ("t;x\n0.5;0.3\n0.39_1;0.4\n", r"line 3 of column 't' holds '0.39_1'"),

@@ -31,18 +31,18 @@ class Rows:
     cells: list[list[str]]
 
 
-def number(text: str) -> float:
-    """Return a cell as a number, NaN for any other, whatever its decimal sign."""
+def _order(time: str) -> tuple[float, str]:
+    """Return the place of a time among others: numbers by their value, clocks by their text."""
     try:
-        return float(text.replace(",", ".").replace(MINUS, "-"))
+        return float(time.replace(",", ".").replace(MINUS, "-")), ""
     except ValueError:
-        return float("nan")
+        return 0.0, time
 
 
 def meet(objects: Sequence[Rows], clock: int) -> bool:
-    """Return whether each object has times in common with the first one."""
+    """Return whether objects have times in common."""
     times = [{row[clock] for row in each.cells} for each in objects]
-    return all(times[0] & each for each in times[1:])
+    return len(set().union(*times)) < sum(map(len, times))
 
 
 def side_by_side(
@@ -81,7 +81,7 @@ def side_by_side(
             _, row = table.setdefault(time, (line, list(empty)))
             row[: len(shared)] = [cells[i] for i in shared]
             row[first : first + len(own)] = [cells[i] for i in own]
-    ordered = sorted(table.values(), key=lambda pair: number(pair[1][0]))
+    ordered = sorted(table.values(), key=lambda pair: _order(pair[1][0]))
     text = "".join("\t".join(cells) + "\n" for _, cells in ordered)
     layout = layout_of(text.encode(), delimiter="\t", decimal=decimal)
     numbers = np.array([line for line, _ in ordered], dtype=np.int32)

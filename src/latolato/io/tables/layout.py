@@ -308,6 +308,7 @@ def _blocks(
     start = int(rows[0])
     _refuse_odd(lines, of_line, _right_above(of_line, start), delimiter, width)
     start = _with_spoiled_rows(lines, of_line, start, delimiter)
+    rows = np.flatnonzero(of_line == _ROW)
     has_sections = any(
         "kinovea" in lines.line(i).lower() for i in range(start) if of_line[i] == _COMMENT
     )
@@ -441,6 +442,8 @@ def _begins_again(
             values.append(float(text))
         except ValueError:
             return False
+    if at == 0:  # words stand in the row above
+        return False
     steps = [later - earlier for earlier, later in pairwise(values)]
     gap = min(at, 2) - 1
     return steps[gap] < 0.0 and all(step > 0.0 for i, step in enumerate(steps) if i != gap)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, reading
 from latolato.core.registry import checked_choice, suggest
-from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
+from latolato.io.tables.cells import BLANKS, MISSING_WORDS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
 from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
 from latolato.io.tables.joining import Rows, meet, side_by_side
@@ -32,9 +32,8 @@ from latolato.io.tables.numbers import (
 from latolato.io.tables.units import canonical, is_known, is_unit
 
 # Columns that number the object to which a row belongs, and those that all objects share.
-_OBJECTS = ("track_id", "track id", "track", "particle", "object")
+_OBJECTS = ("track_id", "track id", "particle", "object")
 _CLOCKS = ("position_t", "time", "t", "frame")
-# A column of more different numbers does not number objects.
 _MOST_OBJECTS = 50
 # So many names are listed in a sentence.
 _MOST_LISTED = 20
@@ -501,50 +500,70 @@ def _sections_of(part: Part, decimal: str | None) -> _Found:
         comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
         numbers = lines.numbers[block.rows]
         sections.append(Section(name, columns, numbers, comments, layout, block))
+    notes = list(layout.notes)
     if kind == "Kinovea export" and len(sections) > 1:
         objects = [Rows(each.name, each.lines.tolist(), each.cells()) for each in sections]
-        sections = _joined(sections, objects, frozenset())
+        if _meet(sections, objects):
+            sections = [_joined(sections[0], objects, None)]
     elif len(sections) == 1:
-        objects, place = _objects_of(sections[0])
+        column = _column_of_objects(sections[0])
+        objects = _objects_of(sections[0], column, notes) if column else []
         if len(objects) > 1:
-            sections = _joined(sections, objects, frozenset({place}))
-    return _Found(part, sections, kind, layout.delimiter, layout.notes)
+            sections = [_joined(sections[0], objects, column)]
+    return _Found(part, sections, kind, layout.delimiter, notes)
 
 
-def _objects_of(section: Section) -> tuple[list[Rows], int]:
-    """Return the rows of each object if a column numbers objects, and the place of that column."""
+def _shared(section: Section) -> list[int]:
+    """Return the places of the columns that are the same for all objects, the time first."""
+    names = [column.name.lower() for column in section.columns]
+    return [names.index(name) for name in _CLOCKS if name in names]
+
+
+def _meet(sections: list[Section], objects: list[Rows]) -> bool:
+    """Return whether sections are objects that were measured at the same times."""
+    shared = _shared(sections[0])
+    names = {tuple(column.name for column in section.columns) for section in sections}
+    return len(names) == 1 and bool(shared) and meet(objects, shared[0])
+
+
+def _column_of_objects(section: Section) -> SourceColumn | None:
+    """Return the column that says to which object a row belongs, if rows have a time."""
     by_name = {column.name.lower(): column for column in reversed(section.columns)}
-    column = next((by_name[name] for name in _OBJECTS if name in by_name), None)
-    if column is None or not any(name in by_name for name in _CLOCKS):
-        return [], 0
-    place = column.position - 1
+    named = [by_name[name] for name in _OBJECTS if name in by_name]
+    return named[0] if named and _shared(section) else None
+
+
+def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> list[Rows]:
+    """Return the rows of each object; note those of none."""
     objects: dict[str, Rows] = {}
+    left_out = 0
     for line, cells in zip(section.lines.tolist(), section.cells(), strict=True):
-        name = f"{section.columns[place].name.lower().removesuffix('_id')} {cells[place]}"
+        name = cells[column.position - 1]
+        if name.lower() in ("", *MISSING_WORDS):
+            left_out += 1
+            continue
+        if name.lstrip("-").isdigit():
+            name = f"{column.name.lower().removesuffix('_id')} {name}"
         rows = objects.setdefault(name, Rows(name, [], []))
         rows.lines.append(line)
         rows.cells.append(cells)
         if len(objects) > _MOST_OBJECTS:
-            return [], place
-    return list(objects.values()), place
+            raise InputError(
+                f"column {column.label} names more than {_MOST_OBJECTS} objects",
+                way_out="keep the rows of one or two",
+            )
+    if left_out:
+        notes.append(f"{counted(left_out, 'row')} without {column.label} left out")
+    return list(objects.values())
 
 
-def _joined(
-    sections: list[Section], objects: list[Rows], left_out: frozenset[int]
-) -> list[Section]:
-    """Return one section with the columns of all objects, if they have times in common."""
-    first = sections[0]
-    names = [column.name.lower() for column in first.columns]
-    shared = [names.index(name) for name in _CLOCKS if name in names]
-    alike = all(
-        [c.name for c in each.columns] == [c.name for c in first.columns] for each in sections
-    )
-    if not (alike and shared and meet(objects, shared[0])):
-        return sections
+def _joined(first: Section, objects: list[Rows], column: SourceColumn | None) -> Section:
+    """Return a section with the numbers of all objects, without the column that names them."""
+    shared = _shared(first)
     own = [
         place
-        for place, column in enumerate(first.columns)
-        if place not in shared and place not in left_out and column.kind == "numbers"
+        for place, each in enumerate(first.columns)
+        if place not in shared and each is not column and each.kind == "numbers"
     ]
     layout = side_by_side(objects, shared, own, first._layout.decimal)
     titles = [("", place) for place in shared]
@@ -554,7 +573,7 @@ def _joined(
         for position, (track, place) in enumerate(titles, start=1)
     )
     (block,) = layout.blocks
-    return [Section("", columns, layout.lines.numbers[block.rows], first.comments, layout, block)]
+    return Section("", columns, layout.lines.numbers[block.rows], first.comments, layout, block)
 
 
 def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
