@@ -190,7 +190,7 @@ def is_comma_both(layout: Layout, named: int) -> bool:
 
     They could where the names do not account for all cells, or some rows have more. Then no point
     is a decimal sign, or whole numbers are followed by columns of three digits, like ``1,000`` or
-    ``1,000.5``, or each row with more cells holds such numbers.
+    ``1,000.5``, or all rows, or those with more cells, hold such numbers.
     """
     if layout.delimiter != COMMA or layout.has_quotes:
         return False
@@ -205,9 +205,10 @@ def is_comma_both(layout: Layout, named: int) -> bool:
         return True
     groups = [[_is_group(*pair) for pair in pairwise(each)] for each in cells]
     least = min(map(len, groups))
-    wider = [each for each in groups if len(each) > least]
-    if wider and all(each.count(True) >= len(each) - least for each in wider):
-        return True
+    for width in (least, least - 1):  # that they all might have
+        wider = [each for each in groups if len(each) > width]
+        if wider and all(each.count(True) >= len(each) - width for each in wider):
+            return True
     return any(set(place) in ({True}, {True, None}) for place in zip(*groups, strict=False)) or any(
         first <= {"integer", "three digits"} and second == {"three digits"}
         for first, second in pairwise(kinds)
