@@ -216,6 +216,19 @@ def test_numbers_that_stand_for_missing_ones_are_no_measurements(tmp_path, mark)
             import_table(path, columns)
 
 
+@pytest.mark.parametrize("mark", ["-1,-1", "0,0"])
+def test_places_that_stand_for_a_lost_ball_are_no_measurements(tmp_path, mark):
+    u, v = 320.0 + 400.0 * np.sin(ANGLE), 75.0 + 400.0 * np.cos(ANGLE)
+    rows = lines(TIME, u, v).split("\n")
+    rows[6] = rows[6].split(",")[0] + "," + mark
+    path = written(tmp_path, "t [s],x [px],y [px]\n" + "\n".join(rows))
+    with pytest.raises(ll.InputError, match=r"line 8 of column 'x' holds -?\d, which is far"):
+        import_table(path, pivot=(320.0, 75.0), y_axis="down")
+    # The middle of a swing may be there.
+    path = written(tmp_path, "t [s],x [m],y [m]\n0,-0.1,0.01\n1,0,0\n2,0.1,0.01\n3,0.2,0.04\n")
+    assert import_table(path, pivot=(0.0, 0.4)).angle_1.values[1] == 0.0
+
+
 def test_columns_of_the_same_kind_are_not_chosen_by_their_order(tmp_path):
     path = written(tmp_path, "t [s],angle [deg],theta [rad]\n0,1,2\n1,2,3\n")
     with pytest.raises(ll.InputError, match=r"2 columns may be angle_1: 2 \(angle \[deg\]\) and 3"):

@@ -319,6 +319,7 @@ def test_numbers_are_read_as_written(text, values):
         ),
         ("t;x\n0,5;0.41\n0,6;0.40\n", "two decimal signs: '0.41' in line 2.*'0,5' in line 2"),
         ("0,-1 000\n\n0,0\n", None),
+        ("particle,x\n0,0.5\n1,0.6\n", "holds 2 objects below each other without a time"),
         ("0.50,1,000.000\n1,000.50,0.000\n", "or to group thousands"),
         ("t,x\n5,1 000\n6,1 010\n", "could be separated by blanks or commas"),
         ("t;x\n0.5;0.3\nlost;0.4\n", r"line 3 of column 't' holds 'lost'"),

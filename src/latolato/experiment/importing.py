@@ -528,6 +528,7 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
             way_out="sort the rows, remove repeats, or cut the file where a new run begins",
         )
     _refuse_marks(asked, series, lines)
+    _refuse_lost_places(asked, series, lines)
     written = dict(series)
     _convert(asked, series, frame_rate)
     _refuse_leaps(asked, series, written, lines)
@@ -547,6 +548,23 @@ def _refuse_marks(asked: _Import, series: Mapping[str, Floats], lines: NDArray[n
             is_mark = abs(mark) >= 1e10 or re.fullmatch("9{2,}", digits)
             if is_mark and rest.size and np.abs(rest - mark).min() > max(np.ptp(rest), 10.0):
                 raise _no_measurement(asked, name, mark, lines[np.flatnonzero(values == mark)[0]])
+
+
+def _refuse_lost_places(
+    asked: _Import, series: Mapping[str, Floats], lines: NDArray[np.int32]
+) -> None:
+    """Raise for places (0, 0) and (-1, -1), far from all others, which stand for lost balls."""
+    for ball in (1, 2):
+        x, y = series.get(f"ball_{ball}_x"), series.get(f"ball_{ball}_y")
+        if x is None or y is None:
+            continue
+        is_mark = (x == y) & np.isin(x, (0.0, -1.0))
+        rest = np.isfinite(x + y) & ~is_mark
+        if is_mark.any() and rest.any():
+            at = int(np.argmax(is_mark))
+            nearest = np.hypot(x[rest] - x[at], y[rest] - y[at]).min()
+            if nearest > 0.5 * np.hypot(np.ptp(x[rest]), np.ptp(y[rest])):
+                raise _no_measurement(asked, f"ball_{ball}_x", x[at], lines[at])
 
 
 def _refuse_leaps(

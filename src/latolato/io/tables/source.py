@@ -33,7 +33,7 @@ from latolato.io.tables.units import canonical, is_known, is_unit
 
 # Columns that number the object to which a row belongs, and those that all objects share.
 _OBJECTS = ("track_id", "track id", "particle", "object")
-_CLOCKS = ("position_t", "time", "t", "frame")
+_CLOCKS = ("position_t", "time", "t", "zeit", "temps", "tiempo", "tempo", "waktu", "frame")
 _MOST_OBJECTS = 50
 # So many names are listed in a sentence.
 _MOST_LISTED = 20
@@ -527,10 +527,9 @@ def _meet(sections: list[Section], objects: list[Rows]) -> bool:
 
 
 def _column_of_objects(section: Section) -> SourceColumn | None:
-    """Return the column that says to which object a row belongs, if rows have a time."""
+    """Return the column that says to which object a row belongs."""
     by_name = {column.name.lower(): column for column in reversed(section.columns)}
-    named = [by_name[name] for name in _OBJECTS if name in by_name]
-    return named[0] if named and _shared(section) else None
+    return next((by_name[name] for name in _OBJECTS if name in by_name), None)
 
 
 def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> list[Rows]:
@@ -560,6 +559,11 @@ def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> lis
 def _joined(first: Section, objects: list[Rows], column: SourceColumn | None) -> Section:
     """Return a section with the numbers of all objects, without the column that names them."""
     shared = _shared(first)
+    if not shared:
+        raise InputError(
+            f"it holds {len(objects)} objects below each other without a time",
+            way_out="add a column of times or of frame numbers",
+        )
     own = [
         place
         for place, each in enumerate(first.columns)
