@@ -372,3 +372,17 @@ def test_files_that_are_no_text_or_not_there_are_refused(tmp_path):
         import_table(tmp_path / "a.csv")
     with pytest.raises(FileNotFoundError, match="there is no file"):
         import_table(tmp_path / "b.csv")
+
+
+def test_a_folder_or_the_measurement_itself_is_not_replaced(tmp_path):
+    from typer.testing import CliRunner
+
+    from latolato.cli.main import app
+
+    path = written(tmp_path, "t [s],theta [rad]\n0,1\n1,1\n", "a.csv")
+    answer = CliRunner().invoke(app, ["import", str(path), "--output", str(path)])
+    assert "is the measurement itself" in str(answer.exception or answer.output)
+    (tmp_path / "a.track.csv").mkdir()
+    answer = CliRunner().invoke(app, ["import", str(path)])
+    assert "is a folder; name a file" in str(answer.exception or answer.output)
+    assert path.read_text().startswith("t [s]")

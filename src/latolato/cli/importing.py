@@ -117,6 +117,10 @@ def check_replaces_no_other(table: xr.Dataset, target: Path) -> None:
 
     if not target.exists():
         return
+    if target.is_dir():
+        raise InputError(
+            f"'{target}' is a folder", way_out="name a file with --output, or rename the folder"
+        )
     try:
         before = read_table(target).attrs
     except (InputError, OSError):

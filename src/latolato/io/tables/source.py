@@ -386,6 +386,8 @@ def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
     if path.is_dir():
         raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
     if not path.is_file():
+        if path.exists():
+            raise FileNotFoundError(f"'{path}' is a device, not a file")
         raise FileNotFoundError(f"there is no file '{path}'")
     with reading(path):
         if path.stat().st_size > LARGEST:
