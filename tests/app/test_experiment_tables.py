@@ -8,6 +8,7 @@ import pytest
 import latolato as ll
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.app import STATIC
+from spreadsheets import workbook
 from track_tables import noise
 
 PATIENCE = 120_000  # ms
@@ -183,6 +184,49 @@ def test_frames_ask_for_their_rate_and_directions_for_theirs(page, angle, tmp_pa
     rate.fill("50")
     rate.press("Enter")
     page.get_by_label("angles counted from").select_option("the x axis")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+
+
+def test_a_spreadsheet_of_frames_without_numbers_asks_for_their_rate(page, angle, tmp_path):
+    pytest.importorskip("python_calamine", reason="needs the extra 'tables'")
+    rows = [["theta (deg)", "remark"], *([float(each), "ok"] for each in np.degrees(angle))]
+    path = tmp_path / "swing.xlsx"
+    path.write_bytes(workbook(Sheet1=rows))
+    dropped(page, path)
+    page.get_by_text("is not clear which column is time").wait_for()
+    rate = page.get_by_label("frames per second")
+    rate.fill("50")
+    rate.press("Enter")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+
+
+def test_the_decimal_sign_is_asked_where_the_file_is_refused_without_it(page, angle, tmp_path):
+    path = tmp_path / "whole.csv"  # of milliseconds and degrees, without names
+    whole = [[round(1e3 * t), round(d)] for t, d in zip(TIME, np.degrees(angle), strict=True)]
+    path.write_text("".join(f"{t},{d}\n" for t, d in whole), "utf-8")
+    page.goto("/?view=experiment")
+    page.locator("input[type=file]").set_input_files(path)
+    refusal = page.get_by_role("alert").filter(has_text="delimiter and decimal sign at once")
+    refusal.wait_for(timeout=PATIENCE)
+    page.get_by_label("decimal sign").filter(visible=True).select_option("point")
+    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+    page.get_by_label("what 1 is").wait_for()
+    assert refusal.filter(visible=True).count() == 0
+    assert serious_faults(page) == []
+
+
+def test_times_on_a_clock_need_no_unit(page, angle, tmp_path):
+    body = "".join(
+        f"0:{int(t) // 60:02d}:{t % 60:06.3f};{d:.4f}\n"
+        for t, d in zip(TIME, np.degrees(angle), strict=True)
+    )
+    path = tmp_path / "clock.csv"
+    path.write_text("time;theta (deg)\n" + body, "utf-8")
+    dropped(page, path)
+    assert page.get_by_label("unit of time").filter(visible=True).count() == 0
+    assert page.get_by_label("frames per second").filter(visible=True).count() == 0
     used(page)
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
 

@@ -5,6 +5,7 @@ import pytest
 
 import latolato as ll
 from latolato.experiment.importing import import_table
+from latolato.experiment.track_table import write_table
 
 TIME = np.arange(0.0, 2.0, 0.05)
 ANGLE = 0.5 * np.cos(5.0 * TIME)
@@ -156,6 +157,120 @@ def test_frame_numbers_need_a_frame_rate_and_gaps_stay(tmp_path):
         import_table(seconds, {"time": "t", "angle_1": "theta"}, frame_rate=240.0)
 
 
+def test_without_times_and_frame_numbers_each_row_is_a_frame(tmp_path):
+    text = "theta [deg],n\n5,1\n,2\n7,3\n"
+    table = import_table(written(tmp_path, text), frame_rate=50.0)
+    assert table.time.values == pytest.approx([0.0, 0.02, 0.04])
+    assert np.isnan(table.angle_1.values[1])
+    for gap in ("\n", ",lost\n", "# lost\n"):
+        path = written(tmp_path, f"theta [deg],n\n5,1\n{gap}7,3\n")
+        with pytest.raises(ll.InputError, match="counted as frames, since line 3 is no row"):
+            import_table(path, frame_rate=50.0)
+    assert "each row is a frame" in table.attrs["assumed"]
+    with pytest.raises(ll.InputError, match="if each row is a frame, give frame_rate"):
+        import_table(written(tmp_path, text))
+    # Frame numbers are used where there are any, and times need no rate.
+    path = written(tmp_path, "frame,theta [deg]\n10,5\n12,7\n")
+    table = import_table(path, {"angle_1": "theta"}, frame_rate=50.0)
+    assert table.frame.values.tolist() == [10, 12]
+    with pytest.raises(ll.InputError, match="'t' holds times, which need no frame rate"):
+        import_table(written(tmp_path, "t [s],theta [deg]\n1,5\n2,7\n"), frame_rate=50.0)
+
+
+@pytest.mark.parametrize(
+    "cells, rate, times",
+    [
+        (["00:00:03.250", "00:00:03.300"], None, [3.25, 3.3]),
+        (["0:59,5", "1:00,5"], None, [59.5, 60.5]),
+        (["2026-10-05 23:59:59.5", "2026-10-06 00:00:00.5"], None, [0.0, 1.0]),
+        (["09:13:29:506", "09:13:29:516"], None, [0.0, 0.01]),
+        (["0:00:00:29", "0:00:01:00", "0:00:01:01"], 30.0, [29 / 30, 1.0, 31 / 30]),
+        (["0:00:00:96", "0:00:01:00", "0:00:01:03"], 30.0, [29 / 30, 1.0, 31 / 30]),
+        (["0:00:00:03", "0:00:00:06"], None, "give frame_rate"),
+        (["0:00:00:00", "0:00:00:05"], 120.0, "may count frames or hundredths"),
+        (["12:30", "12:31"], None, "line 2 holds '12:30', which is no time such as"),
+        (["0:00:59.5", "0:00:60.5"], None, "line 3 holds '0:00:60.5'"),
+    ],
+)
+def test_times_on_a_clock_are_read_in_seconds(tmp_path, cells, rate, times):
+    rows = "".join(f"{cell};{i}\n" for i, cell in enumerate(cells))
+    path = written(tmp_path, "time;theta [deg]\n" + rows)
+    if isinstance(times, str):
+        with pytest.raises(ll.InputError, match=times):
+            import_table(path, frame_rate=rate)
+    else:
+        assert import_table(path, frame_rate=rate).time.values == pytest.approx(times, abs=1e-9)
+
+
+@pytest.mark.parametrize("mark", ["-999", "9999", "999.99", "1e30", "-999.0"])
+def test_numbers_that_stand_for_missing_ones_are_no_measurements(tmp_path, mark):
+    cells = [f"{each:.5f}" for each in ANGLE]
+    cells[4] = cells[5] = cells[30] = mark
+    body = "\n".join(f"{t:.2f},{cell}" for t, cell in zip(TIME, cells, strict=True))
+    for head, columns in (
+        ("t [s],theta [rad]", None),
+        ("t [s],y [mm]", {"time": "t", "pivot_y": "y"}),
+    ):
+        path = written(tmp_path, f"{head}\n{body}")
+        with pytest.raises(ll.InputError, match=r"line 6 of column .* far from the other numbers"):
+            import_table(path, columns)
+
+
+@pytest.mark.parametrize("mark", ["-1,-1", "0,0"])
+def test_places_that_stand_for_a_lost_ball_are_no_measurements(tmp_path, mark):
+    u, v = 320.0 + 400.0 * np.sin(ANGLE), 75.0 + 400.0 * np.cos(ANGLE)
+    rows = lines(TIME, u, v).split("\n")
+    rows[6] = rows[6].split(",")[0] + "," + mark
+    path = written(tmp_path, "t [s],x [px],y [px]\n" + "\n".join(rows))
+    with pytest.raises(ll.InputError, match=r"line 8 of column 'x' holds -?\d, which is far"):
+        import_table(path, pivot=(320.0, 75.0), y_axis="down")
+    # The middle of a swing may be there.
+    path = written(tmp_path, "t [s],x [m],y [m]\n0,-0.1,0.01\n1,0,0\n2,0.1,0.01\n3,0.2,0.04\n")
+    assert import_table(path, pivot=(0.0, 0.4)).angle_1.values[1] == 0.0
+
+
+def test_columns_of_the_same_kind_are_not_chosen_by_their_order(tmp_path):
+    path = written(tmp_path, "t [s],angle [deg],theta [rad]\n0,1,2\n1,2,3\n")
+    with pytest.raises(ll.InputError, match=r"2 columns may be angle_1: 2 \(angle \[deg\]\) and 3"):
+        import_table(path)
+    path = written(tmp_path, "time,t [s],t [s],theta [rad]\n9:13:00,0,5,2\n9:13:01,1,6,3\n")
+    with pytest.raises(ll.InputError, match=r"2 columns may be time: 2 .* and 3"):
+        import_table(path)
+    table = import_table(path, {"time": "3", "angle_1": "theta"})
+    assert table.time.values.tolist() == [5.0, 6.0]
+    # A recording has a clock of its own beside that of the phone.
+    path = written(tmp_path, "time,seconds_elapsed,angle [rad]\n1718030736872695300,0.5,2\n")
+    assert import_table(path).time.values.tolist() == [0.5]
+
+
+def test_mega_is_not_milli(tmp_path):
+    path = written(tmp_path, "t (Ms),theta (rad)\n1,1\n2,1\n")
+    with pytest.raises(ll.InputError, match=r"in \[Ms\], which may mean \[ms\]"):
+        import_table(path)
+    assert import_table(path, {"time": "t [ms]", "angle_1": "theta"}).time.values[1] == 0.002
+
+
+def test_a_track_table_needs_no_import(tmp_path):
+    table = import_table(written(tmp_path, "t [s],theta [rad]\n0,1\n1,1\n"))
+    path = write_table(table, tmp_path / "own.csv")
+    with pytest.raises(ll.InputError, match="it is a track table already"):
+        import_table(path)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "Waktu (detik);Sudut (derajat)",
+        "Temps (s);Angle (degrés)",
+        "Zeit (s) Lauf #2;Winkel (°) Lauf #2",
+        "Time (s);Angle, Ch P1 (deg)",
+    ],
+)
+def test_usual_names_of_other_languages_and_programs_are_known(tmp_path, head):
+    path = written(tmp_path, head + "\n" + lines(TIME, np.rad2deg(ANGLE), delimiter=";"))
+    assert import_table(path).angle_1.values == pytest.approx(ANGLE, abs=1e-9)
+
+
 def test_pixels_without_a_scale_give_angles_only(tmp_path):
     u, v = 320.0 + 400.0 * np.sin(ANGLE), 75.0 + 400.0 * np.cos(ANGLE)
     path = written(tmp_path, "t [s],x [px],y [px]\n" + lines(TIME, u, v))
@@ -240,6 +355,9 @@ def test_times_that_fall_are_named_with_their_line_in_the_file(tmp_path):
             "need the pivot",
         ),
         ("a,b\n0,1\n1,2\n", None, "name it, as in time = 'a"),
+        ("t [s],b [kg]\n0,1\n1,2\n", None, r"name it, as in angle_1 = 'NAME \[rad\]'"),
+        ("t [s],theta [rad]\n0,(1)\n1,(2)\n", None, r"'theta' holds texts such as '\(1\)' in line"),
+        ("t [s],theta [rad],x\n0,,1\n1,,2\n", None, "'theta' holds no numbers; save the file with"),
     ],
 )  # fmt: skip
 def test_what_is_missing_is_named_in_one_line(tmp_path, text, columns, said):
@@ -254,3 +372,17 @@ def test_files_that_are_no_text_or_not_there_are_refused(tmp_path):
         import_table(tmp_path / "a.csv")
     with pytest.raises(FileNotFoundError, match="there is no file"):
         import_table(tmp_path / "b.csv")
+
+
+def test_a_folder_or_the_measurement_itself_is_not_replaced(tmp_path):
+    from typer.testing import CliRunner
+
+    from latolato.cli.main import app
+
+    path = written(tmp_path, "t [s],theta [rad]\n0,1\n1,1\n", "a.csv")
+    answer = CliRunner().invoke(app, ["import", str(path), "--output", str(path)])
+    assert "is the measurement itself" in str(answer.exception or answer.output)
+    (tmp_path / "a.track.csv").mkdir()
+    answer = CliRunner().invoke(app, ["import", str(path)])
+    assert "is a folder; name a file" in str(answer.exception or answer.output)
+    assert path.read_text().startswith("t [s]")

@@ -211,6 +211,35 @@ def test_bare_millimetres_and_hertz_are_asked_about(tmp_path):
     assert read_trials(path).frequency_ratio.values == pytest.approx([2.0], abs=2e-3)
 
 
+HEAD = "drive_amplitude [mm],drive_frequency [Hz],"
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("drive_amplitude,frequency_ratio,class\n12.5 mm,2,weak\n20,2,none\n", "20 m in line 3"),
+        (HEAD + "length,class\n10,2,24.5,weak\n", r"would be 24.5 m in line 2.*\[cm\]"),
+        (
+            HEAD + "largest_angle,largest_angle_after_transient\n10,2,5,1\n10,2,95,1\n",
+            r"would be 95 rad in line 3.*\[deg\]",
+        ),
+        (
+            HEAD + "drive_amplitude [m],class\n10,2,0.2,weak\n",
+            "2 columns 'drive_amplitude': 1 and 3",
+        ),
+        (
+            HEAD + "length [m],frequency_ratio,class\n10,2,0.245,9,weak\n",
+            "in line 2 contradicts drive_frequency and length, which give 1.98",
+        ),
+    ],
+)
+def test_trial_tables_that_contradict_themselves_are_refused(tmp_path, text, said):
+    path = tmp_path / "mine.csv"
+    path.write_text(text)
+    with pytest.raises(ll.InputError, match=said):
+        read_trials(path)
+
+
 @pytest.mark.parametrize(
     "text, words",
     [

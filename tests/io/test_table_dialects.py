@@ -143,9 +143,14 @@ def is_plain(rows, dialect):
             return False
     if dialect["delimiter"] == "," and dialect["header"] in ("none", "comment"):
         # Without names "1,234.5" may be one number.
-        for first, second in itertools.pairwise(columns):
-            pairs = [(a, b) for a, b in zip(first, second, strict=True) if None not in (a, b)]
-            if all(len(a[1]) < 4 and not a[2] and len(b[1]) == 3 and not b[0] for a, b in pairs):
+        def is_group(a, b):
+            return len(a[1]) < 4 and not a[2] and len(b[1]) == 3 and not b[0]
+
+        pairs = [[p for p in itertools.pairwise(row) if None not in p] for row in rows]
+        if all(any(is_group(*pair) for pair in each) for each in pairs):
+            return False
+        for place in zip(*map(itertools.pairwise, rows), strict=True):
+            if all(is_group(*pair) for pair in place if None not in pair):
                 return False
     return any(len(decimals) not in (0, 3) for _, _, decimals, _ in known)
 

@@ -10,6 +10,7 @@ import pytest
 
 from latolato.core.errors import InputError
 from latolato.io.tables.source import parse_source
+from spreadsheets import workbook, zipped
 
 TRACKER = "\tpendulum A\t\t\nt\tx\ty\t\n0.000\t1.25E-1\t-3.41E-1\n0.033\t1.19E-1\t-3.43E-1\n"
 TWO_TRACKS = (
@@ -149,11 +150,12 @@ def test_names_of_several_header_lines_are_all_known():
 
 
 def test_sections_below_each_other_keep_titles_columns_and_lines():
-    found = source(KINOVEA)
+    later = KINOVEA.replace("0 412", "99 412").replace("33.4 431", "120.5 431")
+    found = source(later)
     assert found.about == "Kinovea export, two sections: Trajectory 1, My left ball"
     assert [section.lines.tolist() for section in found.sections] == [[5, 6], [9, 10]]
     assert numbers(found.section("My left ball")) == {
-        "T": [0.0, 33.4],
+        "T": [99.0, 120.5],
         "X": [412.0, 431.0],
         "Y": [318.0, 319.0],
     }
@@ -164,6 +166,35 @@ def test_sections_below_each_other_keep_titles_columns_and_lines():
         [43.0, 43.01],
         [88.0, 88.01],
     ]
+
+
+def test_objects_filmed_together_stand_side_by_side():
+    found = source(KINOVEA.replace("33.4 431", "66.7 431"))
+    assert found.about == "Kinovea export, two tracks: Trajectory 1, My left ball"
+    assert found.delimiter == "blanks"
+    nan = np.nan
+    expected = {
+        "T": [0.0, 33.4, 66.7],
+        "Trajectory 1/X": [866.0, 847.0, nan],
+        "Trajectory 1/Y": [320.0, 321.0, nan],
+        "My left ball/X": [412.0, nan, 431.0],
+        "My left ball/Y": [318.0, nan, 319.0],
+    }
+    for name, values in numbers(found.section()).items():
+        np.testing.assert_array_equal(values, expected.pop(name))
+    assert not expected
+    assert found.section().lines.tolist() == [5, 6, 10]
+    head, spots = TRACKMATE.rsplit("ID1", 1)
+    others = "ID9,9,3,1.5,2.0,0.0,0\nID8,8,3,1.25,2.5,0.04,1\n"
+    found = source(f"{head}ID1{spots}{others}")
+    assert found.section().tracks == ["track 0", "track 3"]
+    assert numbers(found.section())["track 3/POSITION_X"] == [1.5, 1.25]
+    # Also if one begins where the other ends; a spot of no track is left out.
+    found = source(f"{head}ID1{spots}{others.replace('0.0,0', '0.5,0').replace('3,1.25', ',1.25')}")
+    assert numbers(found.section())["track 3/POSITION_X"][-1] == 1.5
+    assert found.notes == ("one row without 'TRACK_ID' left out",)
+    with pytest.raises(InputError, match=r"track 3 has a second row for 0\.04 in line 9"):
+        source(f"{head}ID1{spots}{others}ID7,7,3,1.5,2.5,0.04,1\n")
 
 
 @pytest.mark.parametrize(
@@ -180,6 +211,7 @@ def test_sections_below_each_other_keep_titles_columns_and_lines():
         ('"Time\n(s)","Angle\n(rad)"\n', ","),
         ("swing of Monday\n\nt | theta\n", "|"),
         ("t,theta\n# measured twice\n", ","),
+        ("      t     theta\n    ____   ______\n\n", "   "),
     ],
 )
 def test_names_are_found_above_the_numbers(head, delimiter):
@@ -194,6 +226,24 @@ def test_a_column_that_numbers_the_rows_needs_no_name():
     assert numbers(section) == {"1": [0, 1], "t": [0.0, 0.1], "x": [0.5, 0.4]}
 
 
+def test_columns_that_hold_nothing_need_no_name():
+    section = source("t;;x;y\n0,5;;1;2\n0,6;;3;4\n").section()
+    assert numbers(section) == {"t": [0.5, 0.6], "x": [1, 3], "y": [2, 4]}
+    section = source("t;;x;y\n0,5;7;1;2\n0,6;8;3;4\n").section()
+    assert numbers(section)["x"] == [1, 3]
+
+
+def test_an_index_of_rows_is_no_track_of_tracker():
+    found = source(",t,x\n0,0.5,200\n1,0.6,300\n")
+    assert found.kind == "table"
+    assert [column.unit for column in found.section().columns] == ["", "", ""]
+
+
+def test_comments_about_the_file_are_no_names():
+    text = "# Created by Octave 8.4.0, Mon Oct 05 2026\n# type: matrix\n# rows: 2\n 0.5 1\n 0.6 2\n"
+    assert source(text).about == "table, no names"
+
+
 def test_labchart_headers_need_no_units_to_be_headers():
     text = "Interval=\t0.01 s\nChannelTitle=\tAngle\nRange=\t10.000 V\n0\t22.5\n0.01\t21.5\n"
     assert numbers(source(text).section()) == {"Time": [0.0, 0.01], "Angle": [22.5, 21.5]}
@@ -202,6 +252,12 @@ def test_labchart_headers_need_no_units_to_be_headers():
 def test_a_table_drawn_with_bars_is_read():
     text = "| t (s) | x (m) |\n|-------|:-----:|\n| 0.0 | 0.5 |\n| 0.1 | 0.4 |\n"
     assert numbers(source(text).section()) == {"t": [0.0, 0.1], "x": [0.5, 0.4]}
+
+
+def test_blank_lines_between_rows_part_no_table_whose_first_column_swings():
+    x = np.round(np.cos(np.arange(30) / 3.0), 3)
+    text = "x,t\n" + "".join(f"{each},{i / 25}\n\n" for i, each in enumerate(x))
+    assert numbers(source(text).section())["x"] == x.tolist()
 
 
 def test_comments_and_other_lines_between_and_below_rows_are_no_rows():
@@ -226,6 +282,11 @@ def test_comments_and_other_lines_between_and_below_rows_are_no_rows():
         ("t\tx\n432\t0.25\n432.001\t0.5\n", {"t": [432.0, 432.001], "x": [0.25, 0.5]}),
         ("t x\n0 866 \n33 847\n100 200\n", {"t": [0, 33, 100], "x": [866, 847, 200]}),
         ("t;x\n0.1;\n;0.2\n0.3;#N/A\n", {"t": [0.1, np.nan, 0.3], "x": [np.nan, 0.2, np.nan]}),
+        ("t,x\n0.1\u00a0,\u00a00.25\n0.2,0.5\u2009\n", {"t": [0.1, 0.2], "x": [0.25, 0.5]}),
+        ("t1=12,x=0.5\nt1=13,x=-0.25\n", {"t1": [12, 13], "x": [0.5, -0.25]}),
+        ("ready\nt: 0.5 x: 1\n# t: 2 x: 3\nt: 0.6 x: 2\n", {"t": [0.5, 0.6], "x": [1, 2]}),
+        ("t x\n0.1\u00a0234\n0.2\u00a0235\n", {"t": [0.1, 0.2], "x": [234, 235]}),
+        ("\ufeff\ufefft,x\n0.1,2\n0.2,3\n\0\0\x1a", {"t": [0.1, 0.2], "x": [2, 3]}),
     ],
 )  # fmt: skip
 def test_numbers_are_read_as_written(text, values):
@@ -257,10 +318,24 @@ def test_numbers_are_read_as_written(text, values):
             "or group thousands: '1.000' in line 3",
         ),
         ("t;x\n0,5;0.41\n0,6;0.40\n", "two decimal signs: '0.41' in line 2.*'0,5' in line 2"),
+        ("0,-1 000\n\n0,0\n", None),
+        ("particle,x\n0,0.5\n1,0.6\n", "holds 2 objects below each other without a time"),
+        ("0.50,1,000.000\n1,000.50,0.000\n", "or to group thousands"),
         ("t,x\n5,1 000\n6,1 010\n", "could be separated by blanks or commas"),
         ("t;x\n0.5;0.3\nlost;0.4\n", r"line 3 of column 't' holds 'lost'"),
         ("t;x\n0.5;0.3\n0.39_1;0.4\n", r"line 3 of column 't' holds '0.39_1'"),
         ("t;x\n0.5 s;0.3\n0.6 s;0.4\n", "write the unit into the column's name"),
+        ("t;x\n0.5;0.3\n\u200b0.6;0.4\n", r"line 3 of column 't' holds '.u200b0.6'"),
+        ("t;x\n0.5;\u20130.3\n0.6;\u20130.4\n", "texts such as '\u20130.3' in line 2"),
+        ("t;x\n1;0.5\n2;0.6\nstopped\n3\n4;0.7\n", "line 5 has 1 cell, but"),
+        ("t;x\n1;0.5\n2;a;0.6\n4;0.7\n", "line 3 has 3 cells, but"),
+        ("0.5,0.000,\n0.6,0.000,\n0.7,1,000.000,\n1,000.5,0.000,\n", "or to group thousands"),
+        ("t,x\n0.5,1\n0.6,\x002\n" + "0.7,3\n" * 50, "line 3 of the file holds the control"),
+        ("t=1,x=2\nt=2,x=3\nx=4,t=3\n", "line 3 has the names x, t, but the other rows have t, x"),
+        ("t=1,x1=2,x2=3\nt=2,x2=3,x1=4\n", "line 2 has the names t, x2, x1, but"),
+        ("t=1,x=2\nt=2,x=3\nt=3\n", "line 3 has the names t, but the other rows have t, x"),
+        ("0," * 200_001, "line 1 has more than 200000 cells"),
+        ("f(0.5);f(1)\n", r"no rows of numbers: line 1 is 'f\(0.5\);f\(1\)'"),
         ("t;x\n0:00:00:03;0.3\n0:00:00:06;0.4\n", None),
         ("t;x\n0.5;0.3\n0.6\n", "line 3 has 1 cell, but the other rows have 2"),
         ("0.1;0.2\n0.5;0.3;0.4\n0.6;0.3;0.4\n", "line 1 has 2 cells, but the other rows have 3"),
@@ -365,16 +440,10 @@ def test_encodings_and_line_ends_are_found(encoding, end):
     assert section.columns[1].unit == "deg"
 
 
-def zipped(**members):
-    memory = io.BytesIO()
-    with zipfile.ZipFile(memory, "w") as archive:
-        for name, text in members.items():
-            archive.writestr(name.replace("__", "/"), text)
-    return memory.getvalue()
-
-
 def test_archives_are_opened():
-    found = parse_source(gzip.compress(PHYPHOX.encode()), "swing.csv.gz")
+    first, second = PHYPHOX[:80], PHYPHOX[80:]
+    raw = gzip.compress(first.encode()) + gzip.compress(second.encode())
+    found = parse_source(raw, "swing.csv.gz")
     assert numbers(found.section())["Time"] == [4.9e-3, 1.5e-2]
     raw = zipped(
         **{"Raw Data.csv": PHYPHOX, "Range.csv": "a,b\n1.5,2\n", "meta__time.csv": "x\n1\n"}
@@ -399,6 +468,8 @@ def test_archives_are_opened():
         (b'{"t": [0, 1]}', "JSON"),
         (b"%PDF-1.7", "PDF"),
         (b"\x89HDF\r\n", "HDF5"),
+        (b"BZh91AY", "bzip2"),
+        (b"swing.csv" + bytes(248) + b"ustar", "tar archive"),
         (b"\0\0\0\x18ftypmp42", "video"),
         (gzip.compress(b"t,x\n0.1,2\n", mtime=0)[:-9], "cut off"),
         (zipped(**{"a.png": "x"}), "archive without tables: a.png"),
@@ -413,48 +484,6 @@ def test_files_without_a_table_are_named_with_the_way_out(raw, said):
     assert caught.value.way_out
 
 
-def sheet_xml(rows):
-    """Return the XML of a sheet of numbers and texts."""
-    cells = [
-        "".join(
-            f"<c><v>{cell!r}</v></c>"
-            if isinstance(cell, float)
-            else f'<c t="inlineStr"><is><t>{cell}</t></is></c>'
-            for cell in row
-        )
-        for row in rows
-    ]
-    space = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    body = "".join(f"<row>{each}</row>" for each in cells)
-    return f'<worksheet xmlns="{space}"><sheetData>{body}</sheetData></worksheet>'
-
-
-def workbook(**sheets):
-    """Return the bytes of an .xlsx with these sheets."""
-    main = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
-    relations = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
-    package = "http://schemas.openxmlformats.org/package/2006/relationships"
-    listed = "".join(
-        f'<sheet name="{name}" sheetId="{i}" r:id="r{i}"/>' for i, name in enumerate(sheets, 1)
-    )
-    links = "".join(
-        f'<Relationship Id="r{i}" Type="{relations}/worksheet" Target="worksheets/s{i}.xml"/>'
-        for i in range(1, len(sheets) + 1)
-    )
-    parts = {
-        "xl/workbook.xml": f'<workbook xmlns="{main}" xmlns:r="{relations}">'
-        f"<sheets>{listed}</sheets></workbook>",
-        "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{package}">{links}</Relationships>',
-        "_rels/.rels": f'<Relationships xmlns="{package}"><Relationship Id="r0" '
-        f'Type="{relations}/officeDocument" Target="xl/workbook.xml"/></Relationships>',
-        "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
-    }
-    parts |= {
-        f"xl/worksheets/s{i}.xml": sheet_xml(rows) for i, rows in enumerate(sheets.values(), 1)
-    }
-    return zipped(**parts)
-
-
 def test_sheets_of_a_spreadsheet_are_tables():
     pytest.importorskip("python_calamine", reason="needs the extra 'tables'")
     rows = [["Time (s)", "Angle (deg)"], [0.0, 12.125], [0.1 + 0.2, 1234.0]]
@@ -462,9 +491,64 @@ def test_sheets_of_a_spreadsheet_are_tables():
     found = parse_source(raw, "swing.xlsx")
     assert numbers(found.section()) == {"Time": [0.0, 0.1 + 0.2], "Angle": [12.125, 1234.0]}
     assert found.section().lines.tolist() == [2, 3]
+    # Numbers written as texts have the sign that they are written with.
+    texts = [["t", "x"], ["0,25", 1.5], ["0,50", 2.5e-7]]
+    found = numbers(parse_source(workbook(Sheet1=texts)).section())
+    assert found == {"t": [0.25, 0.5], "x": [1.5, 2.5e-7]}
+    (section,) = parse_source(
+        workbook(Sheet1=[["t", "x"], ["1.000", 1.5], ["1.040", 2.5]])
+    ).sections
+    with pytest.raises(InputError, match=r"points may be decimal signs .*: '1\.000' in line 2"):
+        section.numbers(section.columns)
     # Numbers of a sheet have no decimal sign that could be in doubt.
     whole = parse_source(workbook(Sheet1=[["t", "x"], [1.125, 2.25], [1.126, 5.125]]))
     assert numbers(whole.section())["t"] == [1.125, 1.126]
+
+
+def test_a_spreadsheet_of_libreoffice_is_read():
+    pytest.importorskip("python_calamine", reason="needs the extra 'tables'")
+
+    def number(value, shown, kind="float"):
+        return (
+            f'<table:table-cell office:value-type="{kind}" office:value="{value}">'
+            f"<text:p>{shown}</text:p></table:table-cell>"
+        )
+
+    def text(shown, more=""):
+        return (
+            f'<table:table-cell office:value-type="string" {more}><text:p>{shown}</text:p>'
+            "</table:table-cell>"
+        )
+
+    empty = "<table:table-cell/>"
+    head = text("Pendel", 'table:number-columns-spanned="2"') + "<table:covered-table-cell/>"
+    rows = [
+        empty, head, text("Zeit (s)") + text("Winkel (°)"),
+        number(0, "0,00") + number(12.125, "12,1"),
+        number(0.04, "0,04") + number(-1234.5, "-1.234,5"),
+        number(0.08, "0,08") + number(0.5, "50 %", "percentage"),
+        '<table:table-cell table:number-columns-repeated="900"/>',
+    ]  # fmt: skip
+    names = "urn:oasis:names:tc:opendocument:xmlns"
+    body = "".join(f"<table:table-row>{row}</table:table-row>" for row in rows)
+    content = (
+        f'<office:document-content xmlns:office="{names}:office:1.0" '
+        f'xmlns:table="{names}:table:1.0" xmlns:text="{names}:text:1.0"><office:body>'
+        f'<office:spreadsheet><table:table table:name="Tabelle1">{body}</table:table>'
+        "</office:spreadsheet></office:body>"
+        "</office:document-content>"
+    )
+    memory = io.BytesIO()
+    with zipfile.ZipFile(memory, "w") as archive:
+        archive.writestr("mimetype", "application/vnd.oasis.opendocument.spreadsheet")
+        archive.writestr("content.xml", content)
+        archive.writestr("META-INF/manifest.xml", "<manifest:manifest/>")
+    section = parse_source(memory.getvalue(), "swing.ods").section()
+    assert numbers(section) == {
+        "Pendel/Zeit": [0.0, 0.04, 0.08],
+        "Pendel/Winkel": [12.125, -1234.5, 0.5],
+    }
+    assert section.columns[1].unit == "deg"
 
 
 def test_a_missing_reader_of_spreadsheets_says_what_to_install(monkeypatch):

@@ -16,6 +16,8 @@ from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of, refusal_of
 
+# What a page asks about tables beside the options of laws.
+_OF_TABLES = ("decimal",)
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
 # Runs that are computed at the same time; others wait.
@@ -104,4 +106,4 @@ def field_of(error: Exception) -> str | None:
     if not isinstance(error, InputError) or error.parameter is None:
         return None
     name = error.parameter.partition("[")[0]  # of initial_angle[1]
-    return name if name in law_options() else None
+    return name if name in law_options() or name in _OF_TABLES else None

@@ -33,7 +33,7 @@ def import_(
     ] = None,
     frame_rate: Annotated[
         str | None,
-        typer.Option(help="Frames per second, in Hz, if the time is given as frame numbers."),
+        typer.Option(help="Frames per second, in Hz, if rows are frames or count them."),
     ] = None,
     length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
     radius: Annotated[str | None, typer.Option(help="Radius of the ball, in m.")] = None,
@@ -117,6 +117,10 @@ def check_replaces_no_other(table: xr.Dataset, target: Path) -> None:
 
     if not target.exists():
         return
+    if target.is_dir():
+        raise InputError(
+            f"'{target}' is a folder", way_out="name a file with --output, or rename the folder"
+        )
     try:
         before = read_table(target).attrs
     except (InputError, OSError):

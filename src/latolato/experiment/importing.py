@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,7 +16,15 @@ from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.track_table import column_names, read_table, track_table
-from latolato.io.tables.source import Section, SourceColumn, SourceTable, read_source
+from latolato.io.tables.clocks import seconds_of
+from latolato.io.tables.source import (
+    Section,
+    SourceColumn,
+    SourceTable,
+    counted,
+    listed,
+    read_source,
+)
 from latolato.io.tables.units import IN_OTHERS, canonical, units_like
 from latolato.scenario.units import to_si
 
@@ -26,11 +35,19 @@ Floats = NDArray[np.float64]
 
 # What people call the columns, in small letters and without units; used where none is named.
 _USUAL = {
-    "time": ("t", "time", "zeit", "seconds_elapsed", "time since start", "position_t"),
-    "angle": ("theta", "angle", "θ", "θr", "phi", "φ", "winkel", "angle_1"),
+    "time": (
+        "t", "time", "zeit", "temps", "tiempo", "tempo", "waktu", "seconds_elapsed",
+        "time since start", "position_t",
+    ),
+    "angle": (
+        "theta", "angle", "θ", "θr", "phi", "φ", "winkel", "ángulo", "angolo", "sudut",
+        "angular position", "angle_1",
+    ),
     "x": ("x", "position_x", "ball_1_x"),
     "y": ("y", "position_y", "ball_1_y"),
-}
+}  # fmt: skip
+# A clock that starts with the record is better than another one.
+_OWN_CLOCKS = ("seconds_elapsed", "time since start")
 _FRAMES = ("frame", "frames", "frame number", "frame no", "image", "slice", "bild")
 # Tracks that are the pivot and not a ball.
 _PIVOTS = ("pivot", "suspension", "hand", "support", "aufhängung")
@@ -87,8 +104,9 @@ def import_table(
     decimal : {".", ","}, optional
         The decimal sign, needed only where the file leaves it open.
     frame_rate : float, optional
-        Frames per second [1/s], if the column for the time holds frame numbers. Missing numbers
-        stay gaps.
+        Frames per second [1/s], if the column for the time holds frame numbers, or times such as
+        ``0:00:03:12``. Missing numbers stay gaps. A table without frame numbers and without times
+        has one row for each frame.
     length, radius : float, optional
         Pivot to ball centre and the ball's radius [m], kept with the table.
     pivot : pair of float, optional
@@ -129,10 +147,12 @@ def import_table(
         frame_rate = checked_number("frame_rate", frame_rate, POSITIVE, "1/s")
     source = read_source(path, decimal=decimal)
     with reading(path):
+        if columns is None and is_track_file(path):
+            raise InputError("it is a track table already", way_out="use it as it is")
         part = _chosen(source, section)
         if columns is None:
             columns = usual_columns(part, has_rate=frame_rate is not None)
-        asked = _asked(part, columns)
+        asked = _asked(part, columns, has_rate=frame_rate is not None)
         asked.notes += source.notes
         series = _series(asked, frame_rate, decimal)
         _turn_y_up(series, y_axis)
@@ -223,7 +243,7 @@ def _chosen(source: SourceTable, name: str | None) -> Section:
     first = source.sections[0]
     if len(source.sections) > 1 or name in (None, first.name):
         return source.section(name)
-    runs = _runs(first)
+    runs = first.tracks
     if name not in runs:
         raise InputError(
             f"it has no section '{name}'",
@@ -243,8 +263,19 @@ def _runs(section: Section) -> list[str]:
 
 
 def _is_called(column: SourceColumn, names: Sequence[str]) -> bool:
-    """Return whether a column has one of some names."""
-    return any(each.lower() in names for each in (column.name, *column.aliases))
+    """Return whether a column has one of some names, perhaps with a sensor behind a comma."""
+    return any(
+        each.lower() in names or each.lower().split(",")[0] in names
+        for each in (column.name, *column.aliases)
+    )
+
+
+def _times(section: Section, *, has_rate: bool = False) -> list[SourceColumn]:
+    """Return the columns that may be the time: numbers rather than texts, their own clock first."""
+    usual = _FRAMES if has_rate else _USUAL["time"]
+    found = [c for c in section.columns if c.kind != "empty" and _is_called(c, usual)]
+    own = [c for c in found if _is_called(c, _OWN_CLOCKS)]
+    return own or [c for c in found if c.kind == "numbers"] or found
 
 
 def _may_be(column: SourceColumn, unit: str) -> bool:
@@ -264,8 +295,8 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
     Returns
     -------
     dict of str to str
-        Incomplete where the names leave something open: no time, or more than two balls. What is
-        open is the error of `usual_columns`.
+        Incomplete where the names leave something open: no time, two columns for the same, or more
+        than two balls. What is open is the error of `usual_columns`.
 
     Examples
     --------
@@ -273,9 +304,8 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
     >>> proposed_columns(parse_source(b"Zeit;Masse;Winkel\n0;1;2\n1;1;3\n").section())
     {'time': '1', 'angle_1': '3'}
     """
-    usual = _FRAMES if has_rate else _USUAL["time"]
-    time = next((c for c in section.columns if _is_called(c, usual)), None)
-    mapping = {} if time is None else {"time": str(time.position)}
+    times = _times(section, has_rate=has_rate)
+    mapping = {"time": str(times[0].position)} if len(times) == 1 else {}
     tracks = _usual_tracks(section)
     balls = _balls_among(tracks)
     for ball, track in enumerate(balls if len(balls) <= 2 else [], start=1):
@@ -293,11 +323,20 @@ def proposed_columns(section: Section, *, has_rate: bool = False) -> dict[str, s
 def _usual_tracks(section: Section) -> dict[str, dict[str, str]]:
     """Return the positions of angle, x and y of each track that has an angle or both places."""
     tracks: dict[str, dict[str, str]] = {}
+    for (what, track), columns in _candidates(section).items():
+        if len(columns) == 1:
+            tracks.setdefault(track, {})[what] = str(columns[0].position)
+    return {track: found for track, found in tracks.items() if "angle" in found or len(found) == 2}
+
+
+def _candidates(section: Section) -> dict[tuple[str, str], list[SourceColumn]]:
+    """Return the columns that may be the angle, x or y of each track."""
+    found: dict[tuple[str, str], list[SourceColumn]] = {}
     for column in section.columns:
         for what in ("angle", "x", "y"):
-            if column.kind != "texts" and _is_called(column, _USUAL[what]):
-                tracks.setdefault(column.track, {}).setdefault(what, str(column.position))
-    return {track: found for track, found in tracks.items() if "angle" in found or len(found) == 2}
+            if column.kind == "numbers" and _is_called(column, _USUAL[what]):
+                found.setdefault((what, column.track), []).append(column)
+    return found
 
 
 def _balls_among(tracks: Mapping[str, Any]) -> list[str]:
@@ -324,51 +363,100 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     runs = _runs(section)
     if len(runs) > 1:
         raise InputError(
-            f"it holds {len(runs)} runs beside each other: {', '.join(runs)}",
+            f"it holds {len(runs)} runs beside each other: {listed(runs)}",
             way_out=f"choose one, as in section = '{runs[0]}'",
         )
+    _refuse_rivals(section, has_rate=has_rate)
     mapping = proposed_columns(section, has_rate=has_rate)
     has_time = "time" in mapping
-    if not has_time and any(_is_called(c, _FRAMES) for c in section.columns):
+    if not has_time and not has_rate and _times(section, has_rate=True):
         raise InputError("it has frame numbers and no time", way_out="give frame_rate in 1/s")
+    clocks = [] if has_time else _times(section)
+    if has_rate and clocks:
+        # Times such as 0:00:03:12 need a frame rate too.
+        if clocks[0].kind != "texts":
+            raise _needless_rate(clocks[0])
+        mapping["time"] = str(clocks[0].position)
+    has_time = has_rate or has_time
     balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
         raise InputError(
-            f"it has {len(balls)} tracks: {', '.join(balls)}",
+            f"it has {len(balls)} tracks: {listed(balls)}",
             way_out=f"name the columns of one or two, as in ball_1_x = '{balls[0]}/x'",
         )
     if not has_time or not balls:
-        listed = ", ".join(column.path for column in section.columns)
+        names = listed([column.path for column in section.columns])
         if not any(column.name for column in section.columns):
             raise InputError(
-                f"it has no names above its {len(section.columns)} columns",
+                f"it has no names above {counted(len(section.columns), 'column')}",
                 way_out="name them by position, as in time = '1 [s]'",
             )
         wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
-        what, way_out = next(iter(wanted)), "name it, as in time = 't [s]'"
+        what = next(iter(wanted))
+        way_out = f"name it, as in {what} = 'NAME [{wanted[what]}]'"
+        for column in section.columns:
+            if _is_called(column, _USUAL[what.removesuffix("_1")]):
+                _refuse_without_numbers(section, column)
         for target, unit in wanted.items():
             others = [c for c in section.columns if str(c.position) != mapping.get("time")]
-            fitting = [c for c in others if _may_be(c, unit)]
+            fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
             if fitting:
                 stated = fitting[0].unit or unit
                 way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
                 break
-        raise InputError(
-            f"it is not clear which column is {what}; it has {listed}", way_out=way_out
-        )
+        if not has_time:
+            way_out += "; if each row is a frame, give frame_rate in 1/s"
+        raise InputError(f"it is not clear which column is {what}; it has {names}", way_out=way_out)
     return mapping
 
 
-def _asked(section: Section, mapping: Mapping[str, str]) -> _Import:
-    """Return the columns that a mapping names, with their units.
+def _needless_rate(column: SourceColumn) -> InputError:
+    """Return the error for a frame rate beside times."""
+    return InputError(
+        f"column {column.label} holds times, which need no frame rate",
+        way_out="leave out frame_rate",
+    )
+
+
+def _refuse_without_numbers(section: Section, column: SourceColumn) -> None:
+    """Raise for a column that holds no numbers."""
+    if column.kind == "empty":
+        raise InputError(
+            f"column {column.label} holds no numbers",
+            way_out="save the file with the values of its formulas, or name another column",
+        )
+    section.numbers([column])  # says which text it holds
+
+
+def _refuse_rivals(section: Section, *, has_rate: bool) -> None:
+    """Raise if several columns may be the time, the angle, x or y of the same object."""
+    rivals = {("time", ""): _times(section, has_rate=has_rate), **_candidates(section)}
+    for (what, _), found in rivals.items():
+        if len(found) > 1:
+            target = {"time": "time", "angle": "angle_1"}.get(what, f"ball_1_{what}")
+            places = " and ".join(f"{c.position} ({c.written})" for c in found)
+            raise InputError(
+                f"{len(found)} columns may be {target}: {places}",
+                way_out=f"name one by its position, as in {target} = '{found[0].position}'",
+            )
+
+
+def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _Import:
+    """Return the columns that a mapping names, with their units; with a frame rate, of frames too.
 
     Raises
     ------
     InputError
         For a missing time, unknown names, and columns that are not in the file.
     """
-    if "time" not in mapping:
-        raise InputError("which column is the time?", way_out="name it, as in time = 't [s]'")
+    if has_rate and "time" not in mapping:
+        frames = _times(section, has_rate=True)
+        mapping = {**mapping, "time": str(frames[0].position)} if frames else mapping
+    elif "time" not in mapping:
+        raise InputError(
+            "which column is the time?",
+            way_out="name it, as in time = 't [s]', or give frame_rate if each row is a frame",
+        )
     known = [*TARGETS, _RATE]
     for target in mapping:
         if target not in known:
@@ -386,14 +474,37 @@ def _asked(section: Section, mapping: Mapping[str, str]) -> _Import:
 
 def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> dict[str, Floats]:
     """Return the columns in SI units, or in pixels, of the rows that have a time."""
-    names = list(asked.columns)
+    lines = asked.section.lines
+    series = {}
+    if "time" not in asked.columns:
+        others = np.flatnonzero(np.diff(lines) != 1)
+        if others.size:
+            raise InputError(
+                f"rows cannot be counted as frames, since line {lines[others[0]] + 1} is no row",
+                way_out="add a column of frame numbers, or remove that line",
+            )
+        series["time"] = np.arange(len(lines), dtype=np.float64)
+        asked.notes.append("the file has no times; each row is a frame")
+    elif asked.columns["time"][0].kind == "texts":
+        column, _ = asked.columns["time"]
+        cells = asked.section.texts(column)
+        series["time"] = seconds_of(cells, lines.tolist(), frame_rate)
+        if frame_rate is not None and not any(cell.count(":") == 3 for cell in cells):
+            raise _needless_rate(column)
+        known = np.flatnonzero(np.isfinite(series["time"]))
+        if known.size and series["time"][known[0]] >= 3600.0:  # a time of day
+            series["time"] -= series["time"][known[0]]
+            asked.notes.append(f"times are counted from {cells[known[0]]}")
+    names = [name for name in asked.columns if name not in series]
     values, notes = asked.section.numbers(
-        [column for column, _ in asked.columns.values()], decimal=decimal
+        [asked.columns[name][0] for name in names], decimal=decimal
     )
     asked.notes += notes
-    series = dict(zip(names, values, strict=True))
-    lines = asked.section.lines
+    series |= dict(zip(names, values, strict=True))
     has_time = np.isfinite(series["time"])
+    if not has_time.any():
+        column, _ = asked.columns["time"]
+        _refuse_without_numbers(asked.section, replace(column, kind="empty"))
     has_more = np.zeros(len(has_time), dtype=bool)
     for name in names:
         has_more |= np.isfinite(series[name]) & (name != "time")
@@ -402,8 +513,6 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
         raise InputError(
             f"the time is missing in line {lines[lost[0]]}", way_out="complete or remove that line"
         )
-    if not has_time.any():
-        raise InputError(f"column {asked.columns['time'][0].label} holds no numbers")
     if not has_time.all():
         count = int((~has_time).sum())
         asked.notes.append(f"{count} row{'s' * (count != 1)} without numbers left out")
@@ -418,15 +527,84 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
             value=float(series["time"][at + 1]),
             way_out="sort the rows, remove repeats, or cut the file where a new run begins",
         )
+    _refuse_marks(asked, series, lines)
+    _refuse_lost_places(asked, series, lines)
+    written = dict(series)
     _convert(asked, series, frame_rate)
+    _refuse_leaps(asked, series, written, lines)
     return series
+
+
+def _refuse_marks(asked: _Import, series: Mapping[str, Floats], lines: NDArray[np.int32]) -> None:
+    """Raise for numbers like -999 that stand for missing ones: nines, far from all others."""
+    for name in asked.columns.keys() - {"time"}:
+        values = series[name]
+        known = values[np.isfinite(values)]
+        if known.size < 3:
+            continue
+        for mark in (known.min(), known.max()):
+            rest = known[known != mark]
+            digits = f"{abs(mark):.15g}".replace(".", "").strip("0")
+            is_mark = abs(mark) >= 1e10 or re.fullmatch("9{2,}", digits)
+            if is_mark and rest.size and np.abs(rest - mark).min() > max(np.ptp(rest), 10.0):
+                raise _no_measurement(asked, name, mark, lines[np.flatnonzero(values == mark)[0]])
+
+
+def _refuse_lost_places(
+    asked: _Import, series: Mapping[str, Floats], lines: NDArray[np.int32]
+) -> None:
+    """Raise for places (0, 0) and (-1, -1), far from all others, which stand for lost balls."""
+    for ball in (1, 2):
+        x, y = series.get(f"ball_{ball}_x"), series.get(f"ball_{ball}_y")
+        if x is None or y is None:
+            continue
+        is_mark = (x == y) & np.isin(x, (0.0, -1.0))
+        rest = np.isfinite(x + y) & ~is_mark
+        if is_mark.any() and rest.any():
+            at = int(np.argmax(is_mark))
+            nearest = np.hypot(x[rest] - x[at], y[rest] - y[at]).min()
+            if nearest > 0.5 * np.hypot(np.ptp(x[rest]), np.ptp(y[rest])):
+                raise _no_measurement(asked, f"ball_{ball}_x", x[at], lines[at])
+
+
+def _refuse_leaps(
+    asked: _Import,
+    series: Mapping[str, Floats],
+    written: Mapping[str, Floats],
+    lines: NDArray[np.int32],
+) -> None:
+    """Raise for an angle that changes by more than one and a half turns from row to row."""
+    steps = np.diff(series["time"])
+    is_next = steps < 3.0 * np.median(steps) if steps.size else np.zeros(0, dtype=bool)
+    for name in ("angle_1", "angle_2"):
+        if name in asked.columns:
+            leaps = np.flatnonzero(is_next & (np.abs(np.diff(series[name])) > 3.0 * np.pi))
+            if leaps.size:
+                at = int(leaps[0]) + 1
+                raise _no_measurement(asked, name, written[name][at], lines[at])
+
+
+def _no_measurement(asked: _Import, name: str, value: float, line: int) -> InputError:
+    """Return the error for a number that cannot have been measured."""
+    return InputError(
+        f"line {line} of column {asked.columns[name][0].label} holds {value:g}, which is far from "
+        "the other numbers",
+        way_out="leave the cell empty if the number is missing",
+    )
 
 
 def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None) -> None:
     """Convert columns to SI units; positions may stay in pixels."""
-    column, unit = asked.columns["time"]
+    column, unit = asked.columns.get("time", (None, ""))
+    is_clock = column is not None and column.kind == "texts"
     is_whole = bool(np.all(series["time"] == np.floor(series["time"])))
-    if frame_rate is not None:
+    if is_clock:
+        if frame_rate is not None:
+            asked.notes.append(f"times are those of frames at {frame_rate:g} per second")
+    elif column is None and frame_rate is not None:
+        series["frame"] = series["time"]
+        series["time"] = series["time"] / frame_rate
+    elif frame_rate is not None and column is not None:
         if unit not in ("", "1") or not is_whole:
             raise InputError(
                 f"column {column.label} holds no frame numbers, which a frame rate needs",
@@ -435,7 +613,7 @@ def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None
         series["frame"] = series["time"]
         series["time"] = series["time"] / frame_rate
         asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
-    elif unit == "1" or (is_whole and _is_called(column, _FRAMES)):
+    elif column is not None and (unit == "1" or (is_whole and _is_called(column, _FRAMES))):
         raise InputError(
             f"column {column.label} holds frame numbers, not times",
             way_out="give frame_rate in 1/s",
@@ -448,7 +626,7 @@ def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None
             way_out="use one unit for positions",
         )
     for name, (column, unit) in asked.columns.items():
-        if name in pixels or (name == "time" and frame_rate is not None):
+        if name in pixels or (name == "time" and (is_clock or frame_rate is not None)):
             continue
         series[name] = _factor(name, column, unit) * series[name]
 
@@ -479,6 +657,11 @@ def _factor(target: str, column: SourceColumn, unit: str) -> float:
             f"the unit of column {column.label} is missing",
             way_out=f"write it in brackets, as in {target} = '{column.path} [{quantity.unit}]'; "
             f"it may be {', '.join(usual)}",
+        )
+    if canonical(unit) is None and canonical(unit.swapcase()) is not None:
+        raise InputError(
+            f"column {column.label} is in [{unit}], which may mean [{unit.lower()}]",
+            way_out=f"write [{unit.lower()}]",
         )
     try:
         return float(to_si(target, IN_OTHERS.get(unit, f"1 {unit}"), quantity.unit))

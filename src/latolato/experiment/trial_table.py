@@ -54,8 +54,16 @@ COLUMN_UNITS = {
 }
 # Columns that had other names when earlier tables were written.
 _FORMER = {"stabilised_angle": "largest_angle_after_transient"}
-# Beyond these, numbers without a unit are taken for mm and Hz [m, 1].
-_LARGEST_AMPLITUDE, _SMALLEST_RATIO = 1.0, 0.5
+# Beyond these, numbers without a unit seem to be in the second one.
+_LARGEST = (
+    ("drive_amplitude", "m", 1.0, "mm"),
+    ("length", "m", 10.0, "cm"),
+    ("largest_angle", "rad", 6.3, "deg"),
+    ("largest_angle_after_transient", "rad", 6.3, "deg"),
+)
+_SMALLEST_RATIO = 0.5
+# Ratios differ by less than this if only the natural frequency was measured instead of computed.
+_SAME_RATIO = 0.2
 # Amplitudes of one set differ by less than this share, or by so many standard deviations.
 _SAME, _SAME_SIGMAS = 0.04, 4.0
 
@@ -311,7 +319,12 @@ def read_trials(
         for column in section.columns:
             name = "_".join(column.name.lower().split())
             if name in (*COLUMNS, *_FORMER) and column.kind != "empty":
-                chosen.setdefault(name, column)
+                if name in chosen:
+                    raise InputError(
+                        f"it has 2 columns '{name}': {chosen[name].position} and {column.position}",
+                        way_out="rename or remove one",
+                    )
+                chosen[name] = column
         measured = [name for name in chosen if COLUMN_UNITS.get(name) is not None]
         plain = section.quantities([chosen[name] for name in measured], decimal=decimal)
         numbers = dict(zip(measured, plain, strict=True))
@@ -330,6 +343,7 @@ def read_trials(
         )
         if header.get("table") != _KIND:
             _ask_about_units(trials, cells, lines)
+            _refuse_contradiction(trials, lines)
         return trials
 
 
@@ -386,23 +400,47 @@ def _ask_about_units(
 ) -> None:
     """Refuse amplitudes and frequencies that look like mm and Hz but state no unit."""
     bare = {
-        name
+        name: np.array([bool(re.fullmatch(r"[-+.\deE]*", value.strip())) for value in values])
         for (name, unit), values in cells.items()
-        if not unit and all(re.fullmatch(r"[-+.\deE]*", value.strip()) for value in values)
+        if not unit
     }
-    amplitude = trials["drive_amplitude"].values
-    if "drive_amplitude" in bare and float(np.median(amplitude)) > _LARGEST_AMPLITUDE:
-        raise InputError(
-            f"drive_amplitude has no unit and would be {amplitude[0]:g} m in line {lines[0]}",
-            way_out="if it is in mm, call the column 'drive_amplitude [mm]'; if not, '[m]'",
-        )
+    for name, unit, largest, likely in _LARGEST:
+        values = trials[name].values
+        above = np.flatnonzero((values > largest) & bare.get(name, np.zeros(len(values), bool)))
+        if above.size:
+            raise InputError(
+                f"{name} has no unit and would be {values[above[0]]:g} {unit} in line "
+                f"{lines[above[0]]}",
+                way_out=f"if it is in {likely}, call the column '{name} [{likely}]'; if not, "
+                f"'[{unit}]'",
+            )
     ratio = trials["frequency_ratio"].values
     known = ratio[np.isfinite(ratio)]
-    if "drive_frequency" in bare and known.size and float(known.max()) < _SMALLEST_RATIO:
+    if (
+        "drive_frequency" in bare
+        and bare["drive_frequency"].all()
+        and known.size
+        and float(known.max()) < _SMALLEST_RATIO
+    ):
         raise InputError(
             f"drive_frequency has no unit, and in rad/s all drives would be slower than half the "
             f"natural frequency (at most {known.max():.3g} of it)",
             way_out="if it is in Hz, call the column 'drive_frequency [Hz]'; if not, '[rad/s]'",
+        )
+
+
+def _refuse_contradiction(trials: xr.Dataset, lines: list[int]) -> None:
+    """Raise if frequency, length and frequency ratio of a trial contradict each other."""
+    natural = np.sqrt(trials.attrs["gravity"] / trials["length"].values)
+    stated = trials["frequency_ratio"].values
+    ratio = trials["drive_frequency"].values / natural
+    bad = np.flatnonzero(np.abs(ratio / stated - 1.0) > _SAME_RATIO)
+    if bad.size:
+        raise InputError(
+            f"frequency_ratio in line {lines[bad[0]]} contradicts drive_frequency and length, "
+            f"which give {ratio[bad[0]]:.4g}",
+            value=float(stated[bad[0]]),
+            way_out="correct one of them or leave out frequency_ratio",
         )
 
 

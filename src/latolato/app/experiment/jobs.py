@@ -46,6 +46,7 @@ def prepare(request: Any, store: Store) -> Job:
         EXAMPLES,
         EXPORTS,
         PICTURES,
+        TOOLS,
         Description,
         is_table,
     )
@@ -67,6 +68,8 @@ def prepare(request: Any, store: Store) -> Job:
             raise InputError(f"{clip.name} is still being uploaded")
         if not clip.about and do != "look":
             raise InputError(f"{clip.name} could not be read")
+    if do == "look" and request.get("decimal"):
+        work["decimal"] = TOOLS["decimal"](request["decimal"])
     if do == "export":
         work["file"] = checked_choice("file", request.get("file"), EXPORTS)
         if is_table(clip.name) and work["file"] in PICTURES:
@@ -164,12 +167,15 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
     except MemoryError:
         raise InputError("this file needs more memory than is allowed: make it smaller") from None
     except (InputError, OSError) as error:
-        raise InputError(one_line(error, job)) from None
+        parameter = error.parameter if isinstance(error, InputError) else None
+        raise InputError(one_line(error, job), parameter=parameter) from None
 
 
 def one_line(error: Exception, job: Mapping[str, Any]) -> str:
     """Return why a job failed, in one line about the clip's name instead of its path."""
-    text = " ".join(str(error).split()) or type(error).__name__
+    # The page names the parameter that the error is about.
+    text = error.worded("{parameter}") if isinstance(error, InputError) else str(error)
+    text = " ".join(text.split()) or type(error).__name__
     for quoted in (f"'{job['path']}'", str(job["path"])):
         text = text.replace(quoted, job["name"])
     return text

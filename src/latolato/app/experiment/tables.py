@@ -61,7 +61,7 @@ def look_at_table(job: Mapping[str, Any]) -> dict[str, Any]:
     InputError
         If the file holds no table.
     """
-    source = read_source(job["path"])
+    source = read_source(job["path"], decimal=job.get("decimal"))
     parts = parts_of(source)
     sections = tuple(replace(section, name=name) for name, section in parts.items())
     preview = replace(source, sections=sections).to_dict(_ROWS) | {"about": source.about}

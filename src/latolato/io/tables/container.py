@@ -7,15 +7,21 @@ import io
 import re
 import zipfile
 import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
+from itertools import chain
 from pathlib import PurePosixPath
 from typing import Any
 
 from latolato.core.errors import InputError, import_extra
+from latolato.io.tables.cells import NUMBERS, kind_of, zeros
 
 # Files, packed or unpacked, beyond this size are taken for mistakes [bytes].
 LARGEST = 500_000_000
 _EXPORT_CSV = "export its data as CSV"
+_AS_TEXT = "save the table as UTF-8 text"
+_CONTROL = "[\x00-\x08\x0e-\x1f]"
 _TRACKER = (
     "it is a Tracker project, not its data",
     "open it in Tracker and use File, Export, Data File",
@@ -32,7 +38,15 @@ _SIGNATURES: tuple[tuple[bytes, str, str], ...] = (
     (b"CFWB", "it is a LabChart binary file", "in LabChart, save the data as text"),
     (b"7z\xbc\xaf", "it is a 7z archive", "unpack it"),
     (b"Rar!", "it is a RAR archive", "unpack it"),
+    (b"BZh", "it is a bzip2 file", "unpack it"),
+    (b"\xfd7zXZ", "it is an xz file", "unpack it"),
+    (b"\x28\xb5\x2f\xfd", "it is a Zstandard file", "unpack it"),
+    (b"MATLAB", "it is a MATLAB file", "in MATLAB, save its table with writetable"),
+    (b"\x93NUMPY", "it is a NumPy array", "save it with numpy.savetxt"),
+    (b"{\\rtf", "it is a text with formats (RTF)", "save it as plain text"),
 )
+# Where a tar archive says what it is.
+_TAR = slice(257, 262)
 # What begins the text of files that hold no table, in small letters, without blanks.
 _TEXT_KINDS: tuple[tuple[str, str, str], ...] = (
     ("opensourcephysics", *_TRACKER),
@@ -64,14 +78,15 @@ class Part:
         In UTF-8, with line ends as ``\n``, also after the last line.
     encoding : str
         How it was written.
-    is_sheet : bool
-        Whether it is a sheet, whose cells are separated by tabs here and have decimal points.
+    delimiter, decimal : str or None
+        What separates its cells, and its decimal sign, where they are known: those of sheets are.
     """
 
     name: str
     text: bytes
     encoding: str
-    is_sheet: bool = False
+    delimiter: str | None = None
+    decimal: str | None = None
 
 
 def read_parts(name: str, raw: bytes) -> list[Part]:
@@ -96,20 +111,29 @@ def read_parts(name: str, raw: bytes) -> list[Part]:
     for start, what, way_out in _SIGNATURES:
         if raw.startswith(start):
             raise InputError(what, way_out=way_out)
+    if raw[_TAR] == b"ustar":
+        raise InputError("it is a tar archive", way_out="unpack it")
     return [_decoded(raw)]
 
 
 def _gunzipped(raw: bytes) -> bytes:
-    """Return the content of a gzip file."""
-    unpacker = zlib.decompressobj(zlib.MAX_WBITS | 16)
-    try:
-        content = unpacker.decompress(raw, LARGEST + 1)
-    except zlib.error as error:
-        raise InputError(f"it is a damaged gzip file ({error})", way_out="pack it again") from None
-    if len(content) > LARGEST or not unpacker.eof:
-        cause = f"larger than {LARGEST // 1_000_000} MB" if len(content) > LARGEST else "cut off"
-        raise InputError(f"it is a gzip file whose content is {cause}", way_out="unpack it")
-    return content
+    """Return the content of a gzip file, which may have several members one after the other."""
+    contents: list[bytes] = []
+    while raw[:2] == b"\x1f\x8b":
+        unpacker = zlib.decompressobj(zlib.MAX_WBITS | 16)
+        room = LARGEST - sum(map(len, contents))
+        try:
+            contents.append(unpacker.decompress(raw, room + 1))
+        except zlib.error as error:
+            raise InputError(
+                f"it is a damaged gzip file ({error})", way_out="pack it again"
+            ) from None
+        is_large = len(contents[-1]) > room
+        if is_large or not unpacker.eof:
+            cause = f"larger than {LARGEST // 1_000_000} MB" if is_large else "cut off"
+            raise InputError(f"it is a gzip file whose content is {cause}", way_out="unpack it")
+        raw = unpacker.unused_data
+    return b"".join(contents)
 
 
 def _parts_of_zip(raw: bytes) -> list[Part]:
@@ -166,18 +190,39 @@ def _sheets(raw: bytes) -> list[Part]:
         ) from None
     parts = []
     for name, rows in sheets:
-        lines = ["\t".join(_cell_text(cell) for cell in row) for row in rows]
+        # Where numbers are written as texts, the other cells must not settle their decimal sign.
+        has_texts = any(map(_is_text_number, chain(*rows)))
+        written, decimal = (_plain_number, None) if has_texts else (repr, ".")
+        lines = ["\t".join(_cell_text(cell, written) for cell in row) for row in rows]
         if any(line.strip() for line in lines):
-            parts.append(Part(name, ("\n".join(lines) + "\n").encode(), "spreadsheet", True))
+            text = ("\n".join(lines) + "\n").encode()
+            parts.append(Part(name, text, "spreadsheet", "\t", decimal))
     if not parts:
         raise InputError("it is a spreadsheet without cells", way_out="export the data again")
     return parts
 
 
-def _cell_text(cell: Any) -> str:
+def _is_text_number(cell: Any) -> bool:
+    """Return whether a cell is a text that is a number with a decimal sign or groups of digits."""
+    return isinstance(cell, str) and kind_of(zeros(cell)) in NUMBERS and not cell.strip().isdigit()
+
+
+def _plain_number(number: float) -> str:
+    """Return a number without a decimal sign, as digits and an exponent.
+
+    Examples
+    --------
+    >>> _plain_number(-0.04), _plain_number(1e-7)
+    ('-4e-2', '1e-7')
+    """
+    sign, digits, exponent = Decimal(repr(number)).as_tuple()
+    return f"{'-' * sign}{''.join(map(str, digits))}e{exponent}"
+
+
+def _cell_text(cell: Any, written: Callable[[float], str]) -> str:
     """Return a cell of a spreadsheet as text; a number keeps every digit."""
     if isinstance(cell, float):
-        return str(int(cell)) if cell.is_integer() and abs(cell) < 1e15 else repr(cell)
+        return str(int(cell)) if cell.is_integer() and abs(cell) < 1e15 else written(cell)
     return re.sub(r"[\x00-\x1f\"]+", " ", str(cell)).strip()
 
 
@@ -187,21 +232,32 @@ def _decoded(raw: bytes, name: str = "") -> Part:
     try:
         text = raw.decode(encoding)
     except UnicodeDecodeError:
-        raise InputError(
-            f"{_named(name)} is not a text file", way_out="save the table as UTF-8 text"
-        ) from None
+        raise InputError(f"{_named(name)} is not a text file", way_out=_AS_TEXT) from None
+    # Some programs fill up the end of a file, or mark it.
+    text = text.lstrip("\ufeff").rstrip("\0\x1a\r\n")
     start = "".join(text[:4000].lower().split())
     for mark, what, way_out in _TEXT_KINDS:
         if start.startswith("<") and mark in start:
             raise InputError(what, way_out=way_out)
     if re.match(r"\{[\"}]|\[[\[{]", start):
         raise InputError(f"{_named(name)} is JSON, not a table", way_out=_EXPORT_CSV)
-    if re.search("[\x00-\x08\x0e-\x1f]", text):
-        raise InputError(
-            f"{_named(name)} is not a text file", way_out="save the table as UTF-8 text"
-        )
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\f", "\n")
-    return Part(name, text.rstrip("\n").encode() + b"\n", encoding)
+    _refuse_control_characters(text, name)
+    return Part(name, text.encode() + b"\n", encoding)
+
+
+def _refuse_control_characters(text: str, name: str) -> None:
+    """Raise for characters that no text holds, with the line of the first if there are few."""
+    found = re.search(_CONTROL, text)
+    if found is None:
+        return
+    if len(re.findall(_CONTROL, text[:100_000])) > 0.01 * len(text[:100_000]):
+        raise InputError(f"{_named(name)} is not a text file", way_out=_AS_TEXT)
+    line = text.count("\n", 0, found.start()) + 1
+    raise InputError(
+        f"line {line} of {name or 'the file'} holds the control character {found[0]!r}",
+        way_out="remove it, or export the data again",
+    )
 
 
 def _named(member: str) -> str:

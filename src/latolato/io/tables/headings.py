@@ -17,12 +17,17 @@ from latolato.io.tables.cells import (
 from latolato.io.tables.units import APPENDED, canonical, is_known, is_unit
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
-_RUN = re.compile(r"(?P<name>.+?)\s+(?P<track>(?:Run|Trial|Set) #?\d+)", re.IGNORECASE)
+_RUN = re.compile(
+    r"(?P<name>.+?)\s+(?P<track>(?:Run|Trial|Set|Lauf|Messung|Essai) #?\d+)", re.IGNORECASE
+)
+_OF_OBJECT = re.compile(r"(?P<track>.+)/(?P<name>x|y)", re.IGNORECASE)
 _PREFIX = re.compile(r"(?P<track>[^:()\[\]]*[^:()\[\]\s]):\s*(?P<name>[^\s:].*)")
 # A word with the brackets behind it, as blanks separate them.
 _WORD = re.compile(r"[^\s\[(]+(?:\s*(?:\([^)]*\)|\[[^\]]*\]))*|\([^)]*\)|\[[^\]]*\]")
 # What Tracker calls its point masses.
 _OBJECT = re.compile(r"\w+[ _][A-Z]\d*")
+# A comment about the file, such as "type: matrix", above which comments hold no names.
+_PAIR = re.compile(r"\s*\w+:\s[^:\t;,|]*")
 # Columns that all objects of a table share.
 _SHARED = ("t", "time", "frame", "step")
 
@@ -105,10 +110,10 @@ def heading_of(cell: str) -> Heading:
     elif prefix:
         text, track = prefix["name"].strip(), prefix["track"].strip()
     name, unit, unit_from = _name_and_unit(text)
-    if not track and unit:  # the run may stand between name and unit
-        run = _RUN.fullmatch(name)
+    if not track:  # the run may stand between name and unit, the object in front of x and y
+        run = (_RUN.fullmatch(name) if unit else None) or _OF_OBJECT.fullmatch(name)
         if run:
-            name, track = run["name"].strip(), run["track"]
+            name, track = run["name"].strip(), run["track"].strip()
     return Heading(name, unit, track, written, (), unit_from)
 
 
@@ -133,7 +138,9 @@ def _name_and_unit(text: str) -> tuple[str, str, str]:
     return text, "", ""
 
 
-def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
+def header_of(
+    lines: list[HeaderLine], width: int, delimiter: str, unnamed: frozenset[int] = frozenset()
+) -> Header:
     """Return what the lines above the rows say about the columns.
 
     Parameters
@@ -144,13 +151,15 @@ def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
         Number of columns.
     delimiter : str
         That of the rows; the header may have another.
+    unnamed : frozenset of int
+        Columns that hold nothing, from 0: they need no name.
     """
     key_lines = _key_lines(lines)
     if key_lines:
         return _of_keys(key_lines, width)
     parted = [_fitting(line, width, delimiter) for line in lines]
     title_at = len(lines) - 1
-    place, units = _names_at(lines, parted, width)
+    place, units = _names_at(lines, parted, width, unnamed | {0})
     if place is None:
         title = without_mark(lines[-1].text).strip() if lines else ""
         return Header([Heading()] * width, _title(title, delimiter), 0)
@@ -194,9 +203,11 @@ def header_of(lines: list[HeaderLine], width: int, delimiter: str) -> Header:
     )
 
 
-def later_header(lines: list[HeaderLine], width: int, delimiter: str, first: Header) -> Header:
+def later_header(
+    lines: list[HeaderLine], width: int, delimiter: str, unnamed: frozenset[int], first: Header
+) -> Header:
     """Return what the lines above a later section say; a comment may be its title only."""
-    header = header_of(lines, width, delimiter)
+    header = header_of(lines, width, delimiter, unnamed)
     known = {each.name for each in first.headings if each.name}
     if all(line.is_comment for line in lines) and not known & {h.name for h in header.headings}:
         title = without_mark(lines[-1].text) if lines else ""
@@ -205,19 +216,31 @@ def later_header(lines: list[HeaderLine], width: int, delimiter: str, first: Hea
 
 
 def _names_at(
-    lines: list[HeaderLine], parted: list[list[str] | None], width: int
+    lines: list[HeaderLine], parted: list[list[str] | None], width: int, unnamed: frozenset[int]
 ) -> tuple[int | None, list[str] | None]:
     """Return the line that holds the names, and the units in a line below it."""
     is_kinovea = any("kinovea" in line.text.lower() for line in lines)
+    pairs = [
+        i
+        for i, line in enumerate(lines)
+        if line.is_comment and _PAIR.fullmatch(without_mark(line.text))
+    ]
     candidates = [
         i
         for i, cells in enumerate(parted)
-        if cells and not (is_kinovea and lines[i].text.startswith("# "))
+        if cells
+        and not (is_kinovea and lines[i].text.startswith("# "))
+        and not (pairs and i <= pairs[-1] and lines[i].is_comment)
     ]
     plain = [i for i in candidates if not lines[i].is_comment]
     for group in (plain, candidates):
         # A column that numbers the rows may have no name.
-        whole = [i for i in group if len(parted[i] or []) == width and all((parted[i] or [])[1:])]
+        whole = [
+            i
+            for i in group
+            if len(parted[i] or []) == width
+            and all(cell or k in unnamed for k, cell in enumerate(parted[i] or []))
+        ]
         if not whole:
             continue
         below = [i for i in group if i >= whole[-1]]
@@ -229,11 +252,12 @@ def _names_at(
             cells = parted[units] or []
             return above[-1], cells + [""] * (width - len(cells))
         return whole[-1], None
-    # Names for some columns only, the first of them without gaps.
-    for group in (plain, candidates):
-        some = [i for i in group if len(parted[i] or []) > 1 and all(parted[i] or [])]
-        if some:
-            return some[-1], None
+    # Names for some columns only, better the first of them than others with gaps.
+    for is_enough in (all, lambda cells: sum(map(bool, cells)) > 1):
+        for group in (plain, candidates):
+            some = [i for i in group if len(parted[i] or []) > 1 and is_enough(parted[i] or [])]
+            if some:
+                return some[-1], None
     alone = [i for i in plain if width == 1 and len(parted[i] or []) == 1]
     return (alone[-1] if alone else None), None
 

@@ -32,7 +32,9 @@ class Kind:
 def _tracker(text: str, names: set[str]) -> bool:
     """Tracker: the first column is t, the others belong to point masses."""
     quantities = {"x", "y", "r", "vx", "vy", "v", "θ", "θr", "ω", "ax", "ay", "a", "theta"}
-    has_objects = re.search(r"^#multi|^[\t;,] *\S|^ \t\S|^\w+[ _][A-Z]\d*$", text, re.MULTILINE)
+    # Above the names stand objects; an index of rows has no name in the line of the names.
+    above = "\n".join(text.split("\n")[:-1])
+    has_objects = re.search(r"^#multi|^[\t;,] *\S|^ \t\S|^\w+[ _][A-Z]\d*$", above, re.MULTILINE)
     return bool(has_objects) and "t" in names and bool(quantities & names)
 
 

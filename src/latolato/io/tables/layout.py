@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from latolato.io.tables.cells import (
     split,
     zeros,
 )
+from latolato.io.tables.keys import with_names_above
 from latolato.io.tables.shapes import LEADING, Lines, lines_of
 
 # A cell in quotation marks goes over at most so many lines.
@@ -31,7 +33,9 @@ _LONGEST_CELL = 10
 _BLANK, _COMMENT, _ROW, _MIXED, _ODD, _TEXT = range(6)
 _SEPARATOR = re.compile(r"\"?sep=(.)\"?\s*", re.IGNORECASE)
 # The line between names and rows of a table drawn with bars.
-_RULE = re.compile(r"[\s|+:=-]*[-=]{2}[\s|+:=-]*")
+_RULE = re.compile(r"[\s|+:=_-]*[-=_]{2}[\s|+:=_-]*")
+# A line of more cells holds no row of a table.
+_MOST_CELLS = 200_000
 
 
 @dataclass(frozen=True)
@@ -110,12 +114,14 @@ def layout_of(text: bytes, *, delimiter: str | None = None, decimal: str | None 
         never closed; with the number of the line.
     """
     lines = _with_whole_cells(lines_of(text))
+    _refuse_endless_line(lines)
+    lines = with_names_above(lines)
     counts = np.bincount(lines.shape_of, minlength=len(lines.shapes))
     if delimiter is None:
         delimiter = _named_delimiter(lines) or _likeliest_delimiter(lines.shapes, counts)
     cells = [_cells(shape, delimiter) for shape in lines.shapes]
     kinds = [kinds_of(row, delimiter) for row in cells]
-    raw_width = _usual_width(lines.shapes, kinds, counts)
+    raw_width = _usual_width(lines, kinds, counts)
     is_text, width = _column_types(kinds, counts, raw_width)
     of_shape = np.array(
         [
@@ -173,6 +179,26 @@ def _with_whole_cells(lines: Lines) -> Lines:
     return lines_of(bytes(text), lines.numbers[~joined])
 
 
+def _refuse_endless_line(lines: Lines) -> None:
+    """Raise for a line of more cells than any table has."""
+    for i, shape in enumerate(lines.shapes):
+        if len(shape) > _MOST_CELLS and max(map(shape.count, DELIMITERS)) > _MOST_CELLS:
+            line = lines.numbers[np.flatnonzero(lines.shape_of == i)[0]]
+            raise InputError(
+                f"line {line} has more than {_MOST_CELLS} cells",
+                way_out="write each row of the table into a line of its own",
+            )
+
+
+def _no_rows(lines: Lines) -> InputError:
+    """Return the error for a text without rows of numbers."""
+    last = len(lines.numbers) - 1
+    return InputError(
+        f"it has no rows of numbers: line {lines.numbers[last]} is '{lines.line(last)[:40]}'",
+        way_out="save the table as CSV: a line of names and rows of numbers below it",
+    )
+
+
 def _named_delimiter(lines: Lines) -> str | None:
     """Return the delimiter that a first line such as ``sep=;`` names."""
     match = _SEPARATOR.fullmatch(lines.line(0))
@@ -210,23 +236,20 @@ def _is_number(kind: str) -> bool:
     return kind in NUMBERS or kind == "quantity"
 
 
-def _usual_width(shapes: list[str], kinds: list[list[str]], counts: NDArray[np.int64]) -> int:
+def _usual_width(lines: Lines, kinds: list[list[str]], counts: NDArray[np.int64]) -> int:
     """Return how many cells most lines of numbers have, empty ones at the end too."""
     weights: dict[int, int] = {}
     for row, count in zip(kinds, counts, strict=True):
         numbers = sum(map(_is_number, row))
         if numbers:
             weights[len(row)] = weights.get(len(row), 0) + int(count) * numbers
-    if not weights and any(re.search(r"'[-+.,]?0", shape) for shape in shapes):
+    if not weights and any(re.search(r"'[-+.,]?0", shape) for shape in lines.shapes):
         raise InputError(
             "its numbers stand in single quotation marks",
             way_out="remove them, or use double ones",
         )
     if not weights:
-        raise InputError(
-            "it has no rows of numbers",
-            way_out="save the table as CSV: a line of names and rows of numbers below it",
-        )
+        raise _no_rows(lines)
     return max(weights, key=lambda width: (weights[width], width))
 
 
@@ -281,13 +304,11 @@ def _blocks(
     of_line = of_line.copy()
     rows = np.flatnonzero(of_line == _ROW)
     if not rows.size:
-        raise InputError(
-            "it has no rows of numbers",
-            way_out="save the table as CSV: a line of names and rows of numbers below it",
-        )
+        raise _no_rows(lines)
     start = int(rows[0])
     _refuse_odd(lines, of_line, _right_above(of_line, start), delimiter, width)
     start = _with_spoiled_rows(lines, of_line, start, delimiter)
+    rows = np.flatnonzero(of_line == _ROW)
     has_sections = any(
         "kinovea" in lines.line(i).lower() for i in range(start) if of_line[i] == _COMMENT
     )
@@ -301,9 +322,9 @@ def _blocks(
         follows = group[-1] + 1
         if follows == len(of_line):
             if texts:
-                notes.append(_left_out(lines, texts))
+                notes.append(_left_out(lines, [i for i in held if of_line[i] in (_TEXT, _ODD)]))
                 of_line[held] = _COMMENT
-        elif _falls(lines, group[0] - 1, follows, delimiter, is_text) or any(
+        elif _begins_again(lines, rows, follows, delimiter, is_text) or any(
             _looks_like_names(lines.line(i), delimiter, width) for i in texts
         ):
             cuts.append(follows)
@@ -313,6 +334,7 @@ def _blocks(
             cuts.append(follows)
             headers.append(held)
         elif texts:
+            _refuse_spoiled(lines, held, delimiter, width)
             notes.append(_left_out(lines, texts))
         of_line[[i for i in held if of_line[i] == _MIXED]] = _ROW
     rows = np.flatnonzero(of_line == _ROW)
@@ -372,15 +394,30 @@ def _refuse_odd(
     """Raise for a row with a wrong number of cells, unless it belongs to a header."""
     for i in held:
         if of_line[i] == _ODD and not any(of_line[j] == _TEXT for j in held):
-            count = len(split(lines.line(i), delimiter))
-            way_out = "complete or remove that line"
-            if delimiter == "," and "." not in lines.line(i):
-                way_out += "; if commas are decimal signs too, export it with semicolons or tabs"
-            raise InputError(
-                f"line {lines.numbers[i]} has {count} cell{'s' * (count != 1)}, but the other rows "
-                f"have {width}",
-                way_out=way_out,
-            )
+            raise _wrong_width(lines, i, delimiter, width)
+
+
+def _refuse_spoiled(lines: Lines, held: list[int], delimiter: str, width: int) -> None:
+    """Raise for a line among remarks between rows that holds numbers as a row does."""
+    for i in held:
+        cells = split(lines.line(i), delimiter)
+        kinds = kinds_of([zeros(cell) for cell in cells], delimiter)
+        numbers = sum(map(_is_number, kinds))
+        if len(cells) != width and (numbers > 1 or numbers == len(cells)):
+            raise _wrong_width(lines, i, delimiter, width)
+
+
+def _wrong_width(lines: Lines, i: int, delimiter: str, width: int) -> InputError:
+    """Return the error for a row with a wrong number of cells."""
+    count = len(split(lines.line(i), delimiter))
+    way_out = "complete or remove that line"
+    if delimiter == "," and "." not in lines.line(i):
+        way_out += "; if commas are decimal signs too, export it with semicolons or tabs"
+    return InputError(
+        f"line {lines.numbers[i]} has {count} cell{'s' * (count != 1)}, but the other rows have "
+        f"{width}",
+        way_out=way_out,
+    )
 
 
 def _left_out(lines: Lines, texts: list[int]) -> str:
@@ -391,18 +428,25 @@ def _left_out(lines: Lines, texts: list[int]) -> str:
     return f"line {first}{more} left out, which is no row: '{shown}'"
 
 
-def _falls(lines: Lines, before: int, after: int, delimiter: str, is_text: list[bool]) -> bool:
-    """Return whether the first column of numbers falls from one row to another."""
+def _begins_again(
+    lines: Lines, rows: NDArray[np.int64], after: int, delimiter: str, is_text: list[bool]
+) -> bool:
+    """Return whether the first column of numbers rises, falls above a row, and rises again."""
     place = is_text.index(False)
+    at = int(np.searchsorted(rows, after))
     values = []
-    for i in (before, after):
+    for i in rows[max(at - 2, 0) : at + 2].tolist():
         cells = split(lines.line(i), delimiter)
         text = cells[place].replace(",", ".") if place < len(cells) else ""
         try:
             values.append(float(text))
         except ValueError:
             return False
-    return values[1] < values[0]
+    if at == 0:  # words stand in the row above
+        return False
+    steps = [later - earlier for earlier, later in pairwise(values)]
+    gap = min(at, 2) - 1
+    return steps[gap] < 0.0 and all(step > 0.0 for i, step in enumerate(steps) if i != gap)
 
 
 def _looks_like_names(line: str, delimiter: str, width: int) -> bool:

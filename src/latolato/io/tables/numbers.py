@@ -30,6 +30,10 @@ from latolato.io.tables.layout import Block, Layout
 Floats = NDArray[np.float64]
 # A number whose thousands a comma groups, in a shape of a line.
 _GROUP = re.compile(rf"[-+{MINUS}]?\d{{1,3}},\d{{3}}(\.\d*)?")
+# Blanks other than the usual ones, in UTF-8.
+_BLANK = re.compile(
+    rb"\xc2[\x85\xa0]|\xe1\x9a\x80|\xe2\x80[\x80-\x8a\xa8\xa9\xaf]|\xe2\x81\x9f|\xe3\x80\x80|[\v\f]"
+)
 Label = Callable[[int], str]
 
 POINT, COMMA = DECIMALS = (".", ",")
@@ -162,8 +166,9 @@ def _counts_in_thousands(layout: Layout, place: int, unsure: str) -> bool:
 def _two_ways(layout: Layout, place: int, sign: str, label: Label) -> InputError:
     """Return the error for numbers that could be read in two ways."""
     return InputError(
-        f"its {_PLURAL[sign]} may be decimal signs or group thousands: "
+        f"its {_PLURAL[sign]} may be {{parameter}} signs or group thousands: "
         f"{_example(layout, place, _UNSURE[sign], label)}",
+        parameter="decimal",
         way_out=_WAY_OUT,
     )
 
@@ -185,7 +190,7 @@ def is_comma_both(layout: Layout, named: int) -> bool:
 
     They could where the names do not account for all cells, or some rows have more. Then no point
     is a decimal sign, or whole numbers are followed by columns of three digits, like ``1,000`` or
-    ``1,000.5``.
+    ``1,000.5``, or all rows, or those with more cells, hold such numbers.
     """
     if layout.delimiter != COMMA or layout.has_quotes:
         return False
@@ -198,16 +203,23 @@ def is_comma_both(layout: Layout, named: int) -> bool:
     kinds = [column.counts.keys() - {"empty", "missing"} for column in layout.columns]
     if not set().union(*kinds) & {"point", "quantity"}:
         return True
-    groups = zip(*(map(_is_group, pairwise(each)) for each in cells), strict=False)
-    return any(map(all, groups)) or any(
+    groups = [[_is_group(*pair) for pair in pairwise(each)] for each in cells]
+    least = min(map(len, groups))
+    for width in (least, least - 1):  # that they all might have
+        wider = [each for each in groups if len(each) > width]
+        if wider and all(each.count(True) >= len(each) - width for each in wider):
+            return True
+    return any(set(place) in ({True}, {True, None}) for place in zip(*groups, strict=False)) or any(
         first <= {"integer", "three digits"} and second == {"three digits"}
         for first, second in pairwise(kinds)
     )
 
 
-def _is_group(pair: tuple[str, str]) -> bool:
-    """Return whether neighbouring cells could be one number such as ``1,000.5``, or are empty."""
-    return not all(pair) or _GROUP.fullmatch(",".join(pair)) is not None
+def _is_group(first: str, second: str) -> bool | None:
+    """Return whether neighbouring cells could be one number such as ``1,000.5``; None if empty."""
+    if not first or not second:
+        return None
+    return _GROUP.fullmatch(f"{first},{second}") is not None
 
 
 def other_delimiter(layout: Layout) -> str | None:
@@ -269,10 +281,21 @@ def _refuse_other_cells(
     else:
         way_out = "leave the cell empty if the number is missing"
     raise InputError(
-        f"line {lines.numbers[bad[0]]} of column {label(place)} holds '{cell[:40]}', which is no "
+        f"line {lines.numbers[bad[0]]} of column {label(place)} holds {shown(cell)}, which is no "
         f"number",
         way_out=way_out,
     )
+
+
+def shown(cell: str) -> str:
+    r"""Return a cell in quotes, with codes for characters that cannot be seen.
+
+    Examples
+    --------
+    >>> print(shown("0,5 °"), shown("\u200b0.5"))
+    '0,5 °' '\u200b0.5'
+    """
+    return f"'{cell[:40]}'" if cell.isprintable() else repr(cell[:40])
 
 
 def _body(layout: Layout, block: Block) -> bytes:
@@ -284,14 +307,14 @@ def _body(layout: Layout, block: Block) -> bytes:
 
 
 def _plain(body: bytes, delimiter: str) -> bytes:
-    """Return rows with a plain minus and without blanks, or apostrophes, that group digits."""
+    """Return rows with plain minus and blanks, and without blanks or apostrophes in numbers."""
     body = body.replace(MINUS.encode(), b"-")
     for sign in GROUPING:
         mark = sign.encode()
-        if mark in body and not (sign == " " and delimiter in (BLANKS, ",")):
+        if mark in body and not (sign.isspace() and delimiter in (BLANKS, ",")):
             pattern = rb"(?<=[0-9])" + re.escape(mark) + rb"(?=[0-9]{3}(?![0-9]))"
             body = re.sub(pattern, b"", body)
-    return body
+    return re.sub(_BLANK, b" ", body)
 
 
 def plain_text(cell: str, signs: Signs) -> str:

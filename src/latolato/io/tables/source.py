@@ -6,16 +6,17 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, reading
 from latolato.core.registry import checked_choice, suggest
-from latolato.io.tables.cells import BLANKS, is_comment, split, without_mark
+from latolato.io.tables.cells import BLANKS, MISSING_WORDS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
 from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
+from latolato.io.tables.joining import Rows, meet, side_by_side
 from latolato.io.tables.kinds import kind_of_file
 from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
 from latolato.io.tables.numbers import (
@@ -25,10 +26,17 @@ from latolato.io.tables.numbers import (
     numbers_of,
     other_delimiter,
     plain_text,
+    shown,
     signs_of,
 )
 from latolato.io.tables.units import canonical, is_known, is_unit
 
+# Columns that number the object to which a row belongs, and those that all objects share.
+_OBJECTS = ("track_id", "track id", "particle", "object")
+_CLOCKS = ("position_t", "time", "t", "zeit", "temps", "tiempo", "tempo", "waktu", "frame")
+_MOST_OBJECTS = 50
+# So many names are listed in a sentence.
+_MOST_LISTED = 20
 # The sheet or member that a program's export keeps the measurement in.
 _MAIN = ("raw data",)
 
@@ -151,19 +159,20 @@ class Section:
             if len(found) == 1:
                 return found[0]
             if found:
-                places = ", ".join(str(column.position) for column in found)
+                places = listed([str(column.position) for column in found])
                 tracked = next((c.path for c in found if c.track), None)
                 way_out = f"name one by its position ({places})"
                 if tracked and len({c.path for c in found}) == len(found):
                     way_out += f" or its track, as in '{tracked}'"
                 raise InputError(f"it has {len(found)} columns '{base}'", way_out=way_out)
-        known = [column.path for column in self.columns]
+        known = listed([column.path for column in self.columns])
         if not any(column.name for column in self.columns):
             raise InputError(
-                f"it has no column '{base}', for it has no names above its {len(known)} columns",
+                f"it has no column '{base}', for it has no names above "
+                f"{counted(len(self.columns), 'column')}",
                 way_out="name columns by position, as in '1 [s]'",
             )
-        raise InputError(f"it has no column '{base}'; it has {', '.join(known)}")
+        raise InputError(f"it has no column '{base}'; it has {known}")
 
     def numbers(
         self, columns: Sequence[SourceColumn], *, decimal: str | None = None
@@ -191,10 +200,12 @@ class Section:
         """
         for column in columns:
             if column.kind == "texts":
-                example = self.texts(column, rows=1)
+                index = self._layout.columns[column.position - 1].first["text"]
+                cells = split(self._layout.lines.line(index), self._layout.delimiter)
                 raise InputError(
-                    f"column {column.label} holds texts such as '{''.join(example)[:40]}'",
-                    way_out="name a column of numbers",
+                    f"column {column.label} holds texts such as {shown(cells[column.position - 1])}"
+                    f" in line {self._layout.lines.numbers[index]}",
+                    way_out="write plain numbers such as -0.25, or name another column",
                 )
         places = [column.position - 1 for column in columns]
         wanted = list(dict.fromkeys(places))
@@ -278,10 +289,10 @@ class SourceTable:
         words = [self.kind]
         first = self.sections[0]
         if len(self.sections) > 1:
-            names = ", ".join(section.name for section in self.sections)
-            words.append(f"{_counted(len(self.sections), 'section')}: {names}")
+            names = listed([section.name for section in self.sections])
+            words.append(f"{counted(len(self.sections), 'section')}: {names}")
         elif first.tracks:
-            words.append(f"{_counted(len(first.tracks), 'track')}: {', '.join(first.tracks)}")
+            words.append(f"{counted(len(first.tracks), 'track')}: {listed(first.tracks)}")
         if not any(column.name for column in first.columns):
             words.append("no names")
         return ", ".join(words)
@@ -299,7 +310,7 @@ class SourceTable:
             if len(names) == 1:
                 return self.sections[0]
             raise InputError(
-                f"it holds {len(names)} tables: {', '.join(names)}",
+                f"it holds {len(names)} tables: {listed(names)}",
                 way_out=f"choose one, as in section = '{names[0]}'",
             )
         if name in names:
@@ -375,6 +386,8 @@ def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
     if path.is_dir():
         raise IsADirectoryError(f"'{path}' is a folder; name a file in it")
     if not path.is_file():
+        if path.exists():
+            raise FileNotFoundError(f"'{path}' is a device, not a file")
         raise FileNotFoundError(f"there is no file '{path}'")
     with reading(path):
         if path.stat().st_size > LARGEST:
@@ -394,11 +407,11 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
     if decimal is not None:
         checked_choice("decimal", decimal, DECIMALS)
     parts = read_parts(name, raw)
-    tables: dict[str, tuple[Part, list[Section], str, list[str]]] = {}
+    tables: dict[str, _Found] = {}
     refusals: list[InputError] = []
     for part in parts:
         try:
-            tables[part.name] = (part, *_sections_of(part, decimal))
+            tables[part.name] = _sections_of(part, decimal)
         except InputError as error:
             if len(parts) > 1:
                 error.where = error.where or part.name
@@ -412,35 +425,48 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
         notes.append(f"read '{main[0]}', not {others}")
         tables = {main[0]: tables[main[0]]}
     sections: list[Section] = []
-    for part, found, _, own_notes in tables.values():
-        notes += [f"{part.name}: {note}" if part.name else note for note in own_notes]
-        for section in found:
-            title = ": ".join(filter(None, (part.name if len(tables) > 1 else "", section.name)))
+    for name, found in tables.items():
+        notes += [f"{name}: {note}" if name else note for note in found.notes]
+        for section in found.sections:
+            title = ": ".join(filter(None, (name if len(tables) > 1 else "", section.name)))
             sections.append(replace(section, name=title))
-    first, _, kind, _ = next(iter(tables.values()))
+    first = next(iter(tables.values()))
     return SourceTable(
-        kind=kind if len(tables) == 1 else "tables",
+        kind=first.kind if len(tables) == 1 else "tables",
         sections=tuple(sections),
-        encoding=first.encoding,
-        delimiter=delimiter_name(sections[0]._layout.delimiter),
+        encoding=first.part.encoding,
+        delimiter=delimiter_name(first.delimiter),
         notes=tuple(notes),
         comments=sections[0].comments,
     )
 
 
-def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, list[str]]:
-    """Return the sections of a text, the kind of its export, and notes."""
-    known = {"delimiter": "\t", "decimal": "."} if part.is_sheet else {}
-    layout = layout_of(part.text, **known)
+class _Found(NamedTuple):
+    """What one text of a file holds."""
+
+    part: Part
+    sections: list[Section]
+    kind: str
+    delimiter: str
+    notes: list[str]
+
+
+def _sections_of(part: Part, decimal: str | None) -> _Found:
+    """Return the sections of a text."""
+    layout = layout_of(part.text, delimiter=part.delimiter, decimal=part.decimal)
     lines = layout.lines
     header_lines = [
         [HeaderLine(lines.line(i), is_comment(lines.line(i))) for i in block.header]
         for block in layout.blocks
     ]
     width = max(_names_width(layout, each) for each in header_lines)
-    headers = [header_of(header_lines[0], width, layout.delimiter)]
+    unnamed = frozenset(
+        place for place, column in enumerate(layout.columns) if column.counts.keys() <= {"empty"}
+    )
+    headers = [header_of(header_lines[0], width, layout.delimiter, unnamed)]
     headers += [
-        later_header(each, width, layout.delimiter, headers[0]) for each in header_lines[1:]
+        later_header(each, width, layout.delimiter, unnamed, headers[0])
+        for each in header_lines[1:]
     ]
     named = headers[0].named
     if decimal != "." and is_comma_both(layout, named):
@@ -448,7 +474,8 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
     if layout.delimiter == BLANKS and 0 < named < layout.width:
         raise InputError(
             f"it has {named} names above {layout.width} columns that blanks separate",
-            way_out="write names without blanks, or export it with semicolons or tabs",
+            way_out="write names without blanks, also one above row numbers, or export it with "
+            "semicolons or tabs",
         )
     other = other_delimiter(layout)
     if other is not None and not (headers[0].is_own and named == layout.width):
@@ -475,7 +502,84 @@ def _sections_of(part: Part, decimal: str | None) -> tuple[list[Section], str, l
         comments = tuple(without_mark(line.text).strip() for line in own if line.is_comment)
         numbers = lines.numbers[block.rows]
         sections.append(Section(name, columns, numbers, comments, layout, block))
-    return sections, kind, list(layout.notes)
+    notes = list(layout.notes)
+    if kind == "Kinovea export" and len(sections) > 1:
+        objects = [Rows(each.name, each.lines.tolist(), each.cells()) for each in sections]
+        if _meet(sections, objects):
+            sections = [_joined(sections[0], objects, None)]
+    elif len(sections) == 1:
+        column = _column_of_objects(sections[0])
+        objects = _objects_of(sections[0], column, notes) if column else []
+        if len(objects) > 1:
+            sections = [_joined(sections[0], objects, column)]
+    return _Found(part, sections, kind, layout.delimiter, notes)
+
+
+def _shared(section: Section) -> list[int]:
+    """Return the places of the columns that are the same for all objects, the time first."""
+    names = [column.name.lower() for column in section.columns]
+    return [names.index(name) for name in _CLOCKS if name in names]
+
+
+def _meet(sections: list[Section], objects: list[Rows]) -> bool:
+    """Return whether sections are objects that were measured at the same times."""
+    shared = _shared(sections[0])
+    names = {tuple(column.name for column in section.columns) for section in sections}
+    return len(names) == 1 and bool(shared) and meet(objects, shared[0])
+
+
+def _column_of_objects(section: Section) -> SourceColumn | None:
+    """Return the column that says to which object a row belongs."""
+    by_name = {column.name.lower(): column for column in reversed(section.columns)}
+    return next((by_name[name] for name in _OBJECTS if name in by_name), None)
+
+
+def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> list[Rows]:
+    """Return the rows of each object; note those of none."""
+    objects: dict[str, Rows] = {}
+    left_out = 0
+    for line, cells in zip(section.lines.tolist(), section.cells(), strict=True):
+        name = cells[column.position - 1]
+        if name.lower() in ("", *MISSING_WORDS):
+            left_out += 1
+            continue
+        if name.lstrip("-").isdigit():
+            name = f"{column.name.lower().removesuffix('_id')} {name}"
+        rows = objects.setdefault(name, Rows(name, [], []))
+        rows.lines.append(line)
+        rows.cells.append(cells)
+        if len(objects) > _MOST_OBJECTS:
+            raise InputError(
+                f"column {column.label} names more than {_MOST_OBJECTS} objects",
+                way_out="keep the rows of one or two",
+            )
+    if left_out:
+        notes.append(f"{counted(left_out, 'row')} without {column.label} left out")
+    return list(objects.values())
+
+
+def _joined(first: Section, objects: list[Rows], column: SourceColumn | None) -> Section:
+    """Return a section with the numbers of all objects, without the column that names them."""
+    shared = _shared(first)
+    if not shared:
+        raise InputError(
+            f"it holds {len(objects)} objects below each other without a time",
+            way_out="add a column of times or of frame numbers",
+        )
+    own = [
+        place
+        for place, each in enumerate(first.columns)
+        if place not in shared and each is not column and each.kind == "numbers"
+    ]
+    layout = side_by_side(objects, shared, own, first._layout.decimal)
+    titles = [("", place) for place in shared]
+    titles += [(each.name, place) for each in objects for place in own]
+    columns = tuple(
+        replace(first.columns[place], position=position, track=track)
+        for position, (track, place) in enumerate(titles, start=1)
+    )
+    (block,) = layout.blocks
+    return Section("", columns, layout.lines.numbers[block.rows], first.comments, layout, block)
 
 
 def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
@@ -508,8 +612,9 @@ def _refuse_comma(layout: Layout, named: int) -> None:
     shown = layout.lines.line(first)
     below = f"{named} names" if named else "no names"
     raise InputError(
-        f"the comma seems to be delimiter and decimal sign at once, or to group thousands: line "
+        "the comma seems to be delimiter and {parameter} sign at once, or to group thousands: line "
         f"{layout.lines.numbers[first]} is '{shown[:40]}' below {below}",
+        parameter="decimal",
         way_out="export it with semicolons or tabs, or with decimal points; if its numbers are "
         "whole, give decimal = '.'",
     )
@@ -548,7 +653,20 @@ def _base_and_unit(text: str) -> tuple[str, str]:
     return match[1].strip(), canonical(unit) or unit.strip()
 
 
-def _counted(count: int, noun: str) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Return names as a list for a sentence, of many the first ones.
+
+    Examples
+    --------
+    >>> listed(["t", "x"]), listed([f"c{i}" for i in range(90)])[-20:]
+    ('t, x', 'c18, c19 and 70 more')
+    """
+    more = len(names) - _MOST_LISTED
+    shown = ", ".join(names[:_MOST_LISTED])
+    return f"{shown} and {more} more" if more > 0 else shown
+
+
+def counted(count: int, noun: str) -> str:
     """Return a number of things in words."""
     words = ("no", "one", "two", "three", "four", "five", "six")
     number = words[count] if count < len(words) else str(count)

@@ -7,8 +7,8 @@ import re
 # Spellings in small letters of each unit, by what it measures.
 _SPELLINGS: dict[str, dict[str, str]] = {
     "time": {
-        "s": "s sec secs second seconds sek sekunde sekunden",
-        "ms": "ms msec msecs millisecond milliseconds millisekunden",
+        "s": "s sec secs second seconds sek sekunde sekunden seconde secondes segundos detik",
+        "ms": "ms msec msecs millisecond milliseconds millisekunden millisecondes milidetik",
         "us": "us µs μs usec microsecond microseconds",
         "ns": "ns nsec nanosecond nanoseconds",
         "min": "min mins minute minutes",
@@ -26,7 +26,7 @@ _SPELLINGS: dict[str, dict[str, str]] = {
     "angle": {
         "rad": "rad rads radian radians",
         "mrad": "mrad",
-        "deg": "deg degs degree degrees ° º",
+        "deg": "deg degs degree degrees ° º degré degrés derajat grados gradi",
         "arcmin": "arcmin arcminute arcminutes",
         "gon": "gon gradian gradians",
         "rev": "rev turn turns revolution revolutions",
@@ -44,7 +44,7 @@ _SPELLINGS: dict[str, dict[str, str]] = {
 _OTHERS = (
     "v", "mv", "n", "g", "kg", "j", "w", "m/s", "m/s^2", "m/s²", "m/s2", "cm/s", "cm/s^2", "mm/s",
     "mm/s^2", "n·m", "rad/s^2", "rad/s²", "deg/s^2", "°/s²", "quality", "%", "µt", "ut", "lux",
-    "hpa", "°c",
+    "hpa", "kpa", "pa", "°c", "k",
 )  # fmt: skip
 # Units whose conversion the list of units does not know, in one that it knows.
 IN_OTHERS = {"gon": "0.9 deg", "arcmin": f"{1 / 60!r} deg"}
@@ -68,8 +68,10 @@ def canonical(text: str) -> str | None:
     ('deg', 's', 'deg', None)
     """
     text = text.strip()
-    if text in _OF:  # M and Mm differ from m and mm
+    if text in _OF:
         return text
+    if re.fullmatch("M(s|m|rad)", text):  # mega or, written by mistake, milli
+        return None
     return _KNOWN.get(re.sub(r"\s+", "", text).lower())
 
 

@@ -14,7 +14,7 @@ import { Track } from "./track.js";
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number,
  *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean}}
- *     | null, sheet: import("./sheet.js").Sheet | null, code: string[],
+ *     | null, sheet: import("./sheet.js").Sheet | null, decimal: string, code: string[],
  *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
  *   hasRegion: boolean, hasStick: boolean, shape: string,
  *   corrections: {frame: number, ball: number, u: number, v: number}[],
@@ -65,7 +65,7 @@ export class Session {
     this.count += 1;
     /** @type {Clip} */
     const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, sheet: null,
-      code: [], times: [0],
+      decimal: "", code: [], times: [0],
       clickFrame: 0, first: null, last: null, hasRegion: false, hasStick: false, shape: "disc",
       corrections: [], places: {},
       proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
@@ -133,7 +133,17 @@ export class Session {
     if (!key) return;
     clip.key = key;
     clip.epoch = desk.epoch;
-    const block = await this.work(clip, (follow) => desk.job({ do: "look", clip: key }, follow));
+    await this.look(clip);
+  }
+
+  /**
+   * Have the server say what a clip is.
+   * @param {Clip} clip
+   */
+  async look(clip) {
+    const { key, decimal } = clip;
+    const block = await this.work(clip, (follow) =>
+      this.desk.job({ do: "look", clip: key, decimal: decimal || null }, follow));
     if (block) await this.seen(clip, block);
   }
 
@@ -161,7 +171,7 @@ export class Session {
     const isNew = !isSeen(clip);
     const about = /** @type {any} */ (block.about);
     if (about.table) {
-      if (isNew) clip.sheet = sheetOf(about.table);
+      if (isNew) clip.sheet = { ...sheetOf(about.table), decimal: clip.decimal };
       this.changed();
       return;
     }

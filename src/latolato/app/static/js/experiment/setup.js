@@ -32,7 +32,8 @@ export class Setup {
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
    *   outside: (isOutside: boolean) => void,
    *   tool: (change: Partial<import("./session.js").Clip>) => void,
-   *   sheet: (change: Partial<import("./sheet.js").Sheet>) => void}} on
+   *   sheet: (change: Partial<import("./sheet.js").Sheet>) => void,
+   *   sign: (decimal: string) => void}} on
    */
   constructor(page, fields, on) {
     const { store } = page;
@@ -103,10 +104,10 @@ export class Setup {
       this.patch, el("label", { class: "check" }, this.hasStick, t("hasStick")), this.stickLength,
       el("label", { class: "check" }, this.hasRegion, t("hasRegion"))];
     const choice = (/** @type {"angleFrom" | "decimal"} */ name,
-      /** @type {Record<string, string>} */ words) => {
+      /** @type {Record<string, string>} */ words,
+      change = (/** @type {string} */ value) => on.sheet({ [name]: value })) => {
       const own = freshId();
-      const select = el("select", { id: own,
-        on: { change: () => on.sheet({ [name]: select.value }) } },
+      const select = el("select", { id: own, on: { change: () => change(select.value) } },
       ...Object.entries(words).map(([value, word]) =>
         el("option", { value }, t(`${name}_${word}`))));
       return { select, field: el("div", { class: "field choice" },
@@ -114,6 +115,8 @@ export class Setup {
     };
     this.angleFrom = choice("angleFrom", { down: "down", right: "right" });
     this.decimal = choice("decimal", SIGNS);
+    // Beside the refusal of a file that leaves it open.
+    this.sign = choice("decimal", SIGNS, on.sign);
     const yDown = el("input", { type: "checkbox",
       on: { change: () => on.sheet({ yAxis: yDown.checked ? "down" : "up" }) } });
     this.yDown = { box: yDown, field: el("label", { class: "check" }, yDown, t("yDown")) };
@@ -151,7 +154,7 @@ export class Setup {
       quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
-      this.busy, this.failed, this.body);
+      this.busy, this.failed, this.sign.field, this.body);
   }
 
   /**
@@ -193,6 +196,8 @@ export class Setup {
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
     this.failed.hidden = !clip.error || isOwn;
+    this.sign.field.hidden = clip.field !== "decimal";
+    this.sign.select.value = sheet?.decimal ?? clip.decimal;
     // It begins with the name of a file.
     this.failed.textContent = isOwn ? "" : withLabels(clip.error ?? "", this.fields);
     if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";

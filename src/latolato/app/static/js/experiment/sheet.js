@@ -6,7 +6,8 @@ import { capitalised } from "../shared/words.js";
 import { ENGLISH, t } from "../strings.js";
 
 /**
- * @typedef {{position: number, name: string, path: string, unit: string, unit_from: string}} Column
+ * @typedef {{position: number, name: string, path: string, unit: string, unit_from: string,
+ *   kind: string}} Column
  * @typedef {{name: string, rows: number, first_rows: string[][], columns: Column[],
  *   roles: Record<string, number>, question: string | null}} Part
  *
@@ -55,13 +56,23 @@ function has(sheet, roles) {
 }
 
 /**
+ * Return whether times on a clock end in a part that may count frames: 0:00:03:12.
+ * @param {Sheet} sheet
+ */
+function countsParts({ parts, part, roles }) {
+  const { columns, first_rows: rows } = parts[part];
+  const time = columns.find(({ position }) => roles[position] === "time");
+  return time?.kind === "texts" && rows.some((row) => row[time.position - 1].split(":").length > 3);
+}
+
+/**
  * Return what has to be known beside the columns of a table: a frame rate, the place of the pivot, and
  * the directions of angles and of y.
  * @param {Sheet} sheet
  */
 export function openOf(sheet) {
   const isOpen = !sheet.isOwn;
-  return { frames: isOpen && has(sheet, /^frame$/),
+  return { frames: isOpen && (has(sheet, /^frame$/) || !has(sheet, /^time$/) || countsParts(sheet)),
     pivot: isOpen && has(sheet, /^ball_/) && !has(sheet, /^pivot_/),
     angles: isOpen && has(sheet, /^angle_\d/), heights: isOpen && has(sheet, /_y$/) };
 }
@@ -159,7 +170,7 @@ export class SheetCard {
    * Return the head of a column: its name, what it is, and its unit where the file leaves it open.
    * @param {Column} column
    */
-  head({ position, path, unit, unit_from: inferred }) {
+  head({ position, path, unit, unit_from: inferred, kind }) {
     const role = el("select", { "aria-label": t("roleOf", { name: path }), on: {
       change: () => this.changed({ roles: withRole(this.sheet?.roles ?? {}, position, role.value) }),
     } }, ...[NONE, ...Object.keys(this.roles)].map((each) =>
@@ -172,7 +183,9 @@ export class SheetCard {
       const now = roles[position] ?? NONE;
       const known = this.roles[now] ?? [];
       const own = chosenUnits[position];
-      const isOpen = known.length > 0 && (inferred !== "" || !known.includes(unit));
+      // Times on a clock have no unit.
+      const isOpen = known.length > 0 && kind !== "texts"
+        && (inferred !== "" || !known.includes(unit));
       const listed = known.includes(own) ? known : [own, ...known];
       if (units.dataset.list !== listed.join()) {
         units.dataset.list = listed.join();

@@ -166,6 +166,7 @@ export class ExperimentView {
       outside: (isOutside) => this.changed({ isPivotOutside: isOutside }),
       tool: (change) => this.changed(change),
       sheet: (change) => this.sheetChanged(change),
+      sign: (decimal) => this.signed(decimal),
     });
     this.sheet = new SheetCard(hello.tables.roles, (change) => this.sheetChanged(change));
     this.preview.replaceChildren(this.sheet.root);
@@ -366,6 +367,15 @@ export class ExperimentView {
     const sheet = this.session.clip?.sheet;
     if (!sheet) return;
     this.changed({ sheet: part === undefined ? { ...sheet, ...change } : chosen(sheet, part) });
+  }
+
+  /** @param {string} decimal the sign that a file leaves open */
+  signed(decimal) {
+    const { clip } = this.session;
+    if (!clip) return;
+    clip.decimal = decimal;
+    if (clip.sheet) this.sheetChanged({ decimal });
+    else void this.session.look(clip);
   }
 
   /** Draw the ball's edge as length and radius say. */
