@@ -85,6 +85,52 @@ def test_a_piece_cut_out_of_the_clock_is_named_with_its_time_and_length():
     assert math.isfinite(fit["length"].value)  # still there, to look at
 
 
+@pytest.mark.parametrize("seconds", [1.0 / 30.0, 0.6, 1.23])
+def test_a_piece_of_any_length_cut_out_of_the_clock_is_named(seconds):
+    fit = ll.fit_decay(cut_out(seconds), **QUICK)
+    assert fit.dataset.attrs["break"] == "phase jump"
+    assert fit.dataset.attrs["fails_at"] == pytest.approx(10.0, abs=0.1)
+    assert f"a piece of {seconds:.2f}"[:-1] in fit.verdict
+
+
+def test_a_wind_in_the_middle_is_named():
+    times = np.arange(0.0, 30.0, 1.0 / 30.0)
+    early = ll.simulate(PENDULUM, times=times[:450], initial_angle=0.4)
+    blown = {
+        "initial_angle": float(early.angle[-1]) - 0.02,
+        "initial_angular_velocity": float(early.angular_velocity[-1]),
+    }
+    late = ll.simulate(PENDULUM, times=times[449:], **blown).angle.values + 0.02
+    angle = np.concatenate([early.angle.values, late[1:]])
+    fit = ll.fit_decay(table_of(times, angle + swing(times) - swing(times, size=0.0)), **QUICK)
+    assert fit.dataset.attrs["break"] == "another rest"
+    assert "the ball hangs elsewhere from there on, by 0.0" in fit.verdict
+
+
+@pytest.mark.parametrize("change", ["gain", "smoothed", "drift"])
+def test_what_apparatus_does_to_a_swing_is_in_its_deviations(change):
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    angle = swing(times, initial_angle=0.6)
+    if change == "gain":
+        angle = 1.01 * angle
+    elif change == "smoothed":
+        angle = np.convolve(np.pad(angle, 1, "edge"), np.ones(3) / 3.0, "valid")
+    else:
+        times = times * (1.0 + 1e-4 * times / 40.0)
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert fit.describes
+    assert "Their deviations include that" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma < 1e-2
+
+
+def test_noise_that_grows_is_no_break():
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    still = swing(times, size=0.0)
+    for seed in range(4):
+        noise = np.random.default_rng(seed).normal(scale=1e-3 * np.exp(times / 14.0))
+        assert ll.fit_decay(table_of(times, still + noise), **QUICK).describes
+
+
 @pytest.mark.parametrize("first, end, angle", [(8, 48, 0.4), (8, 25.1, 0.4), (8, 48, 1.2)])
 def test_a_gap_loses_no_swing(first, end, angle):
     times = np.arange(0.0, 60.0, 1.0 / 30.0)

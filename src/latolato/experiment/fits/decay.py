@@ -224,7 +224,7 @@ def fit_decay(
         verdict = f"{verdict} {seen.words[0].upper()}{seen.words[1:]}."
     if repeats:
         verdict += f" {repeats} samples that repeat the one before were left out."
-    adequacy = next((part.adequacy for part in parts if not part.adequacy.describes), Adequacy())
+    adequacy = parts[0].adequacy
     return make_fit(
         "decay", estimates, verdict, curves, about, system=body.system(estimates), adequacy=adequacy
     )
@@ -279,7 +279,7 @@ def _by_equation(
     if law == "best":
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
     chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
-    adequacy = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
+    adequacy, solution = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
     estimates = body.estimates(solution, LAWS[chosen])
     sentences = [body.verdict(estimates, solution, chosen)]
     if compare:
