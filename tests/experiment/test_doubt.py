@@ -131,6 +131,64 @@ def test_noise_that_grows_is_no_break():
         assert ll.fit_decay(table_of(times, still + noise), **QUICK).describes
 
 
+def test_a_sample_half_a_turn_away_is_no_jump():
+    times = np.arange(0.0, 20.0, 1.0 / 30.0)
+    angle = swing(times)
+    angle[[100, 300]] += math.pi
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert "2 outliers were left out" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma
+
+
+def test_a_quarter_turn_of_the_camera_and_a_ball_at_rest_are_refused_as_such():
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    with pytest.raises(InputError, match="the angle is the same in all samples"):
+        ll.fit_decay(table_of(times, np.full(len(times), 0.3)), **QUICK)
+    angle = swing(times, initial_angle=0.1) + 0.5 * math.pi * (times > 20.0)
+    with pytest.raises(InputError, match=r"jumps by 1\.\d* rad at 20"):
+        ll.fit_decay(table_of(times, angle), **QUICK)
+
+
+def test_a_swing_that_dies_at_once_is_fitted_without_an_envelope():
+    rate = math.sqrt(9.8 / 0.363) / 4.0  # a quality of 2
+    damped = ll.Pendulum(length=0.363, mass=0.108, damping=2.0 * rate * 0.108 * 0.363)
+    times = np.arange(0.0, 6.0, 1.0 / 120.0)
+    angle = ll.simulate(damped, times=times, initial_angle=1.0).angle.values
+    angle = angle + np.random.default_rng(0).normal(scale=1e-3, size=len(times))
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert "turning points are too few for an envelope" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma
+    assert abs(fit["decay_rate"].value - rate) < 4.0 * fit["decay_rate"].sigma
+
+
+def test_half_swings_with_a_gap_are_no_turning_points():
+    times = np.arange(0.0, 400.0, 1.0 / 30.0)
+    kept = (times < 5.0) | (times > 395.0)
+    slow = ll.Pendulum(length=0.363, mass=0.108, damping=1e-4)
+    angle = ll.simulate(slow, times=times, initial_angle=0.4).angle.values
+    angle = angle + np.random.default_rng(0).normal(scale=1e-3, size=len(times))
+    fit = ll.fit_decay(table_of(times[kept], angle[kept]), method="envelope", **QUICK)
+    rate = 1e-4 / (2.0 * 0.108 * 0.363)
+    assert abs(fit["decay_rate_envelope"].value - rate) < 4.0 * fit["decay_rate_envelope"].sigma
+
+
+@pytest.mark.parametrize("degrees, rate", [(90, 12.0), (150, 30.0), (175, 30.0)])
+def test_the_envelope_of_large_swings_is_right(degrees, rate):
+    times = np.arange(0.0, 60.0, 1.0 / rate)
+    angle = swing(times, initial_angle=math.radians(degrees))
+    fit = ll.fit_decay(table_of(times, angle), method="envelope", **QUICK)
+    truth = 0.00274 / (2.0 * 0.108 * 0.363)
+    assert abs(fit["decay_rate_envelope"].value - truth) < 4.0 * fit["decay_rate_envelope"].sigma
+
+
+def test_samples_so_few_that_another_swing_looks_the_same_say_so():
+    times = np.arange(0.0, 60.0, 1.0 / 1.5)
+    fit = ll.fit_decay(table_of(times, swing(times, initial_angle=0.05)), **QUICK)
+    truth = math.tau * math.sqrt(0.363 / 9.8)
+    assert fit["period"].value > 1.1 * truth
+    assert f"a period of {truth:.3g} s would look the same" in fit.verdict
+
+
 @pytest.mark.parametrize("first, end, angle", [(8, 48, 0.4), (8, 25.1, 0.4), (8, 48, 1.2)])
 def test_a_gap_loses_no_swing(first, end, angle):
     times = np.arange(0.0, 60.0, 1.0 / 30.0)
