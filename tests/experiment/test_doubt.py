@@ -343,6 +343,44 @@ def test_even_frames_leave_a_fast_drive_open_and_uneven_ones_decide():
     assert "look the same" not in fit.verdict
 
 
+@pytest.mark.parametrize("first, end", [(10.0, 20.0), (1.0, 29.3)])
+def test_a_gap_loses_no_cycle_of_a_drive(first, end):
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    fit = ll.fit_drive(driven(times).isel(frame=(times < first) | (times > end)), profile=False)
+    assert fit.describes
+    assert abs(fit["drive_frequency"].value - 15.1) < 4.0 * fit["drive_frequency"].sigma < 1e-3
+
+
+def test_mistakes_and_repeats_in_the_track_of_a_drive_change_nothing():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    table = driven(times)
+    random = np.random.default_rng(0)
+    table["pivot_y"].values[random.uniform(size=len(times)) < 0.03] += 0.02
+    fit = ll.fit_drive(table, profile=False)
+    twice = driven(times)
+    twice["pivot_y"].values[1::2] = twice["pivot_y"].values[::2]
+    for each in (fit, ll.fit_drive(twice, profile=False)):
+        assert each.describes
+        for name, truth in (("drive_frequency", 15.1), ("drive_phase", 0.5)):
+            assert abs(each[name].value - truth) < 4.0 * each[name].sigma
+
+
+def test_a_drive_that_the_frames_cannot_follow_is_not_at_rest():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    with pytest.raises(InputError, match="it moves too fast for them"):
+        ll.fit_drive(driven(times, rate=math.tau * 29.0), profile=False)
+
+
+def test_a_drive_that_nobody_has_is_questioned():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    table = table_of(1e3 * times, 0.1 * np.cos(7.5 * times), pivot_y=20.0 * np.cos(15.1 * times))
+    fit = ll.fit_drive(table, profile=False)
+    assert "A drive amplitude of 20 m is unusual" in fit.verdict
+    assert "A drive frequency of 0.0151 rad/s is unusual" in fit.verdict
+    note = trial_of(table, length=0.363)["note"]
+    assert "unusual drive amplitude: units?" in note
+
+
 def test_breaks_of_a_drive_are_noticed():
     times = np.arange(0.0, 40.0, 1.0 / 60.0)
     jumped = ll.fit_drive(driven(times, true=np.where(times > 20, times + 3.3, times)))
