@@ -167,16 +167,19 @@ def phase_at(angle: float, velocity: float, frequency: float) -> float:
     return swing - 0.5 * math.pi if velocity >= 0.0 else 0.5 * math.pi - swing
 
 
-def portrait(solution: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
+def portrait(
+    solution: Solution, p: Mapping[str, float], instant: float, usual: float = 0.0
+) -> dict[str, float]:
     """Return the numbers of a swing at an instant, as `adequacy.changes` compares them.
 
-    Its logarithmic amplitude and frequency, phase [rad], offset [rad] and decay rate [1/s].
+    Its logarithmic amplitude and frequency, phase [rad], offset [rad] and decay rate [1/s]. `usual`
+    is a decay rate that motions which are compared have in common [1/s].
     """
     late = instant - solution.origin
     angle, velocity = state_at(p, late)
     frequency, drag = p["natural_frequency"], 0.5 * p.get("linear", 0.0)
     # Drag takes energy where the ball is fast; with this velocity the size falls evenly.
-    velocity += drag * angle
+    velocity += usual * angle
     size = amplitude_at(angle, velocity, frequency)
     # A part that begins shortly after the instant is followed back at an even pace.
     back = min(late, 0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -263,7 +264,8 @@ def _by_instant(
 
 def _of_cut(cut: Cut) -> tuple[str, str]:
     """Return the kind of break at a cut, and what it looks like."""
-    before, after, names, covariance = changes(cut, portrait)
+    usual = 0.5 * cut.before.values.get("linear", 0.0)
+    before, after, names, covariance = changes(cut, partial(portrait, usual=usual))
     off = {name: after[name] - before[name] for name in names}
     off["phase"] = math.remainder(off["phase"], math.tau)
     covariance = covariance + _by_instant(before, after, names)
