@@ -85,6 +85,110 @@ def test_a_piece_cut_out_of_the_clock_is_named_with_its_time_and_length():
     assert math.isfinite(fit["length"].value)  # still there, to look at
 
 
+@pytest.mark.parametrize("seconds", [1.0 / 30.0, 0.6, 1.23])
+def test_a_piece_of_any_length_cut_out_of_the_clock_is_named(seconds):
+    fit = ll.fit_decay(cut_out(seconds), **QUICK)
+    assert fit.dataset.attrs["break"] == "phase jump"
+    assert fit.dataset.attrs["fails_at"] == pytest.approx(10.0, abs=0.1)
+    assert f"a piece of {seconds:.2f}"[:-1] in fit.verdict
+
+
+def test_a_wind_in_the_middle_is_named():
+    times = np.arange(0.0, 30.0, 1.0 / 30.0)
+    early = ll.simulate(PENDULUM, times=times[:450], initial_angle=0.4)
+    blown = {
+        "initial_angle": float(early.angle[-1]) - 0.02,
+        "initial_angular_velocity": float(early.angular_velocity[-1]),
+    }
+    late = ll.simulate(PENDULUM, times=times[449:], **blown).angle.values + 0.02
+    angle = np.concatenate([early.angle.values, late[1:]])
+    fit = ll.fit_decay(table_of(times, angle + swing(times) - swing(times, size=0.0)), **QUICK)
+    assert fit.dataset.attrs["break"] == "another rest"
+    assert "the ball hangs elsewhere from there on, by 0.0" in fit.verdict
+
+
+@pytest.mark.parametrize("change", ["gain", "smoothed", "drift"])
+def test_what_apparatus_does_to_a_swing_is_in_its_deviations(change):
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    angle = swing(times, initial_angle=0.6)
+    if change == "gain":
+        angle = 1.01 * angle
+    elif change == "smoothed":
+        angle = np.convolve(np.pad(angle, 1, "edge"), np.ones(3) / 3.0, "valid")
+    else:
+        times = times * (1.0 + 1e-4 * times / 40.0)
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert fit.describes
+    assert "Their deviations include that" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma < 1e-2
+
+
+def test_noise_that_grows_is_no_break():
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    still = swing(times, size=0.0)
+    for seed in range(4):
+        noise = np.random.default_rng(seed).normal(scale=1e-3 * np.exp(times / 14.0))
+        assert ll.fit_decay(table_of(times, still + noise), **QUICK).describes
+
+
+def test_a_sample_half_a_turn_away_is_no_jump():
+    times = np.arange(0.0, 20.0, 1.0 / 30.0)
+    angle = swing(times)
+    angle[[100, 300]] += math.pi
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert "2 outliers were left out" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma
+
+
+def test_a_quarter_turn_of_the_camera_and_a_ball_at_rest_are_refused_as_such():
+    times = np.arange(0.0, 40.0, 1.0 / 30.0)
+    with pytest.raises(InputError, match="the angle is the same in all samples"):
+        ll.fit_decay(table_of(times, np.full(len(times), 0.3)), **QUICK)
+    angle = swing(times, initial_angle=0.1) + 0.5 * math.pi * (times > 20.0)
+    with pytest.raises(InputError, match=r"jumps by 1\.\d* rad at 20"):
+        ll.fit_decay(table_of(times, angle), **QUICK)
+
+
+def test_a_swing_that_dies_at_once_is_fitted_without_an_envelope():
+    rate = math.sqrt(9.8 / 0.363) / 4.0  # a quality of 2
+    damped = ll.Pendulum(length=0.363, mass=0.108, damping=2.0 * rate * 0.108 * 0.363)
+    times = np.arange(0.0, 6.0, 1.0 / 120.0)
+    angle = ll.simulate(damped, times=times, initial_angle=1.0).angle.values
+    angle = angle + np.random.default_rng(0).normal(scale=1e-3, size=len(times))
+    fit = ll.fit_decay(table_of(times, angle), **QUICK)
+    assert "turning points are too few for an envelope" in fit.verdict
+    assert abs(fit["length"].value - 0.363) < 4.0 * fit["length"].sigma
+    assert abs(fit["decay_rate"].value - rate) < 4.0 * fit["decay_rate"].sigma
+
+
+def test_half_swings_with_a_gap_are_no_turning_points():
+    times = np.arange(0.0, 400.0, 1.0 / 30.0)
+    kept = (times < 5.0) | (times > 395.0)
+    slow = ll.Pendulum(length=0.363, mass=0.108, damping=1e-4)
+    angle = ll.simulate(slow, times=times, initial_angle=0.4).angle.values
+    angle = angle + np.random.default_rng(0).normal(scale=1e-3, size=len(times))
+    fit = ll.fit_decay(table_of(times[kept], angle[kept]), method="envelope", **QUICK)
+    rate = 1e-4 / (2.0 * 0.108 * 0.363)
+    assert abs(fit["decay_rate_envelope"].value - rate) < 4.0 * fit["decay_rate_envelope"].sigma
+
+
+@pytest.mark.parametrize("degrees, rate", [(90, 12.0), (150, 30.0), (175, 30.0)])
+def test_the_envelope_of_large_swings_is_right(degrees, rate):
+    times = np.arange(0.0, 60.0, 1.0 / rate)
+    angle = swing(times, initial_angle=math.radians(degrees))
+    fit = ll.fit_decay(table_of(times, angle), method="envelope", **QUICK)
+    truth = 0.00274 / (2.0 * 0.108 * 0.363)
+    assert abs(fit["decay_rate_envelope"].value - truth) < 4.0 * fit["decay_rate_envelope"].sigma
+
+
+def test_samples_so_few_that_another_swing_looks_the_same_say_so():
+    times = np.arange(0.0, 60.0, 1.0 / 1.5)
+    fit = ll.fit_decay(table_of(times, swing(times, initial_angle=0.05)), **QUICK)
+    truth = math.tau * math.sqrt(0.363 / 9.8)
+    assert fit["period"].value > 1.1 * truth
+    assert f"a period of {truth:.3g} s would look the same" in fit.verdict
+
+
 @pytest.mark.parametrize("first, end, angle", [(8, 48, 0.4), (8, 25.1, 0.4), (8, 48, 1.2)])
 def test_a_gap_loses_no_swing(first, end, angle):
     times = np.arange(0.0, 60.0, 1.0 / 30.0)
@@ -237,6 +341,44 @@ def test_even_frames_leave_a_fast_drive_open_and_uneven_ones_decide():
     fit = ll.fit_drive(driven(uneven, rate=math.tau * 52.0, noise=2e-5), profile=False)
     assert fit["drive_frequency"].value == pytest.approx(math.tau * 52.0, rel=1e-4)
     assert "look the same" not in fit.verdict
+
+
+@pytest.mark.parametrize("first, end", [(10.0, 20.0), (1.0, 29.3)])
+def test_a_gap_loses_no_cycle_of_a_drive(first, end):
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    fit = ll.fit_drive(driven(times).isel(frame=(times < first) | (times > end)), profile=False)
+    assert fit.describes
+    assert abs(fit["drive_frequency"].value - 15.1) < 4.0 * fit["drive_frequency"].sigma < 1e-3
+
+
+def test_mistakes_and_repeats_in_the_track_of_a_drive_change_nothing():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    table = driven(times)
+    random = np.random.default_rng(0)
+    table["pivot_y"].values[random.uniform(size=len(times)) < 0.03] += 0.02
+    fit = ll.fit_drive(table, profile=False)
+    twice = driven(times)
+    twice["pivot_y"].values[1::2] = twice["pivot_y"].values[::2]
+    for each in (fit, ll.fit_drive(twice, profile=False)):
+        assert each.describes
+        for name, truth in (("drive_frequency", 15.1), ("drive_phase", 0.5)):
+            assert abs(each[name].value - truth) < 4.0 * each[name].sigma
+
+
+def test_a_drive_that_the_frames_cannot_follow_is_not_at_rest():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    with pytest.raises(InputError, match="it moves too fast for them"):
+        ll.fit_drive(driven(times, rate=math.tau * 29.0), profile=False)
+
+
+def test_a_drive_that_nobody_has_is_questioned():
+    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    table = table_of(1e3 * times, 0.1 * np.cos(7.5 * times), pivot_y=20.0 * np.cos(15.1 * times))
+    fit = ll.fit_drive(table, profile=False)
+    assert "A drive amplitude of 20 m is unusual" in fit.verdict
+    assert "A drive frequency of 0.0151 rad/s is unusual" in fit.verdict
+    note = trial_of(table, length=0.363)["note"]
+    assert "unusual drive amplitude: units?" in note
 
 
 def test_breaks_of_a_drive_are_noticed():

@@ -88,6 +88,7 @@ def trial_of(
     frequency has steps, the drive is that of the last stage.
     """
     from latolato.experiment.fits.drive import fit_drive
+    from latolato.experiment.fits.result import size_question
 
     checked_table(table, "pivot_y", "angle_1")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
@@ -115,6 +116,11 @@ def trial_of(
     if "drive_frequency_final" in drive:
         frequency = drive["drive_frequency_final"]
         notes.append(f"frequency stepped at {drive['step_time'].value:.4g} s")
+    notes += [
+        f"unusual {name.replace('_', ' ')}: units?"
+        for name in ("drive_amplitude", "drive_frequency")
+        if size_question(name, drive[name].value)
+    ]
     if "It is not steady" in drive.verdict:
         notes.append("drive not steady")
     _check_hanging(table)

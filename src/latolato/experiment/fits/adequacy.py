@@ -10,12 +10,13 @@ the clock, another frequency is a change of pace, and so on.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import OUTLIER, Data, Floats, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
@@ -33,6 +34,9 @@ _FEWEST = 3
 _CLEAR = 0.1
 # Outliers beyond this share are not mistakes of a tracker.
 _MOST_OUTLIERS = 0.05
+# What apparatus does to a swing, as a share of its scatter: angles to a per cent, smoothed samples,
+# a length that changes by a thousandth. The deviations of the numbers include that much.
+SMALL = 1e-2
 # Residuals beyond so many times the noise of the samples are no correlated noise: with neighbours
 # correlated by 0.95 it scatters by six times what differences show.
 _MOST_SCATTER = 10.0
@@ -40,9 +44,14 @@ _MOST_SCATTER = 10.0
 _MORE = 2.0
 # What one more change must gain to be part of an explanation.
 _PENALTY = 9.0
+# Stretches that the noise is looked at in, of so many samples or more, and by what factor it must
+# differ to count.
+_STRETCHES, _STRETCH, _UNEVEN = 12, 40, 2.0
+# The instant of a cut is moved by these shares of the shortest part, with so many samples.
+_MOVES, _MOVING = (0.125, 0.06, 0.03, 0.015), 2000
 
 Portrait = Callable[[Solution, Mapping[str, float], float], dict[str, float]]
-FitPart = Callable[[Data], Solution]
+FitPart = Callable[..., Solution]
 
 
 @dataclass(frozen=True)
@@ -55,6 +64,15 @@ class Cut:
     before: Solution
     after: Solution
     gain: float
+
+    def bend(self, whole: Solution, data: Data) -> float:
+        """Return how far one model is from those of both parts, over the scatter of the values."""
+        off = []
+        for part, own in ((self.early, self.before), (self.late, self.after)):
+            inside = np.isin(data.times, part.times)
+            off.append((whole.curve[inside] - own.curve)[own.kept])
+        size = float(np.sqrt(np.mean(np.concatenate(off) ** 2)))
+        return size / max(float(np.std(data.values)), 1e-300)
 
 
 @dataclass(frozen=True)
@@ -118,6 +136,9 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     errors = whole.residuals[kept] / sigmas
     slopes = whole.slopes[kept] / sigmas[:, None]
     slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
+    # Where samples scatter more they say less: another noise is no break.
+    scale = _noise_in_time(errors)
+    errors, slopes = errors / scale, slopes / scale[:, None]
     count, free = slopes.shape
     fewest = _FEWEST * free
     bent = math.hypot(bent, _BENT * float(np.std(data.values)), _rounding_of(data.values))
@@ -147,6 +168,22 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
         best = max(gains, key=lambda place: gains[place])
         step *= 0.5
     return int(kept[best])
+
+
+def _noise_in_time(errors: Floats) -> Floats:
+    """Return the noise of each error over the typical one, 1 where it hardly changes."""
+    stretches = min(_STRETCHES, len(errors) // _STRETCH)
+    if stretches < 2:
+        return np.ones(len(errors))
+    parts = np.array_split(np.arange(len(errors)), stretches)
+    sizes = np.array([noise_of(errors[part]) for part in parts])
+    typical = float(np.median(sizes))
+    if not 0.0 < np.max(sizes) < math.inf or np.max(sizes) < _UNEVEN * np.min(sizes):
+        return np.ones(len(errors))
+    middles = [float(np.mean(part)) for part in parts]
+    ratios = np.maximum(sizes / max(typical, 1e-300), 1.0 / _MOST_SCATTER)
+    out: Floats = np.interp(np.arange(len(errors)), middles, ratios)
+    return out
 
 
 def _rounding_of(values: Floats) -> float:
@@ -189,8 +226,8 @@ def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> floa
 def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
     """Return where a record falls into two parts with the fits of both, None where it is one.
 
-    `fit_part` fits the same model to some of the samples; other arguments are those of
-    `place_of_change`.
+    `fit_part` fits the same model to some of the samples, at once where a fit of nearly the same
+    samples is given too; other arguments are those of `place_of_change`.
 
     Raises
     ------
@@ -203,25 +240,80 @@ def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> C
     at = float(data.times[place])
     # The instant is not sure to a sample, and a part must not hold any of the other one.
     clear = _CLEAR * shortest
-    early, late = data[data.times < at - clear], data[data.times > at + clear]
-    before, after = fit_part(early), fit_part(late)
+
+    def parts(instant: float) -> tuple[Data, Data]:
+        return data[data.times < instant - clear], data[data.times > instant + clear]
+
+    before, after = (fit_part(part) for part in parts(at))
+    moved = _moved(data, at, fit_part, (before, after), shortest)
+    if moved != at:
+        at = moved
+        before, after = (fit_part(part) for part in parts(at))
+    early, late = parts(at)
     same = replace(whole, kept=whole.kept[np.abs(data.times - at) > clear])
     gain = deviance([same]) - deviance([before, after])
     return Cut(at, early, late, before, after, gain)
 
 
+def _moved(
+    data: Data, at: float, fit_part: FitPart, about: tuple[Solution, Solution], shortest: float
+) -> float:
+    """Return the instant near `at` where two parts describe the samples best [s].
+
+    The score test takes changes for small ones, which displaces large ones. `about` are the fits of
+    both parts there.
+    """
+    few = data[:: max(1, len(data) // _MOVING)]
+
+    def cost(instant: float) -> float:
+        early = few.times < instant
+        try:
+            return deviance(
+                [fit_part(few[own], near) for own, near in zip((early, ~early), about, strict=True)]
+            )
+        except InputError:
+            return math.inf
+
+    best = (cost(at), at)
+    for share in _MOVES:
+        trials = [best[1] + sign * share * shortest for sign in (-1.0, 1.0)]
+        best = min(best, *((cost(each), each) for each in trials))
+    return best[1]
+
+
 def first_cut(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
-    """Return the earliest cut of a record, with the fits of the parts on either side of it."""
+    """Return the earliest cut of a record, with the fits of the parts on either side of it.
+
+    One that bends the curve by no more than apparatus does only where there is no other.
+    """
     cut = cut_of(data, whole, fit_part, shortest)
     if cut is None:
         return None
     while True:
         earlier = cut_of(cut.early, cut.before, fit_part, shortest)
-        if earlier is None:
+        if earlier is None or earlier.bend(cut.before, cut.early) < SMALL:
             break
         cut = earlier
     later = cut_of(cut.late, cut.after, fit_part, shortest)
-    return cut if later is None else replace(cut, late=later.early, after=later.before)
+    if later is None or later.bend(cut.after, cut.late) < SMALL:
+        return cut
+    return replace(cut, late=later.early, after=later.before)
+
+
+def widened(whole: Solution, cut: Cut, names: Sequence[str]) -> Solution:
+    """Return a solution whose deviations include by how much parameters differ in both parts."""
+    factors = np.ones(len(whole.names))
+    for i, name in enumerate(whole.names):
+        if name in names:
+            off = max(abs(p.values[name] - whole.values[name]) for p in (cut.before, cut.after))
+            factors[i] = max(1.0, off / max(whole.sigma(name), 1e-300))
+    intervals = {}
+    for name, (low, high) in whole.intervals.items():
+        factor, value = float(factors[whole.names.index(name)]), whole.values[name]
+        intervals[name] = (value - factor * (value - low), value + factor * (high - value))
+    return replace(
+        whole, covariance=whole.covariance * np.outer(factors, factors), intervals=intervals
+    )
 
 
 def changes(
@@ -280,8 +372,8 @@ def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
     lost = ~whole.kept & (np.abs(whole.residuals) > OUTLIER * bent)
     share = float(np.mean(lost))
     if share <= _MOST_OUTLIERS:
-        noise = max(noise_of(data.values), bent)
-        if whole.scatter <= _MOST_SCATTER * noise:
+        noise = max(noise_of(data.values), bent, 1e-12)
+        if whole.scatter <= max(_MOST_SCATTER * noise, SMALL * float(np.std(data.values))):
             return None
         return Adequacy(
             "The model does not describe this record: the samples scatter about it by "

@@ -36,6 +36,7 @@ from latolato.experiment.fits.result import (
 from latolato.experiment.fits.samples import (
     check_turns,
     is_driven,
+    largest_jump,
     length_of,
     pivot_swing,
     samples_of,
@@ -48,6 +49,7 @@ from latolato.experiment.fits.swings import (
     SPARSE,
     Swings,
     are_turning_points,
+    crossings,
     free_start,
     period_factor,
     samples_per_swing,
@@ -76,6 +78,10 @@ METHODS = ("both", "equation", "envelope")
 _HALF_TURN = 1.2 * math.pi
 # Differences of the criterion below the first say nothing, beyond the second they are strong.
 _WEAK, _STRONG = 2.0, 10.0
+# Samples in a swing below which a faster one may look the same.
+_ALIASED = 4.0
+# What eq13 is off where a swing loses much in a period, as a share.
+_ROUGH = 1e-3
 # Standard deviations from which drag is seen.
 _SURE = 3.0
 # Samples from which laws are compared, and trials that a start may take there.
@@ -181,16 +187,11 @@ def fit_decay(
     piece = table.isel(frame=within(table["time"].values, start, end))
     if declared is not None:  # before a driven swing is taken for one that somebody holds
         _check_rest(piece, declared)
+    first = float(data.times[0])
     if start is None:
         data = data[data.times >= _release(data)]
     begin = float(data.times[0])
-    reach = float(np.max(np.abs(data.values - np.median(data.values))))
-    if reach > _HALF_TURN:
-        raise InputError(
-            f"the angle reaches {reach:.3g} rad on one side, more than half a turn, which no free "
-            "swing does: are the angles in degrees? If not, set start to the time when it begins "
-            "to swing"
-        )
+    _check_reach(data)
     data, repeats = without_repeats(data)
     seen = _seen(data)
     if declared is None:
@@ -222,9 +223,11 @@ def fit_decay(
     verdict = " ".join(sentence for part in parts for sentence in part.sentences)
     if method == "both" and seen.words:
         verdict = f"{verdict} {seen.words[0].upper()}{seen.words[1:]}."
+    if start is None and begin > first:
+        verdict += f" It is fitted from {begin:.4g} s on, where the ball begins to swing freely."
     if repeats:
         verdict += f" {repeats} samples that repeat the one before were left out."
-    adequacy = next((part.adequacy for part in parts if not part.adequacy.describes), Adequacy())
+    adequacy = parts[0].adequacy
     return make_fit(
         "decay", estimates, verdict, curves, about, system=body.system(estimates), adequacy=adequacy
     )
@@ -279,7 +282,7 @@ def _by_equation(
     if law == "best":
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
     chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
-    adequacy = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
+    adequacy, solution = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
     estimates = body.estimates(solution, LAWS[chosen])
     sentences = [body.verdict(estimates, solution, chosen)]
     if compare:
@@ -325,10 +328,12 @@ def _by_envelope(
     profiles = ("decay_rate",) if profile else ()
     try:
         solution = fit_envelope(swings, first["angle_offset"], profiles, aside)
-    except ConvergenceError:
+    except InputError as error:
         if equation is None:
             raise
-        return _Part({}, {}, {}, ["The fit of the envelope did not converge."])
+        few = f"{len(swings.times)} turning points are too few for an envelope."
+        lost = isinstance(error, ConvergenceError)
+        return _Part({}, {}, {}, ["The fit of the envelope did not converge." if lost else few])
     equation = equation or {}
     estimates = body.envelope(solution, equation.get("length"), first)
     curves: dict[str, tuple[str, Any]] = {
@@ -377,8 +382,32 @@ def _release(data: Data) -> float:
     if samples_per_swing(data.times, data.values) < SPARSE:
         return float(data.times[0])
     # Half-way between both sides: a hand that holds the ball for long moves the median.
+    # A swing that dies soon is about its median.
     low, high = np.quantile(data.values, [0.01, 0.99])
-    return free_start(data.times, data.values - 0.5 * (low + high))
+    about = [data.values - middle for middle in (0.5 * (low + high), np.median(data.values))]
+    try:
+        return free_start(data.times, max(about, key=lambda v: len(crossings(data.times, v))))
+    except InputError:
+        _check_reach(data)
+        jump = largest_jump(data)
+        if jump is None:
+            raise
+        raise InputError(
+            f"the angle jumps by {abs(jump[1]):.3g} rad at {jump[0]:.4g} s: the camera or the film "
+            "changes there",
+            way_out="give end, or start, to use one part",
+        ) from None
+
+
+def _check_reach(data: Data) -> None:
+    """Raise InputError if an angle goes further than a swing does."""
+    reach = float(np.max(np.abs(data.values - np.median(data.values))))
+    if reach > _HALF_TURN:
+        raise InputError(
+            f"the angle reaches {reach:.3g} rad on one side, more than half a turn, which no free "
+            "swing does: are the angles in degrees? If not, set start to the time when it begins "
+            "to swing"
+        )
 
 
 def _seen(data: Data) -> _Seen:
@@ -401,6 +430,12 @@ def _seen(data: Data) -> _Seen:
         drags = {"linear": 0.02, "quadratic": 0.02, "coulomb": 0.02}
         first = guess_of(data[: 8 * SPARSE], drags)
         words = f"{count:.2g} samples in a swing are too few to see its turning points"
+        if count < _ALIASED:
+            pause = float(np.median(np.diff(data.times)))
+            fast = pause / (1.0 - 1.0 / count)
+            words += (
+                f". At one sample every {pause:.3g} s a period of {fast:.3g} s would look the same"
+            )
         return _Seen(first, None, words=words)
     swings = swings_of(data.times, data.values - middle)
     swings = Swings(swings.times, swings.angles + middle, swings.sigmas, swings.halves)
@@ -577,7 +612,7 @@ class _Body:
         rate = estimates.get("decay_rate")
         if law != "linear" or rate is None:
             return [f"{quantity_of(n).long_name} {estimates[n]}" for n in COEFFICIENTS.values()
-                    if n in estimates and n != "damping"]  # fmt: skip
+                    if n in estimates]  # fmt: skip
         if rate.value < -_SURE * rate.sigma:
             return [f"a swing that grows by {rate.scaled(-1.0, '1/s')}"]
         if rate.value < _SURE * rate.sigma:
@@ -627,10 +662,13 @@ class _Body:
             away = estimates["length"].value / self.length - 1.0
             limit = max(3.0 * estimates["length"].sigma / self.length, 0.003)
             if abs(away) > limit:
+                share = f"{abs(100 * away):.2g} % {'less' if away > 0 else 'more'} than"
+                if not -0.5 < away < 1.0:
+                    share = f"{1.0 / (1.0 + away):.2g} times what"
                 words += (
-                    f" The declared length {self.length:g} m is {abs(100 * away):.2g} % "
-                    f"{'less' if away > 0 else 'more'} than the dynamics give: check the length, "
-                    "gravity, the clock (frame rate, slow motion), or the mass of the rod."
+                    f" The declared length {self.length:g} m is {share} the dynamics give: check "
+                    "the length, gravity, the clock (frame rate, slow motion), or the mass of the "
+                    "rod."
                 )
         words += size_question("length", estimates["length"].value)
         if (~solution.kept).any():
@@ -680,6 +718,6 @@ def _envelope_verdict(estimates: Mapping[str, Estimate]) -> str:
     elif "decay_rate" in estimates:
         gap = abs(envelope.value - estimates["decay_rate"].value)
         both = math.hypot(envelope.sigma, estimates["decay_rate"].sigma)
-        agree = gap <= 3.0 * both
+        agree = gap <= 3.0 * both + _ROUGH * abs(envelope.value)
         words += f", which {'agrees' if agree else 'does not agree'} with the equation"
     return f"{words}."

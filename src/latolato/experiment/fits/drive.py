@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,6 +18,7 @@ from latolato.experiment.fits.adequacy import (
     Cut,
     Kind,
     changes,
+    deviance,
     misfit_doubt,
     misfit_of,
     place_of_change,
@@ -34,7 +36,13 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, size_question
-from latolato.experiment.fits.samples import is_driven, noise_of, pivot_swing, within
+from latolato.experiment.fits.samples import (
+    is_driven,
+    noise_of,
+    pivot_swing,
+    within,
+    without_repeats,
+)
 from latolato.experiment.fits.swings import crossings
 from latolato.experiment.quality import fitted_harmonic
 from latolato.experiment.track_table import checked_table
@@ -49,6 +57,10 @@ MOST_STAGES = 4
 _STRONG = 10.0
 # An amplitude below so many times the noise of a sample is a pivot at rest.
 _CLEAR = 3.0
+# Residuals so many times the noise ask for another start.
+_POOR = 4.0
+# A gap of more than so many periods may hold another number of cycles than it seems, up to so many.
+_GAP, _LOST_CYCLES = 0.7, 4
 # What a track may bend a motion by [pixels].
 _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
@@ -271,12 +283,23 @@ def _samples(
     if good.sum() < 16:
         raise InputError(f"the pivot is known in {good.sum()} samples, but a fit needs at least 16")
     time, height = time[good], height[good]
+    ones = np.ones(len(time))
+    seen, _ = without_repeats(Data(time, height, ones, np.zeros(len(time), dtype=np.int64)))
+    if len(seen) >= 16:
+        time, height = seen.times, seen.values
     fast = _fast(time, height, float(table["time"].values[0]))
     if fast is not None:
         ones = np.ones(len(time))
         return Data(time, height, ones, np.zeros(len(time), dtype=np.int64)), fast
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
+    if noise > 0.5 * (high - low):  # more than any noise scatters beside its own range
+        pause = float(np.median(np.diff(time)))
+        raise InputError(
+            f"the pivot's height changes by {1e3 * noise:.3g} mm between samples {pause:.3g} s "
+            "apart: it moves too fast for them",
+            way_out="film more frames a second",
+        )
     if high == low or 0.5 * (high - low) < _CLEAR * noise:
         raise _without_height(table.isel(frame=good), 0.5 * float(high - low), noise)
     zeros = crossings(time, height - 0.5 * (low + high))
@@ -299,16 +322,11 @@ def _fast(time: Floats, height: Floats, origin: float) -> dict[str, Guess] | Non
         return None
     late, few = time[:_FAST_SAMPLES] - origin, height[:_FAST_SAMPLES]
     *_, slow = fitted_harmonic(late, few)
-    rate, weights, rest = fitted_harmonic(late, few, _FASTEST * math.pi / pause)
+    fastest = _FASTEST * math.pi / pause
+    rate, _, rest = fitted_harmonic(late, few, fastest)
     if rate < math.pi / pause or rest > _FAST * slow:
         return None
-    mean, cosine, sine = map(float, weights)
-    return {
-        "mean_height": Guess(mean),
-        "drive_amplitude": Guess(math.hypot(cosine, sine), 0.0),
-        "drive_phase": Guess(math.atan2(-sine, cosine)),
-        "drive_frequency": Guess(rate),
-    }
+    return _harmonic_guess(late, few, fastest)
 
 
 def _scale_words(table: xr.Dataset) -> str:
@@ -339,9 +357,11 @@ def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError
 def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tuple[Shape, Solution]:
     """Return the model that the criterion prefers, and its solution."""
     shape = Shape(stages or 1)
-    best = _fit(data, shape, guesses_of_passages(data, zeros, shape))
+    guesses = guesses_of_passages(data, zeros, shape)
     if shape.stages > 1:
-        shape, best = _with_ramp(data, shape, best)
+        shape, best = _with_ramp(data, shape, _fit(data, shape, guesses))
+    else:
+        best = _best_of(data, guesses)
     shape, best = _with_crank(data, shape, best, least)
     if stages is not None:
         return shape, best
@@ -360,6 +380,54 @@ def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tupl
             break
         shape, best, bar = richer, trial, trial
     return shape, best
+
+
+def _best_of(data: Data, guesses: Mapping[str, Guess]) -> Solution:
+    """Return the best drive of one frequency from the passages, or from the best harmonic.
+
+    A gap, or mistakes of the tracker, change the number of passages, but not the harmonic. With a
+    gap, frequencies that differ by a whole cycle in it are tried as well.
+    """
+    tries: list[Solution] = []
+    with suppress(ConvergenceError):
+        tries.append(_fit(data, Shape(1), guesses))
+    first = tries[0] if tries else None
+    gap = float(np.max(np.diff(data.times)))
+    rate = guesses["drive_frequency"].value if first is None else first.values["drive_frequency"]
+    has_gap = gap * abs(rate) > _GAP * math.tau
+    if (
+        first
+        and first.scatter <= _POOR * noise_of(data.values)
+        and first.kept.all()
+        and not has_gap
+    ):
+        return first
+    harmonic = _harmonic_guess(data.times, data.values)
+    tries.append(_fit(data, Shape(1), harmonic))
+    if has_gap:
+        best = min(tries, key=lambda each: deviance([each]))
+        early = float(np.mean(data.times[: int(np.argmax(np.diff(data.times))) + 1]))
+        for n in range(-_LOST_CYCLES, _LOST_CYCLES + 1):
+            step = math.tau * n / gap
+            start = _guesses_of(best)
+            # What is before the gap stays as it is.
+            start["drive_frequency"] = Guess(best.values["drive_frequency"] + step)
+            start["drive_phase"] = Guess(best.values["drive_phase"] - step * early)
+            with suppress(ConvergenceError):
+                tries.append(_fit(data, Shape(1), start))
+    return min(tries, key=lambda each: deviance([each]))
+
+
+def _harmonic_guess(late: Floats, height: Floats, fastest: float | None = None) -> dict[str, Guess]:
+    """Return the best harmonic as a guess."""
+    rate, weights, _ = fitted_harmonic(late, height, fastest)
+    mean, cosine, sine = map(float, weights)
+    return {
+        "mean_height": Guess(mean),
+        "drive_amplitude": Guess(math.hypot(cosine, sine), 0.0),
+        "drive_phase": Guess(math.atan2(-sine, cosine)),
+        "drive_frequency": Guess(rate),
+    }
 
 
 def _with_crank(data: Data, shape: Shape, best: Solution, least: float) -> tuple[Shape, Solution]:
@@ -558,7 +626,8 @@ def _main_words(
         words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
     if shape.ramp:
         words += f", each reached within {estimates['ramp']}"
-    words += f".{size_question('drive_amplitude', estimates['drive_amplitude'].value)}"
+    sizes = ("drive_amplitude", "drive_frequency")
+    words += "." + "".join(size_question(name, estimates[name].value) for name in sizes)
     return words
 
 

@@ -38,8 +38,8 @@ COEFFICIENTS = {
 _WILD = 10.0
 # Residuals so many times the noise ask for other starts.
 _POOR = 4.0
-# Trials that a start may take.
-_TRIES = 400
+# Trials that a start may take, and one beside a solution.
+_TRIES, _SOON = 400, 100
 # Swings that a search from nothing begins with, and by how much it grows each time.
 _FIRST_SWINGS, _GROWTH = 4.0, 2.0
 # Swings more or fewer that a gap may hold than the part before it says.
@@ -167,14 +167,19 @@ def phase_at(angle: float, velocity: float, frequency: float) -> float:
     return swing - 0.5 * math.pi if velocity >= 0.0 else 0.5 * math.pi - swing
 
 
-def portrait(solution: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
+def portrait(
+    solution: Solution, p: Mapping[str, float], instant: float, usual: float = 0.0
+) -> dict[str, float]:
     """Return the numbers of a swing at an instant, as `adequacy.changes` compares them.
 
-    Its logarithmic amplitude and frequency, phase [rad], offset [rad] and decay rate [1/s].
+    Its logarithmic amplitude and frequency, phase [rad], offset [rad] and decay rate [1/s]. `usual`
+    is a decay rate that motions which are compared have in common [1/s].
     """
     late = instant - solution.origin
     angle, velocity = state_at(p, late)
     frequency, drag = p["natural_frequency"], 0.5 * p.get("linear", 0.0)
+    # Drag takes energy where the ball is fast; with this velocity the size falls evenly.
+    velocity += usual * angle
     size = amplitude_at(angle, velocity, frequency)
     # A part that begins shortly after the instant is followed back at an even pace.
     back = min(late, 0.0)
@@ -308,14 +313,17 @@ def part_fitter(whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess
     """Return what fits the same equation to a part of the samples, from the whole's motion on."""
     drags = dict.fromkeys(COEFFICIENTS, _SOME_DRAG) | {t: whole.values[t] for t in terms}
 
-    def fit_part(part: Data) -> Solution:
-        angle, velocity = state_at(whole.values, float(part.times[0]) - whole.origin)
+    def fit_part(part: Data, about: Solution | None = None) -> Solution:
+        known = about or whole
+        angle, velocity = state_at(known.values, float(part.times[0]) - known.origin)
         near = {
-            **whole.values,
             **drags,
+            **known.values,
             "initial_angle": angle,
             "initial_angular_velocity": velocity,
         }
+        if about is not None:
+            return fit_equation(part, near, terms, aside, limit=_SOON)
         tries = list(_solutions(part, [near], terms, aside))
         if not tries or _is_poor(tries[0], part):
             grown = _grown(part, near, terms, aside)

@@ -30,6 +30,8 @@ OUTLIER = 6.0
 _MOST_CORRELATION = 0.99
 # Standard deviations of a prior within which a value is believed.
 _FAR = 3.0
+# Parameters that messages name.
+_LISTED = 4
 # Relative step of derivatives, squared.
 _STEP = 1e-12
 _ROUNDS = 2
@@ -214,7 +216,7 @@ def solve(
     loose = sum(math.isinf(guess.prior) for guess in guesses.values())
     if len(data) < 2 * loose:
         raise InputError(
-            f"{len(data)} samples are too few to fit {', '.join(names)}",
+            f"{len(data)} samples are too few to fit {listed(names)}",
             way_out=f"use a longer part, of {2 * loose} samples or more",
         )
     parameters = lmfit_module().Parameters()
@@ -320,9 +322,16 @@ def _minimizer(
     )
 
 
+def listed(names: Sequence[str]) -> str:
+    """Return names in words: the first of them, and how many others there are."""
+    if len(names) <= _LISTED + 1:
+        return ", ".join(names)
+    return f"{', '.join(names[:_LISTED])} and {len(names) - _LISTED} others"
+
+
 def _minimized(minimizer: Any, limit: int) -> Any:
     """Return what lmfit finds."""
-    names = ", ".join(minimizer.params)
+    names = listed(list(minimizer.params))
     way_out = "fit fewer parameters, or use another part"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

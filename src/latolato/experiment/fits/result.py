@@ -29,6 +29,7 @@ _WITHHELD = (
 # The least and the largest value that an experiment is likely to have, and what else it may be.
 _USUAL = {
     "length": (5e-3, 70.0, "is the clock in seconds, not in frames or milliseconds"),
+    "drive_frequency": (0.05, 2e3, "is the clock in seconds, not in frames or milliseconds"),
     "drive_amplitude": (1e-5, 1.0, "is the height in metres, not in millimetres or pixels"),
 }
 # Endings of the variables that go with an estimate.
@@ -100,11 +101,14 @@ class Adequacy:
         What kind of break it looks like, "" without one.
     fails_at : float
         Where the model begins to fail [s], NaN if it does not or nowhere in particular.
+    note : str
+        What is worth knowing of a model that describes the record nearly, as a sentence.
     """
 
     doubt: str = ""
     kind: str = ""
     fails_at: float = math.nan
+    note: str = ""
 
     @property
     def describes(self) -> bool:
@@ -306,6 +310,8 @@ def make_fit(
             kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
         verdict = f"{adequacy.doubt} {_WITHHELD}"
+    elif adequacy.note:
+        verdict = f"{verdict} {adequacy.note}"
     return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
 
 
@@ -315,7 +321,7 @@ def size_question(name: str, value: float) -> str:
     if low <= abs(value) <= high:
         return ""
     quantity = quantity_of(name)
-    return f" A {quantity.long_name} of {value:.4g} {quantity.unit} is unusual: {cause}?"
+    return f" A {name.replace('_', ' ')} of {value:.4g} {quantity.unit} is unusual: {cause}?"
 
 
 def _plain(value: Any) -> Any:

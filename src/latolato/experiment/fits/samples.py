@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 _STILL = 0.004
 # Share of samples that are distinct if angles are not rounded.
 _DISTINCT = 0.95
+# A step so many times the usual ones is a jump.
+_JUMP = 5.0
 # The highest differences that noise is seen from, and by how much a scatter may exceed another one.
 _HIGHEST, _SMALLER = 10, 1.3
 
@@ -176,16 +178,36 @@ def without_repeats(data: Data) -> tuple[Data, int]:
 
 def check_turns(data: Data) -> None:
     """Raise InputError if an angle jumps by a turn or half a turn between neighbouring samples."""
-    steps = np.diff(data.values)
-    usual = float(np.quantile(np.abs(steps), 0.9))
+    jump = largest_jump(data)
+    if jump is None:
+        return
+    instant, size, usual = jump
     for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
-        jumps = np.flatnonzero(np.abs(np.abs(steps) - turn) < min(3.0 * usual + 0.02, 0.5))
-        if len(jumps) and usual < 0.2 * turn:
+        if abs(abs(size) - turn) < min(3.0 * usual + 0.02, 0.5) and usual < 0.2 * turn:
             raise InputError(
-                f"the angle jumps by {name} at {data.times[jumps[0] + 1]:.4g} s, which no ball "
-                "does between two samples",
+                f"the angle jumps by {name} at {instant:.4g} s, which no ball does between two "
+                "samples",
                 way_out="take the turn off the angles from there on",
             )
+
+
+def largest_jump(data: Data) -> tuple[float, float, float] | None:
+    """Return the largest lasting jump between neighbouring samples, None without one.
+
+    Its instant [s], its size [rad], and the steps that are usual [rad]. A sample or two elsewhere
+    are no jump, and samples on either side of a gap no neighbours.
+    """
+    steps, pauses = np.diff(data.values), np.diff(data.times)
+    usual = float(np.quantile(np.abs(steps), 0.9))
+    best: tuple[float, float, float] | None = None
+    near = (np.abs(steps) > _JUMP * usual) & (pauses < 2.5 * float(np.median(pauses)))
+    for i in np.flatnonzero(near):
+        before, after = data.values[max(i - 4, 0) : i + 1], data.values[i + 1 : i + 6]
+        size = float(steps[i])
+        lasts = abs(float(np.median(after) - np.median(before))) > 0.5 * abs(size)
+        if lasts and (best is None or abs(size) > abs(best[1])):
+            best = float(data.times[i + 1]), size, usual
+    return best
 
 
 def pivot_swing(table: xr.Dataset, column: str = "pivot_y") -> float:

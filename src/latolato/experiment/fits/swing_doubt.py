@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.fits.adequacy import (
+    SMALL,
     Cut,
     Kind,
     changes,
@@ -17,6 +19,7 @@ from latolato.experiment.fits.adequacy import (
     misfit_doubt,
     misfit_of,
     place_of_change,
+    widened,
 )
 from latolato.experiment.fits.free_swing import amplitude_at, fit_equation, part_fitter, portrait
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
@@ -37,7 +40,7 @@ _MOST_PERIODS = 1000
 # An offset within this of a turn is one, and a factor within this of that of degrees.
 _NEAR = 0.02
 # Breaks that nothing which lasts can look like.
-_SUDDEN = ("phase jump", "two films", "shifted angle")
+_SUDDEN = ("phase jump", "two films", "shifted angle", "another rest")
 # Factors to other units, and what is wrong if angles times that are those of a pendulum.
 _UNITS = (
     (
@@ -48,7 +51,7 @@ _UNITS = (
     (
         math.pi / 180.0,
         "its period does not change with the size of the swing as a pendulum's does. Were degrees "
-        "taken for radians, or is it no pendulum",
+        "taken for radians, or is this no pendulum?",
     ),
 )
 # Standard deviations from which a growth is seen.
@@ -81,15 +84,20 @@ _KINDS = [
     Kind(
         "two films",
         frozenset({"amplitude", "phase"}),
-        "the swing changes there at once, from {size_before:.3g} to {size_after:.3g} rad: two "
-        "films were joined, or something touched the ball",
+        "the swing changes there at once, by {share:.2g} of a period and from {size_before:.3g} to "
+        "{size_after:.3g} rad: two films were joined, something touched the ball, or another ball "
+        "is followed",
+    ),
+    Kind(
+        "another rest",
+        frozenset({"amplitude", "phase", "offset"}),
+        "the ball hangs elsewhere from there on, by {offset}: a wind, or a pivot that slipped",
     ),
     Kind(
         "another motion",
         _ALL,
-        "another motion begins there, with a period of {period_after:.4g} s instead of "
-        "{period_before:.4g} s: two films were joined, the film's pace changes, or the pendulum "
-        "was changed",
+        "another motion begins there{other}: two films were joined, the film's pace changes, or "
+        "the pendulum was changed",
     ),
 ]
 
@@ -101,8 +109,10 @@ def doubt_of(
     aside: Mapping[str, Guess],
     *,
     alone: bool,
-) -> Adequacy:
-    """Return whether the equation describes a record.
+) -> tuple[Adequacy, Solution]:
+    """Return whether the equation describes a record, and the fit.
+
+    The deviations of the fit include what apparatus does to a swing that it describes nearly.
 
     Parameters
     ----------
@@ -115,6 +125,43 @@ def doubt_of(
     alone : bool
         Whether no other solution describes the samples nearly as well.
     """
+    adequacy = _before_any_cut(data, whole, alone=alone)
+    if adequacy is not None:
+        return adequacy, whole
+    few = misfit_doubt(whole, data)
+    fit_part = part_fitter(whole, terms, aside)
+    period = math.tau / whole.values["natural_frequency"]
+    ratio = whole.scatter / max(noise_of(data.values), 1e-300)
+    size = f" (scatter {ratio:.2g} times the noise of the samples)" if ratio > _FAR_OFF else ""
+    try:
+        cut = first_cut(data, whole, fit_part, _SHORTEST * period)
+    except ConvergenceError:
+        return Adequacy(f"The equation does not describe this record{size}.", "unknown"), whole
+    if cut is None:
+        return few or Adequacy(), whole
+    bend = cut.bend(whole, data)
+    if few is None and bend < SMALL:
+        note = (
+            f"Before and after {cut.instant:.4g} s the numbers differ by more than noise: the "
+            f"equation is {100.0 * bend:.1g} % of the swing off. Their deviations include that."
+        )
+        return Adequacy(note=note), widened(whole, cut, ("natural_frequency", *terms))
+    kind, told = _of_cut(cut)
+    if kind not in _SUDDEN:
+        other = _of_whole(data, whole, cut, terms, aside)
+        if other is not None:
+            end = "" if other[1].endswith("?") else "."
+            words = f"The equation does not describe this record: {other[1]}{end}"
+            return Adequacy(words, other[0]), whole
+    words = (
+        f"The equation does not describe this record{size}: it fails from {cut.instant:.4g} s on, "
+        f"and it looks as if {told}."
+    )
+    return Adequacy(words, kind, cut.instant), whole
+
+
+def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | None:
+    """Return the doubt that needs no fit of parts: an open gap, or a pivot far from its place."""
     if not alone:
         at = float(data.times[int(np.argmax(np.diff(data.times)))])
         return Adequacy(
@@ -131,28 +178,7 @@ def doubt_of(
                 "times the uncertainty that the table states.",
                 "pivot",
             )
-    few = misfit_doubt(whole, data)
-    fit_part = part_fitter(whole, terms, aside)
-    period = math.tau / whole.values["natural_frequency"]
-    ratio = whole.scatter / max(noise_of(data.values), 1e-300)
-    size = f" (scatter {ratio:.2g} times the noise of the samples)" if ratio > _FAR_OFF else ""
-    try:
-        cut = first_cut(data, whole, fit_part, _SHORTEST * period)
-    except ConvergenceError:
-        return Adequacy(f"The equation does not describe this record{size}.", "unknown")
-    if cut is None:
-        return few or Adequacy()
-    kind, told = _of_cut(cut)
-    if kind not in _SUDDEN:
-        other = _of_whole(data, whole, cut, terms, aside)
-        if other is not None:
-            return Adequacy(f"The equation does not describe this record: {other[1]}.", other[0])
-    return Adequacy(
-        f"The equation does not describe this record{size}: it fails from {cut.instant:.4g} s on, "
-        f"and it looks as if {told}.",
-        kind,
-        cut.instant,
-    )
+    return None
 
 
 def _of_whole(
@@ -214,6 +240,14 @@ def _pace_words(pace: float) -> str:
     return f"{100.0 * (ratio - 1.0):.2g} % {'faster' if quick == 'fast' else 'more slowly'}"
 
 
+def _other_period(before: Mapping[str, float], after: Mapping[str, float]) -> str:
+    """Return the periods before and after a cut in words, nothing where they are alike."""
+    one, other = (math.tau / math.exp(each["frequency"]) for each in (before, after))
+    if abs(other - one) < 1e-3 * one:
+        return ""
+    return f", with a period of {other:.4g} s instead of {one:.4g} s"
+
+
 def _by_instant(
     before: Mapping[str, float], after: Mapping[str, float], names: Sequence[str]
 ) -> Floats:
@@ -230,7 +264,8 @@ def _by_instant(
 
 def _of_cut(cut: Cut) -> tuple[str, str]:
     """Return the kind of break at a cut, and what it looks like."""
-    before, after, names, covariance = changes(cut, portrait)
+    usual = 0.5 * cut.before.values.get("linear", 0.0)
+    before, after, names, covariance = changes(cut, partial(portrait, usual=usual))
     off = {name: after[name] - before[name] for name in names}
     off["phase"] = math.remainder(off["phase"], math.tau)
     covariance = covariance + _by_instant(before, after, names)
@@ -259,7 +294,6 @@ def _of_cut(cut: Cut) -> tuple[str, str]:
         "share": share, "lost": seconds, "pace": _pace_words(pace), "offset": offset,
         "drag_before": before["drag"], "drag_after": after["drag"],
         "size_before": size, "size_after": math.exp(after["amplitude"]),
-        "period_before": math.tau / math.exp(before["frequency"]),
-        "period_after": math.tau / math.exp(after["frequency"]),
+        "other": _other_period(before, after),
     }  # fmt: skip
     return kind.name, kind.words.format(**numbers)

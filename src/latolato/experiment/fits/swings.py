@@ -24,6 +24,10 @@ SPARSE = 12
 # Share of neighbours on other sides of the middle, and how smoothly their sizes change, if samples
 # are turning points.
 _ALTERNATE, _SMOOTH = 0.95, 0.2
+# The longest time without a sample in a half swing, which is pi.
+_HOLE = 1.2
+# The least share of a multiple that is fitted, and the widest swing that has any.
+_SHARE_SEEN, _WIDEST = 1e-4, 3.1
 # What a sine may leave of a swing, as a share of its scatter.
 _SINE = 0.7
 
@@ -71,8 +75,9 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
 
     Between two crossings the swing is ``a cos(W s) + b sin(W s) + c cos(3 W s)`` of the time s
     from their middle, W being pi over the half period; its turning angle is ``a + c`` to the
-    square of b/a.
+    square of b/a. Large swings have more odd multiples of W. A half swing with a gap is left out.
     """
+    orders = _multiples(float(np.quantile(np.abs(angles), 0.99)))
     zeros = crossings(times, angles)
     rows = []
     for begin, end in pairwise(zeros):
@@ -82,21 +87,21 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
         half = end - begin
         rate, middle = math.pi / half, 0.5 * (begin + end)
         s = rate * (times[inside] - middle)
-        basis = [np.cos(s), np.sin(s)]
-        if inside.sum() >= 10:
-            basis.append(np.cos(3.0 * s))
-        design = np.column_stack(basis)
+        if np.max(np.diff(s, prepend=-0.5 * math.pi, append=0.5 * math.pi)) > _HOLE:
+            continue
+        own = np.array(orders[: len(s) // 3])
+        design = np.column_stack([np.sin(s), np.cos(np.outer(s, own))])
         coefficients, *_ = np.linalg.lstsq(design, angles[inside], rcond=None)
         error = angles[inside] - design @ coefficients
-        freedom = max(int(inside.sum()) - len(basis), 1)
+        freedom = max(len(s) - design.shape[1], 1)
         inverse = np.linalg.pinv(design.T @ design)
-        weights = np.array([1.0, 0.0, 1.0][: len(basis)])
+        weights = np.append(0.0, np.ones(len(own)))
         spread = float(error @ error) / freedom
-        top = float(weights @ coefficients)
-        late = coefficients[1] / (
-            coefficients[0] + 9.0 * (coefficients[2] if len(basis) > 2 else 0.0)
-        )
-        top += 0.5 * late * float(coefficients[1])
+        # Where the slope is 0: by so much after the middle.
+        late = float(coefficients[0] / (coefficients[1:] @ own**2))
+        if not abs(late) < 1.0:
+            continue
+        top = float(weights @ coefficients) + 0.5 * late * float(coefficients[0])
         shape = math.sqrt(float(weights @ inverse @ weights))
         rows.append((middle + late / rate, top, shape, half, spread))
     if not rows:
@@ -104,6 +109,18 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
     tops, angles_there, shapes, halves, spreads = np.array(rows).T
     # One scatter for all: that of a single half swing is too uncertain to weigh it by.
     return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
+
+
+def _multiples(amplitude: float) -> list[int]:
+    """Return the odd multiples of its frequency that a pendulum's swing has.
+
+    Their shares are q^((n-1)/2)/n, q being the nome (DLMF 22.11).
+    """
+    from scipy.special import ellipk
+
+    m = math.sin(0.5 * min(amplitude, _WIDEST)) ** 2
+    q = math.exp(-math.pi * float(ellipk(1.0 - m)) / float(ellipk(m))) if m > 0.0 else 0.0
+    return [1, 3, *(n for n in range(5, 18, 2) if q ** (0.5 * (n - 1)) / n > _SHARE_SEEN)]
 
 
 def samples_per_swing(times: Floats, values: Floats) -> float:
@@ -140,6 +157,8 @@ def free_start(times: Floats, angles: Floats) -> float:
     used from the next zero crossing after that, clear of the release.
     """
     zeros = crossings(times, angles)
+    if np.ptp(angles) == 0.0:
+        raise InputError("no free swing was found: the angle is the same in all samples")
     if len(zeros) < 3:
         raise InputError(
             "no free swing was found: the angle passes its middle fewer than three times",
