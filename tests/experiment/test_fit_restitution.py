@@ -29,6 +29,21 @@ def test_two_balls_give_their_restitution_impact_by_impact(restitution, drive):
     assert np.median(fit.dataset.separation_at_contact) == pytest.approx(theta, abs=5e-3)
 
 
+@pytest.mark.parametrize("restitution", [0.6, 0.75])
+@pytest.mark.parametrize(
+    "clock, length, share", [(1.0, 0.245, None), (1.03, 0.245, "slower"), (1.0, 0.257, "faster")]
+)
+def test_flights_of_another_length_are_doubted(restitution, clock, length, share):
+    table = motion_table(pair(restitution), DRIVE, initial_angle=(0.6, -0.4), duration=8.0)
+    fit = ll.fit_restitution(table.assign_coords(time=clock * table.time), length=length)
+    assert fit.describes is (share is None)
+    if share is not None:
+        assert fit.verdict.startswith("Between impacts the balls swing ")
+        assert (
+            f"% {share} than a pendulum of {length:g} m does: its length, the clock" in fit.verdict
+        )
+
+
 def test_one_ball_and_a_wall_give_it_too():
     toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
     table = motion_table(toy, DRIVE, initial_angle=0.5, duration=8.0)

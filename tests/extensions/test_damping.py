@@ -11,7 +11,7 @@ ELSEWHERE = ("experiment", "paper", "scenario", "languages", "stories", "vendor"
 
 def recipe():
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    return text.partition("A new kind of drag")[2].partition("A view of the application")[0]
+    return text.partition("A new kind of drag")[2].partition("A command is a function")[0]
 
 
 def files_that_know(pattern):

@@ -59,8 +59,9 @@ class Flights:
         self.enough = len(chosen) >= FEWEST
         self.states: list[Floats] = []
         self.covariances: list[Floats] = []
-        # Of the shared drag: its curvature and slope once the states have adapted.
-        self.curvature = self.slope = 0.0
+        # Of what all flights share, the drag and a factor of (g + y0'')/l: curvature and slope of
+        # the sum of squares once the states have adapted.
+        self.curvature, self.slope = np.zeros((2, 2)), np.zeros(2)
         # Largest reduced sum of squares of a ball.
         self.spread = 0.0
         # Of neighbouring errors, and of errors themselves.
@@ -83,8 +84,8 @@ class Flights:
         """Fit one ball's flight."""
         late = grid - instant
         line = np.polyfit(late, angle, 2 if len(grid) > 5 else 1)
-        state = np.array([line[-1], line[-2], drag])
-        steps = np.array([1e-5, 1e-4, 1e-3])
+        state = np.array([line[-1], line[-2], drag, 1.0])
+        steps = np.array([1e-5, 1e-4, 1e-3, 1e-3])
         for _ in range(2):
             trials = np.column_stack([state, *(state + np.diag(steps))])
             seen = _carried(instant, grid, trials, pulls)
@@ -98,9 +99,9 @@ class Flights:
         self.spread = max(self.spread, spread)
         self.products += float(errors[1:] @ errors[:-1])
         self.squares += float(errors @ errors) * (len(grid) - 1) / len(grid)
-        rest = slopes[:, 2] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2]))
-        self.curvature += float(rest @ rest)
-        self.slope += float(rest @ errors)
+        rest = slopes[:, 2:] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2:]))
+        self.curvature += rest.T @ rest
+        self.slope += rest.T @ errors
         self.states.append(state[:2])
         # A few samples tell little of their own scatter.
         floor = 0.5 if len(grid) < 10 else 0.0
@@ -139,14 +140,14 @@ def _carried(instant: float, grid: Floats, trials: Floats, pulls: Floats) -> Flo
 
     A step is the time between two frames: its error is below 1e-6 rad.
     """
-    angle, velocity, drag = trials.copy()
+    angle, velocity, drag, factor = trials.copy()
     now = instant
     out = np.empty((len(grid), trials.shape[1]))
     for i, (then, (k0, k1, k2)) in enumerate(zip(grid, pulls, strict=True)):
         h = then - now
 
         def rate(th: Floats, w: Floats, k: float) -> Floats:
-            bent: Floats = -k * np.sin(th) - drag * w
+            bent: Floats = -k * factor * np.sin(th) - drag * w
             return bent
 
         a1 = rate(angle, velocity, k0)
@@ -186,9 +187,24 @@ def widening_of(flights: Sequence[Flights]) -> float:
 
 def drag_step(flights: Sequence[Flights]) -> tuple[float, float]:
     """Return the change of the shared drag that all flights ask for and its deviation [1/s]."""
-    curvature = sum(flight.curvature for flight in flights)
-    slope = sum(flight.slope for flight in flights)
+    curvature = sum(float(flight.curvature[0, 0]) for flight in flights)
+    slope = sum(float(flight.slope[0]) for flight in flights)
     if curvature <= 0.0:
         return 0.0, 0.0
     spread = float(np.median([flight.spread for flight in flights]))
     return slope / curvature, math.sqrt(spread * widening_of(flights) / curvature)
+
+
+def pull_factor(flights: Sequence[Flights]) -> tuple[float, float]:
+    """Return the factor of (g + y0'')/l that flights at the shared drag ask for, and its deviation.
+
+    It is 1 if length, clock and the scale of the angles are right; the drag adapts to it.
+    """
+    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))
+    slope = sum((flight.slope for flight in flights), np.zeros(2))
+    if not np.linalg.det(curvature) > 0.0:
+        return 1.0, math.inf
+    inverse = np.linalg.inv(curvature)
+    spread = float(np.median([flight.spread for flight in flights]))
+    sigma = math.sqrt(spread * widening_of(flights) * inverse[1, 1])
+    return 1.0 + float((inverse @ slope)[1]), sigma

@@ -20,6 +20,7 @@ from latolato.experiment.fits.flights import (
     Pull,
     drag_step,
     good_flights,
+    pull_factor,
     pull_of,
     widening_of,
 )
@@ -44,6 +45,8 @@ _SURE, _SLOWEST, _SURE_SPEED = 6.0, 0.2, 12.0
 _OFF = 0.15
 # Impacts in a half of the record that another coefficient is seen from.
 _HALF = 5
+# Flights that swing faster or slower by this share than the length says are doubted.
+_WRONG_PULL = 0.01
 # Impacts of two evaluations this close are the same [s].
 _SAME = 0.01
 
@@ -101,8 +104,10 @@ def fit_restitution(
     of each ball's samples, with the drag that all flights share as one more unknown; both are
     carried to the instant at which they meet. Impacts with fewer than 5 samples on a side (a rattle
     of short bounces), with closing speeds below 0.2 rad/s or 12 of their standard deviations are
-    counted as unseen. The pooled deviation grows with the scatter of the impacts, so that it holds
-    if e varies; the verdict mentions a dependence on speed.
+    counted as unseen. If all flights together ask for another ``g/l`` than that of the length, by
+    more than 1 % and 6 of its deviations, the fit is doubted. The pooled deviation grows with the
+    scatter of the impacts, so that it holds if e varies; the verdict mentions a dependence on
+    speed.
     """
     if has_own_pivots(checked_table(table)):
         raise InputError("the balls hang from separate pivots: their impacts cannot be fitted")
@@ -163,7 +168,9 @@ def fit_restitution(
     verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
     if unseen:
         verdict += f" {unseen} further reversals show no measurable impact."
-    adequacy = _doubt(impacts, words)
+    adequacy = _pull_doubt(drag.pull, length)
+    if adequacy.describes:
+        adequacy = _doubt(impacts, words)
     return make_fit(
         "restitution", {"restitution": pooled}, verdict, curves, about, adequacy=adequacy
     )
@@ -206,13 +213,15 @@ class _Record:
 class _Drag:
     """The drag that all flights share [1/s], and how well they follow it.
 
-    `spread` is the typical misfit of a flight, `widen` what correlated errors widen.
+    `spread` is the typical misfit of a flight, `widen` what correlated errors widen, and `pull` the
+    factor of (g + y0'')/l that flights ask for, with its deviation.
     """
 
     rate: float
     sigma: float
     spread: float
     widen: float
+    pull: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -270,7 +279,7 @@ def _shared_drag(record: _Record, pull: Pull) -> _Drag:
         change, sigma = drag_step(good)
         rate = min(max(rate + change, 0.0), 10.0)
     spread = float(np.median([flights.spread for flights in good])) if good else 1.0
-    return _Drag(rate, sigma, spread, widening_of(good))
+    return _Drag(rate, sigma, spread, widening_of(good), pull_factor(good))
 
 
 def _turns(time: Floats, gap: Floats) -> list[float]:
@@ -364,6 +373,20 @@ def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:
         if away < _OFF * contact + 5.0 * impact.gap_sigma:
             kept.append(impact)
     return kept
+
+
+def _pull_doubt(pull: tuple[float, float], length: float) -> Adequacy:
+    """Return whether the flights are those of a pendulum of this length."""
+    factor, sigma = pull
+    if abs(factor - 1.0) <= max(_WRONG_PULL, _SURE * sigma):
+        return Adequacy()
+    share = 100.0 * abs(math.sqrt(factor) - 1.0)
+    return Adequacy(
+        f"Between impacts the balls swing {share:.2g} % {'faster' if factor > 1.0 else 'slower'} "
+        f"than a pendulum of {length:.4g} m does: its length, the clock or the scale of the angles "
+        "is wrong, and so is e.",
+        "length",
+    )
 
 
 def _doubt(impacts: Sequence[_Impact], words: str) -> Adequacy:
