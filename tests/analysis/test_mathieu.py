@@ -13,8 +13,6 @@ from latolato.analysis import mathieu_parameters
 
 G = 9.8
 PAPER = {"length": 1.0, "mass": 0.8}
-# What the analyses warn of is what these tests look for.
-pytestmark = pytest.mark.filterwarnings("ignore::RuntimeWarning")
 
 
 def multipliers(*, amplitude, frequency, gamma, length=1.0):

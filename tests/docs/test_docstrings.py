@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("name", ["analysis/multipliers", "observables/period"])
+@pytest.mark.parametrize("name", ["analysis/floquet", "observables/period"])
 def test_examples_of_one_file_are_collected_without_the_rest(name):
     command = [sys.executable, "-m", "pytest", "-q", "--collect-only", "--doctest-modules"]
     result = subprocess.run(

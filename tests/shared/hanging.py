@@ -1,12 +1,14 @@
 """Stability of a pendulum that hangs under a cosine, as plain numbers."""
 
+import warnings
+
 import numpy as np
 
 import latolato as ll
 
 
-def pendulum(*, length=1.0, mass=1.0, damping=0.0):
-    return ll.Pendulum(length=length, mass=mass, damping=damping)
+def pendulum(*, length=1.0, mass=1.0, damping=0.0, gravity=9.8):
+    return ll.Pendulum(length=length, mass=mass, damping=damping, gravity=gravity)
 
 
 def growth_rate(*, drive_amplitude, drive_frequency, **body):
@@ -22,14 +24,20 @@ def growth_rate(*, drive_amplitude, drive_frequency, **body):
 
 
 def tongue_edges(*, drive_amplitude, order=1, **body):
-    found = ll.analysis.tongue_edges(pendulum(**body), drive_amplitude=drive_amplitude, order=order)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # NaN says that it is closed
+        found = ll.analysis.tongue_edges(
+            pendulum(**body), drive_amplitude=drive_amplitude, order=order
+        )
     return float(found.low), float(found.high)
 
 
 def threshold_amplitude(*, frequency_ratio=2.0, largest_amplitude_ratio=1.0, **body):
-    found = ll.analysis.threshold_amplitude(
-        pendulum(**body),
-        frequency_ratio=frequency_ratio,
-        largest_amplitude_ratio=largest_amplitude_ratio,
-    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # NaN says that there is none
+        found = ll.analysis.threshold_amplitude(
+            pendulum(**body),
+            frequency_ratio=frequency_ratio,
+            largest_amplitude_ratio=largest_amplitude_ratio,
+        )
     return float(found.drive_amplitude)
