@@ -61,6 +61,9 @@ kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python -c "import numba, ziglang" 2>/dev/null || $(PIP) install -q -e ".[kernels]"
 	@$(BIN)/python .ci/kernels.py
 
+# One test a core: threads of the linear algebra would only get in each other's way.
+test test-all smoke: export OPENBLAS_NUM_THREADS := 1
+
 .PHONY: test
 test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run the tests and the examples in docstrings
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules tests src \
