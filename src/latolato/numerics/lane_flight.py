@@ -61,10 +61,10 @@ def make_fly(
                 if works:
                     w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
                 if tangents:
-                    curvature = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                    gradient = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
                     kept = left if damped else 1.0
-                    v1 = w[(first + 1) * L + j] + curvature * w[first * L + j]
-                    v2 = w[(second + 1) * L + j] + curvature * w[second * L + j]
+                    v1 = w[(first + 1) * L + j] + gradient * w[first * L + j]
+                    v2 = w[(second + 1) * L + j] + gradient * w[second * L + j]
                     w[first * L + j] += v1 * reach
                     w[second * L + j] += v2 * reach
                     w[(first + 1) * L + j] = v1 * kept
@@ -91,9 +91,9 @@ def make_fly(
                 w[r.WORK * L + j] += b * driven * s * (v + 0.5 * change)
             w[r.V * L + j] = v + change
             if tangents:
-                curvature = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
-                w[(first + 1) * L + j] += curvature * w[first * L + j]
-                w[(second + 1) * L + j] += curvature * w[second * L + j]
+                gradient = b * (w[r.G * L + j] + driven) * slope(w[r.X * L + j])
+                w[(first + 1) * L + j] += gradient * w[first * L + j]
+                w[(second + 1) * L + j] += gradient * w[second * L + j]
 
     @part
     def judge(w: Any) -> float:

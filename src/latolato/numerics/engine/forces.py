@@ -132,13 +132,13 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
         for i in range(run.stages):
             h = run.tables[table, KICK, i]
-            curvature = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
+            gradient = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
                 angle, run
             )
-            curvature *= h
+            gradient *= h
             velocity += h * a
-            v1 += curvature * x1
-            v2 += curvature * x2
+            v1 += gradient * x1
+            v2 += gradient * x2
             drift_time = run.tables[table, DRIFT_TIME, i]
             far, kept = drift_slopes(velocity, sign, drift_time, b)
             x1 += far * v1
@@ -150,11 +150,9 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
             lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
             a = swung(lifted, b.inverse_length, restoring(angle, is_linear)) + push(angle, run)
             a -= b.coulomb * sign
-        curvature = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
-            angle, run
-        )
-        curvature *= run.tables[table, KICK, run.stages]
-        return x1, x2, v1 + curvature * x1, v2 + curvature * x2
+        gradient = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(angle, run)
+        gradient *= run.tables[table, KICK, run.stages]
+        return x1, x2, v1 + gradient * x1, v2 + gradient * x2
 
     @part
     def tension(run: Any, body: int, point: Any) -> float:
@@ -325,13 +323,13 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
             # The slope is the pull at a right angle to what turns the ball.
-            curvature = angular_acceleration(b, angle, -(gravity + ay), ax) + wind_acceleration(
+            gradient = angular_acceleration(b, angle, -(gravity + ay), ax) + wind_acceleration(
                 b, angle, wy, -wx
             )
-            curvature = h * (curvature + push_slope(angle, run))
+            gradient = h * (gradient + push_slope(angle, run))
             velocity += h * a
-            v1 += curvature * x1
-            v2 += curvature * x2
+            v1 += gradient * x1
+            v2 += gradient * x2
             if i == run.stages:
                 break
             drift_time = run.tables[table, DRIFT_TIME, i]

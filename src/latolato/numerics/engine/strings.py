@@ -443,9 +443,8 @@ def make_strings(
         tangent_map.reach_contact(run)
         resolve_contacts(run, output, accumulators)
         if run.state.mode == SLACK and run.rows == rows:
-            run.state.is_outside_model = (
-                1  # they press against each other, which slack strings allow
-            )
+            # They press against each other, which slack strings allow.
+            run.state.is_outside_model = 1
 
     @part
     def release_sticking(run: Any, output: Output, accumulators: Accumulators) -> None:
