@@ -63,8 +63,8 @@ def execute(
     if not cuda.is_available():
         why = " ".join(str(cuda.cuda_error() or "the driver sees none").split())
         raise InputError(f"executor 'cuda' needs an NVIDIA GPU, found none ({why}): {_WAY_OUT}")
-    # A chunk alone is small for the device on purpose.
-    warnings.filterwarnings("ignore", message="Grid size .* will likely result in GPU")
+    # A chunk alone is small for the device on purpose; numba colours its warnings.
+    warnings.filterwarnings("ignore", message=".*Grid size .* will likely result in GPU")
     return _execute(plan, numbers, count)
 
 
