@@ -1,4 +1,4 @@
-"""Compiles the package's pieces: LLVM bitcode, ``kernels.zip``, and WebAssembly: `make kernels`.
+"""Compiles the package's kernels: LLVM bitcode, ``kernels.zip``, and WebAssembly: `make kernels`.
 
 ``python .ci/kernels.py [FILE [FOLDER]]``; the file that the package reads and the folder that pages
 read are the defaults. Nothing is done if both were made of these very sources, by no newer LLVM.
@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "src"))
 import wasm
 
 from latolato.app import STATIC
-from latolato.numerics import pieces, shipped
-from latolato.numerics.sources import digest_of_sources
+from latolato.numerics import kernels, shipped
+from latolato.numerics.abi import KernelSpec, digest_of_sources
 from latolato.observables import Observable
 
 # Functions of C that LLVM writes as instructions of its own.
@@ -47,15 +47,15 @@ def _observables(kind: type = Observable) -> Iterator[type]:
         yield from _observables(found)
 
 
-def _recipes() -> list[pieces.Recipe]:
-    """Return what is compiled, the largest pieces first."""
-    every = pieces.every_recipe(dict.fromkeys(_observables()))
-    return list({recipe.key: recipe for recipe in every}.values())
+def _specs() -> list[KernelSpec]:
+    """Return what is compiled, the largest first."""
+    every = kernels.every_spec(dict.fromkeys(_observables()))
+    return list({spec.key: spec for spec in every}.values())
 
 
-def _entry(text: str, kind: str, name: str) -> str:
-    """Return the code of a function that has the types of a piece and calls numba's function."""
-    returned, taken = wasm.types_of(kind)
+def _entry(text: str, signature: str, name: str) -> str:
+    """Return the code of a function that has the types of a kernel and calls numba's function."""
+    returned, taken = wasm.types_of(signature)
     given = [f"{type_} %a{i}" for i, type_ in enumerate(taken)]
     # numba's function comes first; it writes its result and returns a status.
     numbas = re.search(r"^define .*?@([\w.]+)\(", text, re.MULTILINE)[1]
@@ -71,9 +71,9 @@ def _entry(text: str, kind: str, name: str) -> str:
     )
 
 
-def _bitcode(text: str, kind: str, name: str) -> tuple[bytes, list[str]]:
-    """Return a piece's bitcode, for any processor, and the functions of C that it calls."""
-    module = llvm.parse_assembly(text + _entry(text, kind, name))
+def _bitcode(text: str, signature: str, name: str) -> tuple[bytes, list[str]]:
+    """Return a kernel's bitcode, for any processor, and the functions of C that it calls."""
+    module = llvm.parse_assembly(text + _entry(text, signature, name))
     for each in (*module.functions, *module.global_variables):
         if not each.is_declaration and each.name != name:
             each.linkage = "internal"
@@ -99,31 +99,31 @@ def _function_of(name: str) -> str | None:
 
 
 def _name(number: int) -> str:
-    """Return the name of a piece."""
-    return f"piece_{number:03}"
+    """Return the name of a kernel."""
+    return f"kernel_{number:03}"
 
 
-def _piece(number: int) -> tuple[bytes, list[str], dict[str, bytes]]:
-    """Return one of the recipes, compiled: what `_bitcode` returns, and object files for pages.
+def _compiled(number: int) -> tuple[bytes, list[str], dict[str, bytes]]:
+    """Return one of them, compiled: what `_bitcode` returns, and object files for pages.
 
-    There are none of these if no module for pages has the piece.
+    There are none of these if no module for pages has the kernel.
     """
-    from latolato.numerics.compiled import compile_piece  # imports numba
+    from latolato.numerics.jit import compile_spec  # imports numba
 
-    recipe, linked = _recipes()[number], []
-    name, modules = wasm.place_of(recipe)
+    spec, linked = _specs()[number], []
+    name, modules = wasm.place_of(spec)
 
     def note(text: str) -> None:
         linked.append(text)
         raise _LinkedError
 
     try:
-        compile_piece(recipe, note)
+        compile_spec(spec, note)
     except _LinkedError:
         (text,) = linked
-    bitcode, called = _bitcode(text, recipe.kind, _name(number))
+    bitcode, called = _bitcode(text, spec.signature, _name(number))
     variants = wasm.VARIANTS if modules else {}
-    code = text + _entry(text, recipe.kind, name)
+    code = text + _entry(text, spec.signature, name)
     return bitcode, called, {
         variant: wasm.object_of(code, name, features) for variant, features in variants.items()
     }  # fmt: skip
@@ -156,20 +156,20 @@ def main() -> None:
     if _is_fresh(path, folder):
         return
     wasm.check_linker()
-    begin, recipes = time.monotonic(), _recipes()
-    print(f"compiling {len(recipes)} pieces of numerical code: a minute or two", flush=True)
+    begin, specs = time.monotonic(), _specs()
+    print(f"compiling {len(specs)} pieces of numerical code: a minute or two", flush=True)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     with tempfile.TemporaryDirectory() as empty:
         # What numba compiled before has been optimised for a processor.
         os.environ["LATOLATO_CACHE_DIR"] = empty
         with ProcessPoolExecutor(min(os.cpu_count() or 1, 8)) as processes:
-            made = list(processes.map(_piece, range(len(recipes))))
+            made = list(processes.map(_compiled, range(len(specs))))
     about = {
         **_made_of(),
         "llvm": llvm.llvm_version_info,
         "calls": sorted({name for _, called, _ in made for name in called}),
-        "pieces": {recipe.key: _name(i) for i, recipe in enumerate(recipes)},
+        "kernels": {spec.key: _name(i) for i, spec in enumerate(specs)},
     }
     handle, new = tempfile.mkstemp(suffix=".zip", dir=path.parent)
     os.close(handle)
@@ -181,13 +181,13 @@ def main() -> None:
     os.chmod(new, 0o644)
     os.replace(new, path)
     objects: dict[str, dict[str, bytes]] = {variant: {} for variant in wasm.VARIANTS}
-    for recipe, (_, _, codes) in zip(recipes, made, strict=True):
+    for spec, (_, _, codes) in zip(specs, made, strict=True):
         for variant, code in codes.items():
-            objects[variant][recipe.key] = code
-    for_pages = wasm.write(folder, _made_of(), wasm.modules_of(recipes), objects)
+            objects[variant][spec.key] = code
+    for_pages = wasm.write(folder, _made_of(), wasm.modules_of(specs), objects)
     size, seconds = path.stat().st_size, time.monotonic() - begin
     print(
-        f"{path}: {len(recipes)} pieces, {size / 1e6:.2f} MB, for pages "
+        f"{path}: {len(specs)} kernels, {size / 1e6:.2f} MB, for pages "
         f"{' or '.join(f'{each / 1e3:.0f}' for each in for_pages.values())} kB, in {seconds:.0f} s"
     )
 

@@ -25,7 +25,7 @@ from cosmic_ray.mutating import MutationVisitor
 from cosmic_ray.plugins import get_operator, operator_names
 
 from latolato.core.cache import cache_directory
-from latolato.numerics.sources import digest_of_sources
+from latolato.numerics.abi import digest_of_sources
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent

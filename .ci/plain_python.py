@@ -2,7 +2,7 @@
 
 The first run tries up to eight cases of each test and writes the times of those that pass within
 `LONGEST` seconds to the file `TIMES`; later runs take these only. Mutants of observables are
-compiled, since they are pieces of their own: all else comes from the pieces of the sources whose
+compiled, since they are kernels of their own: all else comes from the kernels of the sources whose
 digest is `KERNELS`.
 """
 
@@ -17,10 +17,10 @@ import hypothesis
 import numpy as np
 
 from latolato.core.cache import cache_directory
-from latolato.numerics import compiled, integrate, prepare, shipped
+from latolato.numerics import integrate, jit, kernels, shipped
+from latolato.numerics.abi import sources_hash
 from latolato.numerics.derived import make_observer
 from latolato.numerics.engine.record import as_objects
-from latolato.numerics.sources import sources_hash
 
 TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
 known = json.loads(TIMES.read_text()) if TIMES.exists() else {}
@@ -35,9 +35,9 @@ def _folder(cache):
     return cache_directory() / "mutants" / sources_hash()
 
 
-def _load(key, kind):
-    observables = "callback_kernels:", "lane_flight:make_show", "lane_flight:make_follow"
-    return None if key.startswith(observables) else load(key, kind)
+def _load(spec):
+    observables = kernels.callback, kernels.step_report, kernels.jacobian_report
+    return None if spec.make in observables else load(spec)
 
 
 def _observe(observation, *laws):
@@ -53,13 +53,13 @@ def _readable(value):
 if KERNELS:
     load = shipped.load
     shipped.load, shipped.digest_of_sources = _load, lambda: KERNELS
-    compiled._KernelCache._folder = _folder
+    jit._KernelCache._folder = _folder
 else:
     engine_of = integrate.engine_of
     integrate.engine_of = lambda *laws, **given: engine_of(*laws, **{**given, "compiled": False})
     integrate.observe = _observe
-    prepare_cases = prepare.prepare_cases
-    prepare.prepare_cases = lambda work, **_: prepare_cases(work, compiled=False)
+    prepare_cases = integrate.prepare_cases
+    integrate.prepare_cases = lambda work, **_: prepare_cases(work, compiled=False)
     from latolato.sweeps import batches  # imports what was just replaced
 
     batches.run_fastest = lambda *args, cancel: batches.run_reference(*args)

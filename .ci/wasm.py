@@ -1,4 +1,4 @@
-"""The package's pieces as WebAssembly modules, for pages: a part of `make kernels`.
+"""The package's kernels as WebAssembly modules, for pages: a part of `make kernels`.
 
 The code that numba wrote for this processor is given another target, optimised and linked. What
 calls the modules is ``src/latolato/app/static/js/kernels``; it knows where everything lies from
@@ -23,11 +23,19 @@ from typing import Any
 import llvmlite.binding as llvm
 import numpy as np
 
-from latolato.numerics import batch, callbacks, derived, host_entry, lane_rows, prepare, records
+from latolato.numerics import (
+    batch,
+    callbacks,
+    derived,
+    host_entry,
+    kernels,
+    lane_rows,
+    prepare,
+    records,
+)
+from latolato.numerics.abi import Formula, KernelSpec
 from latolato.numerics.engine import loop, record, samples
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
-from latolato.numerics.pieces import SHARED
-from latolato.numerics.recipes import Formula, Recipe
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
@@ -51,16 +59,19 @@ _MATH = (
 )  # fmt: skip
 # It lies before all data, so that a run which needed more would end in an error.
 _STACK = 256 * 1024
-# What pages call; all other pieces are called by these.
+# What pages call; all other kernels are called by these.
 _CALLED = (
-    "engine", "clamp", "observer", "many", "lanes", "shake", "begin", "allowed", "prepare",
+    "engine", "clamp", "observer", "batch", "lanes", "shake", "begin", "allowed", "prepare",
 )  # fmt: skip
 _TYPES = {"void": "void", "int64": "i64", "float64": "double"}
 _NARROW = {"i64": "i32"}
 # Laws of an engine without those for the plane, and what makes its motion.
 _UPRIGHT = 4
 # What shows an observable the steps, or the matrices, of all lanes.
-_FOR_LANES = {callbacks.ON_STEP: "show", callbacks.ON_TANGENT: "follow"}
+_FOR_LANES = {
+    callbacks.ON_STEP: "step_report",
+    callbacks.ON_TANGENT: "jacobian_report",
+}
 
 # Records, and tuples whose words compiled code is given, by the names that pages know them by.
 _USUAL = records.segment_dtype()
@@ -99,9 +110,9 @@ def is_fresh(folder: Path, made_of: dict[str, Any]) -> bool:
     return is_whole and all(layout[key] == value for key, value in made_of.items())
 
 
-def types_of(kind: str) -> tuple[str, list[str]]:
-    """Return LLVM's names of what a piece of this kind returns and takes."""
-    returned, *taken = (_TYPES[name] for name in re.findall(r"\w+", kind))
+def types_of(signature: str) -> tuple[str, list[str]]:
+    """Return LLVM's names of what a kernel of this signature returns and takes."""
+    returned, *taken = (_TYPES[name] for name in re.findall(r"\w+", signature))
     return returned, taken
 
 
@@ -112,79 +123,81 @@ _RUNS = _MODULES[:4]
 _MAPS = _MODULES[1:]
 
 
-def modules_of(recipes: Sequence[Recipe]) -> dict[str, dict[str, Recipe]]:
-    """Return the pieces of each module by the names that pages know them by."""
-    found: dict[str, dict[str, Recipe]] = {name: {} for name in _MODULES}
-    for recipe in recipes:
-        name, modules = place_of(recipe)
+def modules_of(specs: Sequence[KernelSpec]) -> dict[str, dict[str, KernelSpec]]:
+    """Return the kernels of each module by the names that pages know them by."""
+    found: dict[str, dict[str, KernelSpec]] = {name: {} for name in _MODULES}
+    for spec in specs:
+        name, modules = place_of(spec)
         for module in modules:
             if name in found[module]:
-                raise ValueError(f"two pieces of {module} have the name {name}")
-            found[module][name] = recipe
+                raise ValueError(f"two kernels of {module} have the name {name}")
+            found[module][name] = spec
     return found
 
 
-def place_of(recipe: Recipe) -> tuple[str, tuple[str, ...]]:
-    """Return what a piece is called, and the modules that have it."""
-    maker, settings = recipe.maker.partition(":")[2], dict(recipe.settings)
-    laws = [law.__name__ for law in recipe.laws]
-    if maker == "make_entry":
+def place_of(spec: KernelSpec) -> tuple[str, tuple[str, ...]]:
+    """Return what a kernel is called on pages, and the modules that have it."""
+    settings, laws = dict(spec.settings), [law.__name__ for law in spec.laws]
+    if spec.make is kernels.engine:
         if laws[0] == "make_clamped":
             return "clamp", ("one", "lanes")
         if len(laws) > _UPRIGHT:
             return "engine", ("plane_one",) if settings["count"] == 1 else ("plane_two",)
         return "engine", ("one", "lanes") if settings["count"] == 1 else ("two",)
-    if maker == "make_many_entry":
-        return "many", ("lanes", "plane_one") if settings["balls"] == 1 else ("two", "plane_two")
-    if maker == "make_observer_entry":
-        return "observer", ("one", "two")
-    if maker == "make_plane_observer_entry":
+    if spec.make is kernels.batch:
+        return "batch", ("lanes", "plane_one") if settings["balls"] == 1 else ("two", "plane_two")
+    if spec.make is kernels.plane_observer:
         return "observer", ("plane_one", "plane_two")
-    if maker == "make_shake_entry":
-        return "shake", (*_RUNS, "lanes")
-    if maker in ("make_begin_entry", "make_allowed_entry"):
-        return maker.removeprefix("make_").removesuffix("_entry"), _RUNS
-    if maker == "make_prepare_entry":
-        return "prepare", _MAPS
-    if maker == "make_lanes":
-        return "lanes", ("lanes",)
-    if maker in ("make_fly", "make_locate"):
+    if spec.make in (kernels.lane_step, kernels.lane_locate):
         # A step that follows drag and works also does what those without them do, to the same
         # digits. Maps without drag take 16 to 23 % longer for it, with drag 3 %; the steps for
         # all these cases would add 140 kB.
         kept = ("lanes",) if settings["damped"] and settings["works"] else ()
         flags = [flag for flag in ("walled", "tangents") if settings.get(flag)]
-        return "_".join([maker.removeprefix("make_"), *laws, *flags]), kept
-    if maker == "make_survey":  # the one that finds everything serves all maps
-        found = [name for name in SHARED if settings[name]]
-        return "_".join(["survey", *found]), ("lanes",) if found == [*SHARED] else ()
-    occasion = settings.get("occasion")
-    if occasion is None:  # of all lanes at once
-        return callback_name(recipe.laws[0], maker.removeprefix("make_")), ("lanes",)
-    return callback_name(recipe.laws[0], callbacks.OCCASIONS[occasion]), _MAPS
+        return "_".join([spec.name, *laws, *flags]), kept
+    if spec.make is kernels.shared_values:  # the one that finds everything serves all maps
+        found = [name for name in kernels.SHARED if settings[name]]
+        return "_".join([spec.name, *found]), ("lanes",) if found == [*kernels.SHARED] else ()
+    if spec.make in (kernels.step_report, kernels.jacobian_report):
+        return callback_name(spec.laws[0], spec.name), ("lanes",)
+    if spec.make is kernels.callback:
+        occasion = callbacks.OCCASIONS[settings["occasion"]]
+        return callback_name(spec.laws[0], occasion), _MAPS
+    return spec.name, _MODULES_OF[spec.make]
+
+
+# Of kernels that there are once.
+_MODULES_OF = {
+    kernels.observer: ("one", "two"),
+    kernels.shake: (*_RUNS, "lanes"),
+    kernels.begin: _RUNS,
+    kernels.allowed: _RUNS,
+    kernels.prepare: _MAPS,
+    kernels.lanes: ("lanes",),
+}
 
 
 def callback_name(formula: Formula, how: str) -> str:
-    """Return the name of the piece that calls a formula of an observable.
+    """Return the name of the kernel that calls a formula of an observable.
 
-    `how` is an occasion, or ``show`` or ``follow`` for the step or the matrix of all lanes.
+    `how` is an occasion, or ``step_report`` or ``jacobian_report`` for all lanes together.
     """
     return f"{formula.__module__.rpartition('.')[2]}.{formula.__name__.strip('_')}.{how}"
 
 
-# Pieces that are called once a run, or that take fixed steps: small rather than fast.
+# Kernels that are called once a run, or that take fixed steps: small rather than fast.
 _SMALL = ("allowed", "begin", "clamp", "prepare")
 
 
 def object_of(text: str, name: str, features: Sequence[str]) -> bytes:
-    """Return a piece as an object file.
+    """Return a kernel as an object file.
 
     Parameters
     ----------
     text : str
         Its code before anything was optimised.
     name : str
-        The function in it that has the types of a piece.
+        The function in it that has the types of a kernel.
     features : sequence of str
         What browsers must know beyond the first WebAssembly.
     """
@@ -226,15 +239,17 @@ def _optimised(module: Any, features: Sequence[str], speed: int = 2) -> bytes:
     return code
 
 
-def linked(pieces: dict[str, Recipe], objects: dict[str, bytes], features: Sequence[str]) -> bytes:
-    """Return a module of pieces, whose object files are given by the keys of their recipes.
+def linked(
+    chosen: dict[str, KernelSpec], objects: dict[str, bytes], features: Sequence[str]
+) -> bytes:
+    """Return a module of kernels, whose object files are given by their keys.
 
     The linker refuses objects that use other features.
     """
     with tempfile.TemporaryDirectory() as name:
         folder, files = Path(name), []
-        codes = [objects[recipe.key] for recipe in pieces.values()]
-        for number, code in enumerate([_exports(pieces, features), *codes]):
+        codes = [objects[spec.key] for spec in chosen.values()]
+        for number, code in enumerate([_exports(chosen, features), *codes]):
             files.append(folder / f"{number}.o")
             files[-1].write_bytes(code)
         imported, made = folder / "imported.txt", folder / "module.wasm"
@@ -242,22 +257,22 @@ def linked(pieces: dict[str, Recipe], objects: dict[str, bytes], features: Seque
         command = [
             *("--no-entry", "--gc-sections", "--strip-all", "-O2"),
             f"--features={','.join(features)}",
-            *("--export=pieces", "--export=__heap_base", f"--allow-undefined-file={imported}"),
+            *("--export=kernels", "--export=__heap_base", f"--allow-undefined-file={imported}"),
             *("--stack-first", "-z", f"stack-size={_STACK}", "-o", str(made), *map(str, files)),
         ]
         subprocess.run([sys.executable, "-m", _LINKER, "wasm-ld", *command], check=True)
         return made.read_bytes()
 
 
-def _exports(pieces: dict[str, Recipe], features: Sequence[str]) -> bytes:
-    """Return the object file that exports a list of all pieces, and those that pages call.
+def _exports(chosen: dict[str, KernelSpec], features: Sequence[str]) -> bytes:
+    """Return the object file that exports a list of all kernels, and those that pages call.
 
     In WebAssembly the address of a function is its place in the module's table of functions.
     """
-    listed = ", ".join(f'ptr @"{name}"' for name in pieces)
-    lines = [f"@pieces = constant [{len(pieces)} x ptr] [{listed}]"]
-    for name, recipe in pieces.items():
-        returned, taken = types_of(recipe.kind)
+    listed = ", ".join(f'ptr @"{name}"' for name in chosen)
+    lines = [f"@kernels = constant [{len(chosen)} x ptr] [{listed}]"]
+    for name, spec in chosen.items():
+        returned, taken = types_of(spec.signature)
         lines.append(f'declare {returned} @"{name}"({", ".join(taken)})')
         if name in _CALLED:
             lines += _for_pages(name, returned, taken)
@@ -265,7 +280,7 @@ def _exports(pieces: dict[str, Recipe], features: Sequence[str]) -> bytes:
 
 
 def _for_pages(name: str, returned: str, taken: Sequence[str]) -> Iterator[str]:
-    """Yield the code of a function that calls a piece with integers of 32 bits.
+    """Yield the code of a function that calls a kernel with integers of 32 bits.
 
     JavaScript has these as plain numbers, as it has floats.
     """
@@ -287,7 +302,7 @@ def _for_pages(name: str, returned: str, taken: Sequence[str]) -> Iterator[str]:
         yield f"  ret {_NARROW[returned]} %narrow\n}}"
 
 
-def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
+def layout_of(modules: dict[str, dict[str, KernelSpec]]) -> dict[str, Any]:
     """Return what pages must know about the modules and of the memory that these work on.
 
     Types are ``f8``, ``i8`` or the name of a record. Of lists the place of a name is its number.
@@ -295,9 +310,9 @@ def layout_of(modules: dict[str, dict[str, Recipe]]) -> dict[str, Any]:
     return {
         "records": {name: _record_layout(dtype) for name, dtype in _RECORDS.items()},
         "bundles": {name: list(_fields(value)) for name, value in _BUNDLES.items()},
-        "modules": {name: list(pieces) for name, pieces in modules.items()},
+        "modules": {name: list(chosen) for name, chosen in modules.items()},
         "observables": {name: _observable(kind) for name, kind in observables.items()},
-        "shared_needs": SHARED,
+        "shared_needs": kernels.SHARED,
         "occasions": callbacks.OCCASIONS,
         "sample_rows": {**LEDGER, "mode": records.S_MODE},  # behind two for each of two balls
         "rows": {
@@ -369,7 +384,7 @@ def _type_of(dtype: np.dtype[Any]) -> str:
 
 
 def _fields(value: Any, name: str = "") -> Iterator[dict[str, Any]]:
-    """Yield what the words of a value say, in their order; see `pieces.words_of`."""
+    """Yield what the words of a value say, in their order; see `abi.words_of`."""
     if isinstance(value, tuple):
         for field, part in zip(value._fields, value, strict=True):
             yield from _fields(part, f"{name}.{field}" if name else field)
@@ -394,12 +409,12 @@ def _observable(kind: Any) -> dict[str, Any]:
         "joint": kind.is_joint,
         "mirrored": kind.mirrored,
         "of_strings": kind.of_strings,
-        "pieces": _callbacks_of(kind),
+        "callbacks": _callbacks_of(kind),
     }
 
 
 def _callbacks_of(observable: type) -> dict[str, str]:
-    """Return the pieces that show an observable something."""
+    """Return the kernels that show an observable something."""
     found = {}
     for occasion, name in enumerate(callbacks.OCCASIONS):
         formula = getattr(observable, name)
@@ -413,7 +428,7 @@ def _callbacks_of(observable: type) -> dict[str, str]:
 def write(
     folder: Path,
     about: dict[str, Any],
-    modules: dict[str, dict[str, Recipe]],
+    modules: dict[str, dict[str, KernelSpec]],
     objects: dict[str, dict[str, bytes]],
 ) -> dict[str, int]:
     """Write the modules and then their layout; return the size of each variant in bytes.
@@ -423,13 +438,13 @@ def write(
     about : dict
         What they were made of; it becomes a part of the layout.
     objects : dict
-        The pieces as object files, by variants and by the keys of their recipes.
+        The kernels as object files, by variants and by their keys.
     """
     folder.mkdir(exist_ok=True)
     (folder / LAYOUT).unlink(missing_ok=True)
     sizes = dict.fromkeys(VARIANTS, 0)
-    for (module, pieces), (variant, features) in product(modules.items(), VARIANTS.items()):
-        code = linked(pieces, objects[variant], features)
+    for (module, chosen), (variant, features) in product(modules.items(), VARIANTS.items()):
+        code = linked(chosen, objects[variant], features)
         (folder / f"{module}{variant}.wasm").write_bytes(code)
         sizes[variant] += len(code)
     (folder / LAYOUT).write_text(json.dumps({**about, **layout_of(modules)}))

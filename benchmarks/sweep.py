@@ -37,9 +37,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import latolato as ll
-import latolato.numerics.compiled  # makes formulas known to numba
+import latolato.numerics.jit  # makes formulas known to numba
 from latolato.core.scalar import sine
-from latolato.numerics import pieces, shipped
+from latolato.numerics import kernels, shipped
 from latolato.sweeps.batches import run_fastest, run_scalar
 from latolato.sweeps.chunk import run_chunk
 from latolato.sweeps.plan import Plan, make_plan
@@ -303,7 +303,7 @@ def own_tuning(points: int) -> dict[str, float]:
             for words, chosen in (("own", lambda processor: processor), ("tuned", tuned)):
                 shipped.tuned_for_lanes = chosen
                 shipped._this_machine.cache_clear()
-                pieces._made.cache_clear()
+                kernels._kernel.cache_clear()
                 for case, tolerance in cases:
                     plan = plan_of(case, points, tolerance, observables=OBSERVED)
                     seconds, values, _ = own(plan, repeats=1)
@@ -344,7 +344,7 @@ _SCALE = """
 import pathlib, sys, tempfile, time
 import numpy as np
 import latolato as ll
-import latolato.numerics.compiled  # makes formulas known to numba
+import latolato.numerics.jit  # makes formulas known to numba
 
 side, store, duration = int(sys.argv[1]), sys.argv[2] == "store", float(sys.argv[3])
 toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)

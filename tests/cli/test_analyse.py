@@ -382,7 +382,7 @@ def test_the_compiler_is_watched_once_kernels_need_it():
     code = (
         "from latolato.io.progress import working\n"
         "with working('adding'):\n"
-        "    import latolato.numerics.compiled, numba\n"
+        "    import latolato.numerics.jit, numba\n"
         "    numba.njit(lambda x: x + 1)(1)\n"
         "numba.njit(lambda x: x + 2)(1)\n"
     )

@@ -19,8 +19,8 @@ import pytest
 from app_server import start_server, stop_server
 from latolato.app.blocks import unpack
 from latolato.core import cache
-from latolato.numerics import compiled
-from latolato.numerics.sources import sources_hash
+from latolato.numerics import jit
+from latolato.numerics.abi import sources_hash
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def make(_compile_part):
 
 def run_kernel():
     """Run a kernel as a new process would; return whether it was read, and the warnings."""
-    kernel = compiled.compile_kernel(make, "double")
+    kernel = jit.compile_kernel(make, "double")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         assert kernel(21.0) == 42.0

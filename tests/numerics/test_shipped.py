@@ -1,4 +1,4 @@
-"""The compiled pieces that come with the package."""
+"""The compiled kernels that come with the package."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 
 import latolato as ll
 from latolato.core import cache
-from latolato.numerics import pieces, shipped
+from latolato.numerics import abi, kernels, shipped
 from latolato.observables import Observable
 
 # Every kind of system, drive, contact and observable, and a question; prints what was imported.
@@ -83,7 +83,7 @@ def forgotten(monkeypatch, tmp_path):
     folder = tmp_path / "cache"
     folder.mkdir(mode=0o700)
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))
-    known = pieces._made, shipped._archive, shipped._this_machine, cache.warn
+    known = kernels._kernel, shipped._archive, shipped._this_machine, cache.warn
     for function in known:
         function.cache_clear()
     yield folder
@@ -91,18 +91,17 @@ def forgotten(monkeypatch, tmp_path):
         function.cache_clear()
 
 
-def engine() -> tuple[str, str]:
-    """Return key and kind of the engine of one ball."""
-    recipe = next(pieces.every_recipe([]))
-    return recipe.key, recipe.kind
+def engine() -> abi.KernelSpec:
+    """Return the engine of one ball."""
+    return next(kernels.every_spec([]))
 
 
-def test_every_piece_is_there():
+def test_every_kernel_is_there():
     archive = shipped._archive()
     assert archive is not None, "type `make kernels`: there are none of these sources"
-    recipes = list(pieces.every_recipe(kinds()))
-    assert len(recipes) > 50
-    assert {recipe.key for recipe in recipes} == set(archive.names)
+    specs = list(kernels.every_spec(kinds()))
+    assert len(specs) > 50
+    assert {spec.key for spec in specs} == set(archive.names)
 
 
 def test_what_comes_with_the_package_never_imports_numba():
@@ -152,7 +151,7 @@ def runs(count: int) -> list[list[float]]:
 @pytest.mark.slow
 def test_numba_computes_the_same(forgotten, monkeypatch):
     as_shipped = np.array(runs(60))
-    pieces._made.cache_clear()
+    kernels._kernel.cache_clear()
     monkeypatch.setattr(shipped, "load", lambda key, kind: None)
     assert list(forgotten.rglob("*.o"))
     np.testing.assert_allclose(np.array(runs(60)), as_shipped, rtol=1e-7, atol=1e-9)
@@ -160,14 +159,14 @@ def test_numba_computes_the_same(forgotten, monkeypatch):
 
 
 def test_machine_code_is_kept_and_checked(forgotten):
-    assert shipped.load(*engine()).address != 0
+    assert shipped.load(engine()).address != 0
     (file,) = forgotten.rglob("*.o")
     made = file.stat().st_mtime_ns
-    assert shipped.load(*engine()).address != 0
+    assert shipped.load(engine()).address != 0
     assert file.stat().st_mtime_ns == made
     content = cache.read(file)
     file.write_bytes(file.read_bytes()[:-1] + b"?")
-    assert shipped.load(*engine()).address != 0
+    assert shipped.load(engine()).address != 0
     assert cache.read(file) == content
 
 
@@ -195,7 +194,7 @@ def lanes(name: str, monkeypatch: pytest.MonkeyPatch) -> bytes:
     """Return a map, computed in lanes that are scheduled for a processor of that name."""
     monkeypatch.setattr(shipped, "tuned_for_lanes", lambda processor: processor._replace(name=name))
     shipped._this_machine.cache_clear()
-    pieces._made.cache_clear()
+    kernels._kernel.cache_clear()
     result = ll.sweep(
         ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.02, restitution=0.9),
         axes={
@@ -223,20 +222,20 @@ def test_tuning_changes_no_bit(forgotten, monkeypatch):
 
 def test_edited_sources_are_left_to_numba(forgotten, monkeypatch):
     monkeypatch.setattr(shipped, "digest_of_sources", lambda: "edited")
-    assert shipped.load(*engine()) is None
+    assert shipped.load(engine()) is None
     monkeypatch.undo()
     monkeypatch.setattr(shipped, "ARCHIVE", forgotten / "none.zip")
     shipped._archive.cache_clear()
-    assert shipped.load(*engine()) is None
+    assert shipped.load(engine()) is None
 
 
 def archive(folder: Path, **changes: object) -> Path:
-    """Return a copy of the package's pieces with another description, or of a damaged piece."""
+    """Return a copy of the package's kernels with another description, or of a damaged kernel."""
     with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
         about = json.loads(arguments.read("about.json"))
-        code = arguments.read(about["pieces"][engine()[0]])
+        code = arguments.read(about["kernels"][engine().key])
     content = {"about.json": json.dumps({**about, **changes}).encode()}
-    content[about["pieces"][engine()[0]]] = code[: len(code) // 2] if not changes else code
+    content[about["kernels"][engine().key]] = code[: len(code) // 2] if not changes else code
     copy = folder / "copy.zip"
     with zipfile.ZipFile(copy, "w") as written:
         for name, data in content.items():
@@ -245,9 +244,9 @@ def archive(folder: Path, **changes: object) -> Path:
 
 
 def flipped(folder: Path) -> Path:
-    """Return a copy of the package's pieces with one wrong byte in the first of them."""
+    """Return a copy of the package's kernels with one wrong byte in the first of them."""
     with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
-        name = json.loads(arguments.read("about.json"))["pieces"][engine()[0]]
+        name = json.loads(arguments.read("about.json"))["kernels"][engine().key]
         at = arguments.getinfo(name).header_offset + 1000
     content = bytearray(shipped.ARCHIVE.read_bytes())
     content[at] ^= 255
@@ -281,7 +280,7 @@ def test_what_cannot_be_used_is_said_once(forgotten, monkeypatch, tmp_path, trou
     monkeypatch.setattr(shipped, "ARCHIVE", copy)
     words = f"cannot be used here .*{reason}.*, so numba compiles it"
     with pytest.warns(RuntimeWarning, match=words) as caught:
-        result = [shipped.load(*engine()) for _ in range(2)]
+        result = [shipped.load(engine()) for _ in range(2)]
     assert result == [None, None]
     assert len(caught) == 1
 
@@ -294,7 +293,7 @@ def test_replacing_the_file_changes_nothing_in_a_process_that_runs(
     monkeypatch.setattr(shipped, "ARCHIVE", copy)
     names = dict(shipped._archive().names)
     copy.write_bytes(flipped(tmp_path).read_bytes()[:3000])
-    assert shipped.load(*engine()).address != 0
+    assert shipped.load(engine()).address != 0
     assert shipped._archive().names == names
 
 
@@ -338,7 +337,7 @@ def test_other_platforms_get_their_machine_code(triple, first, at, processor):
     target = shipped.target_for(triple)
     with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
         about = json.loads(arguments.read("about.json"))
-        names = list(about["pieces"].values())
+        names = list(about["kernels"].values())
         for name in (names[5], names[-1]):
             code = shipped.machine_code(arguments.read(name), target)
             assert code.startswith(first)
@@ -351,7 +350,7 @@ def test_other_platforms_get_their_machine_code(triple, first, at, processor):
 
 
 @pytest.mark.slow
-def test_the_functions_that_all_pieces_call_are_known(forgotten):
+def test_the_functions_that_all_kernels_call_are_known(forgotten):
     archive = shipped._archive()
     target = shipped._this_machine(for_lanes=False).target
     with zipfile.ZipFile(shipped.ARCHIVE) as arguments:
@@ -363,7 +362,7 @@ def test_the_functions_that_all_pieces_call_are_known(forgotten):
 
 def test_words_are_those_of_the_kind_that_is_expected():
     example = (1.0, 1, np.zeros(2))
-    good = pieces.words_of((2, np.int64(3), np.ones(3)), example)
+    good = abi.words_of((2, np.int64(3), np.ones(3)), example)
     assert struct.unpack("d", struct.pack("q", good[0])) == (2.0,)
     assert good[1] == 3
     assert good[3:] == [3, 8]
@@ -375,4 +374,4 @@ def test_words_are_those_of_the_kind_that_is_expected():
         (1.0, 2, np.ones(6)[::2]),
     ):
         with pytest.raises(TypeError):
-            pieces.words_of(bad, example)
+            abi.words_of(bad, example)

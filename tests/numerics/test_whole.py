@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.numerics.abi import words_of
 from latolato.numerics.engine.samples import allowed_error
 from latolato.numerics.host_entry import (
     WRITTEN,
@@ -16,14 +17,9 @@ from latolato.numerics.host_entry import (
     empty_beginning,
     empty_shaking,
 )
-from latolato.numerics.pieces import (
-    ALLOWED,
-    BEGIN,
-    SHAKE,
-    piece_of,
-    words_of,
-)
-from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
+from latolato.numerics.integrate import prepared_runs
+from latolato.numerics.kernels import ALLOWED_ERROR, BEGIN, SHAKE, kernel_of
+from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper
 from latolato.numerics.records import segment_dtype, segment_records
 from latolato.physics.contacts import ExactContact
 
@@ -51,7 +47,7 @@ def shaken(drive):
     out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=segment_dtype())
     given = DriveParameters(**example.drive._asdict() | numbers)
     words = np.array(words_of(Shaking(given, out, number), example))
-    piece_of(SHAKE).call(words.ctypes.data)
+    kernel_of(SHAKE).call(words.ctypes.data)
     return out[: number[0]]
 
 
@@ -83,7 +79,7 @@ def test_a_run_begins_as_pythons_does(name):
     segments, problem = segment_records(drive, 10.0), np.zeros(1, dtype=np.int64)
     run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
     words = np.array(words_of(Beginning(case, segments, run, problem), empty_beginning()))
-    piece_of(BEGIN).call(words.ctypes.data)
+    kernel_of(BEGIN).call(words.ctypes.data)
     bounds = drive.largest_acceleration, drive.fastest_frequency
     expected, _ = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),
                                 choose_stepper(system))  # fmt: skip
@@ -108,5 +104,5 @@ def test_the_ledgers_allowance_is_that_of_a_run():
     state = run["state"].view(np.recarray)[0]
     for energy, loss, tolerance in ((2.0, 0.1, 1e-6), (1e-3, 50.0, 1e-14), (0.0, 0.0, 1e-3)):
         state.largest_energy, state.impact_loss = energy, loss
-        found = piece_of(ALLOWED).call(run.ctypes.data, tolerance)
+        found = kernel_of(ALLOWED_ERROR).call(run.ctypes.data, tolerance)
         assert found == pytest.approx(allowed_error(state, tolerance), rel=1e-15)

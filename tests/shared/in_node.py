@@ -23,13 +23,13 @@ import latolato as ll
 from latolato.app import STATIC
 from latolato.core.registry import describe, number_fields
 from latolato.numerics import integrate, records
+from latolato.numerics.abi import digest_of_sources
 from latolato.numerics.batch import Progress
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, formulas_of
 from latolato.numerics.engine import record
 from latolato.numerics.host_entry import WRITTEN
-from latolato.numerics.pieces import SHARED
+from latolato.numerics.kernels import SHARED
 from latolato.numerics.prepare import cases_of
-from latolato.numerics.sources import digest_of_sources
 from latolato.numerics.steppers import Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import ExactContact
@@ -97,7 +97,7 @@ def record_run(system: Any, drive: Any = None, **options: Any) -> Case:
                 "balls": system.angles,
                 "duration": end,
                 "contact_limit": named["contact_limit"],
-                "piece": "clamp" if is_clamped else "engine",
+                "engine": "clamp" if is_clamped else "engine",
             },
         }
         case.expected = vars(result)
@@ -179,19 +179,20 @@ def points_case(
 ) -> Case:
     """Return points of a sweep at their beginning; they expect what `Progress` has."""
     layout, callbacks = read_layout(), formulas_of(plan.observables)
-    pieces = {
-        (how, getattr(kind, {"show": "step", "follow": "tangent"}.get(how, how))): piece
+    of_lanes = {"step_report": "step", "jacobian_report": "tangent"}
+    names = {
+        (how, getattr(kind, of_lanes.get(how, how))): name_of
         for name, kind in observables.items()
-        for how, piece in layout["observables"][name]["pieces"].items()
+        for how, name_of in layout["observables"][name]["callbacks"].items()
     }
 
     def shown(occasion: int, how: str) -> list[tuple[int, str]]:
-        return [(first, pieces[how, formula]) for first, formula in callbacks[occasion]]
+        return [(first, names[how, formula]) for first, formula in callbacks[occasion]]
 
     walled = plan.system.has_contacts and plan.contact.meets
     for_lanes = {
         "walled": walled,
-        "shown": [shown(ON_STEP, "show"), shown(ON_TANGENT, "follow")],
+        "shown": [shown(ON_STEP, "step_report"), shown(ON_TANGENT, "jacobian_report")],
         "needs": [name for name in SHARED if any(name in o.needs for o in plan.observables)],
     }
     options = {

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.numerics.integrate import Start, integrate
-from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper, prepared_runs
+from latolato.numerics.integrate import Start, integrate, prepared_runs
+from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper
 from latolato.physics.contacts import ExactContact
 from latolato.simulation.start import checked_contact, checked_drive, checked_start, walls_of
 

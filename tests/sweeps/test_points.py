@@ -7,8 +7,8 @@ import pytest
 
 import latolato as ll
 from latolato.core.errors import InputError
-from latolato.numerics.integrate import choose_step
-from latolato.numerics.prepare import cases_of, prepared_runs
+from latolato.numerics.integrate import choose_step, prepared_runs
+from latolato.numerics.prepare import cases_of
 from latolato.numerics.records import AT_REST, CONVERGED, EVENT_LIMIT, INVALID, segment_records
 from latolato.observables import PoincareSection
 from latolato.simulation.run import simulate

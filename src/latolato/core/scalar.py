@@ -1,7 +1,7 @@
 """Marks a scalar formula as compilable without importing a compiler.
 
 A formula is a plain function of numbers that uses :mod:`math` only. It runs as it stands in Python;
-`latolato.numerics.compiled` makes the same function callable from compiled code. Nothing here
+`latolato.numerics.jit` makes the same function callable from compiled code. Nothing here
 imports numba, so that ``import latolato`` stays fast.
 """
 

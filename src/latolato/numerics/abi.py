@@ -1,288 +1,141 @@
-"""What compiled pieces do at addresses: read records, arrays, bundles, and call other pieces."""
+"""What Python, compiled kernels and pages agree on: signatures, arguments as words, and sources.
+
+A kernel takes and returns numbers and addresses of arrays and records, as C has them. What calls it
+knows its address and its signature and does not depend on the code behind it. Nothing here imports
+a compiler; `latolato.numerics.pointers` is how compiled code follows the same rules.
+"""
 
 from __future__ import annotations
 
+import functools
 import hashlib
-import math
-from collections.abc import Callable, Iterator
-from itertools import count
-from typing import Any
+import operator
+import struct
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
 
-import numba
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.core.datamodel import models
-from numba.core.imputils import lower_getattr_generic
-from numba.core.sigutils import normalize_signature
-from numba.core.typing.templates import AttributeTemplate, infer_getattr
-from numba.extending import intrinsic, register_model
-from numba.np.numpy_support import from_dtype
+from numpy.typing import NDArray
 
-_WORD = ir.IntType(64)
-_DOUBLE = np.dtype(np.float64)
-# Of arrays whose end a piece does not look for.
-ANY_SIZE = 1 << 40
+from latolato.core.versions import version_of
 
+Formula = Callable[..., Any]
 
-def _constant(number: int) -> Any:
-    """Return a word."""
-    return ir.Constant(_WORD, number)
-
-
-def _address_of(typing_context: Any, memory: Any) -> Any:
-    """Return the address of a record or an array."""
-
-    def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        at = args[0]
-        if isinstance(memory, types.Array):
-            at = context.make_array(memory)(context, builder, at).data
-        return builder.ptrtoint(at, _WORD)
-
-    return types.int64(memory), generate
+# ``rows(run, stop, most_steps)``, where `run` is an address; see `latolato.numerics.engine.loop`.
+ENGINE = "int64(int64, float64, int64)"
+# ``(words)`` of a named tuple that holds all arguments: see `words_of`.
+BUNDLE = "void(int64)"
+# ``(run, tolerance)``
+ALLOWED = "float64(int64, float64)"
+# ``lanes that wait(workspace, table, kicks, drifts of a step)``
+LANE_STEP = "float64(int64, int64, int64, int64)"
+# ``(workspace, kicks, drifts, nodes, stages)``
+LANE_LOCATE = "void(int64, int64, int64, int64, int64)"
+# ``(slots, workspace, matrix, number of the restoring law)``
+LANE_REPORT = "void(int64, int64, int64, int64)"
+# ``(slots, index of the first one, distance of slots, words of what is shown)``
+CALLBACK = "void(int64, int64, int64, int64)"
 
 
-address_of: Any = intrinsic(_address_of)
+class Kernel(NamedTuple):
+    """A kernel: its address for other kernels, and what calls it from Python.
 
-
-def record_at(layout: np.dtype[Any]) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the record of this layout that lies there."""
-    kind = from_dtype(layout)
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return builder.inttoptr(args[0], context.get_value_type(kind))
-
-        return kind(types.int64), generate
-
-    result: Any = at
-    return result
-
-
-def array_at(layout: np.dtype[Any] = _DOUBLE, *further: int) -> Callable[[int, int], Any]:
-    """Return the function ``(address, size)`` of the array that lies there, row by row.
-
-    `further` are the sizes of all dimensions but the first.
-    """
-    kind = types.Array(from_dtype(layout), 1 + len(further), "C")
-    row = layout.itemsize * math.prod(further)
-    strides = [row // math.prod(further[:i]) for i in range(1 + len(further))]
-
-    @intrinsic
-    def at(typing_context: Any, address: Any, size: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            shape = [args[1], *(_constant(n) for n in further)]
-            steps = [_constant(n) for n in strides]
-            return _array(context, builder, kind, args[0], shape, steps)
-
-        return kind(types.int64, types.int64), generate
-
-    result: Any = at
-    return result
-
-
-def kind_of(value: Any) -> Any:
-    """Return the type that compiled code sees a value as: a number, an array, a tuple of these."""
-    key = _key_of(value)
-    if key not in _kinds:  # a tuple with many layouts takes numba some milliseconds
-        _kinds[key] = numba.typeof(value)  # type: ignore[no-untyped-call]
-    return _kinds[key]
-
-
-_kinds: dict[Any, Any] = {}
-
-
-def _key_of(value: Any) -> Any:
-    """Return the key of a value's type."""
-    if isinstance(value, tuple):
-        return type(value), *map(_key_of, value)
-    if isinstance(value, np.ndarray):
-        return value.dtype, value.ndim, value.flags.c_contiguous, value.flags.f_contiguous
-    return type(value)
-
-
-class Bundle(types.Type):
-    """The type of a named tuple of arrays and integers that is passed as the address of its words.
-
-    Compiled code reads a field where it needs it; to pass the tuple itself would be to pass the
-    hundred numbers that describe its arrays, from part to part.
+    What numba compiled stays where it is as long as there is a reference to `call`.
     """
 
-    def __init__(self, kind: Any) -> None:
-        self.kind = kind
-        digest = hashlib.sha256(str(kind).encode()).hexdigest()[:16]
-        super().__init__(name=f"{kind.instance_class.__name__}_{digest}")
+    address: int
+    call: Callable[..., Any]
 
 
-@register_model(Bundle)
-class _BundleModel(models.PrimitiveModel):
-    """An address."""
+class KernelSpec(NamedTuple):
+    """Which kernel: what makes it, and how it is called.
 
-    def __init__(self, manager: Any, kind: Bundle) -> None:
-        super().__init__(manager, kind, _WORD)  # type: ignore[no-untyped-call]
-
-
-@infer_getattr
-class _BundleFields(AttributeTemplate):
-    """Types of the fields."""
-
-    key = Bundle
-
-    def generic_resolve(self, bundle: Any, name: str) -> Any:  # type: ignore[override]
-        """Return the type of a field, `None` if there is none of that name."""
-        if name not in bundle.kind.fields:
-            return None
-        kind = bundle.kind[bundle.kind.fields.index(name)]
-        return Bundle(kind) if isinstance(kind, types.BaseNamedTuple) else kind
-
-
-def _size_of(kind: Any) -> int:
-    """Return how many words there are of a value of this type."""
-    if isinstance(kind, types.BaseTuple):
-        kinds: Any = kind
-        return sum(map(_size_of, kinds))
-    return 1 + 2 * kind.ndim if isinstance(kind, types.Array) else 1
-
-
-def _read(context: Any, builder: Any, kind: Any, words: Any, places: Iterator[int]) -> Any:
-    """Return a value of this type from words at these places."""
-
-    def following(size: int) -> list[Any]:
-        result = [builder.load(builder.gep(words, [_constant(next(places))])) for _ in range(size)]
-        for load in result:  # a piece never changes words it was given, so one reading will do
-            load.set_metadata("invariant.load", builder.module.add_metadata([]))
-        return result
-
-    if isinstance(kind, types.BaseTuple):
-        kinds: Any = kind
-        result = [_read(context, builder, inner, words, places) for inner in kinds]
-        return context.make_tuple(builder, kind, result)
-    if isinstance(kind, types.Array):
-        address, shape = following(1)[0], following(kind.ndim)
-        return _array(context, builder, kind, address, shape, following(kind.ndim))
-    return builder.bitcast(following(1)[0], context.get_value_type(kind))
-
-
-@lower_getattr_generic(Bundle)  # type: ignore[no-untyped-call]
-def _read_field(context: Any, builder: Any, bundle: Bundle, address: Any, name: str) -> Any:
-    """Return the value of a field."""
-    number = bundle.kind.fields.index(name)
-    kind, first = bundle.kind[number], sum(map(_size_of, bundle.kind.types[:number]))
-    if isinstance(kind, types.BaseNamedTuple):
-        return builder.add(address, _constant(8 * first))
-    words = builder.inttoptr(address, _WORD.as_pointer())
-    return _read(context, builder, kind, words, count(first))
-
-
-def bundle_at(kind: Any) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the bundle whose words lie there."""
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return args[0]
-
-        return Bundle(kind)(types.int64), generate
-
-    result: Any = at
-    return result
-
-
-def value_at(kind: Any) -> Callable[[int], Any]:
-    """Return the function ``(address)`` of the value of this type whose words lie there."""
-
-    @intrinsic
-    def at(typing_context: Any, address: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            words = builder.inttoptr(args[0], _WORD.as_pointer())
-            return _read(context, builder, kind, words, count())
-
-        return kind(types.int64), generate
-
-    result: Any = at
-    return result
-
-
-def writer_of(target: Any) -> Callable[[int, Any], None]:
-    """Return the function ``(address, value)`` that writes the words of a value of this type."""
-
-    @intrinsic
-    def write(typing_context: Any, address: Any, value: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            words, places = builder.inttoptr(args[0], _WORD.as_pointer()), count()
-
-            def store(word: Any) -> None:
-                builder.store(word, builder.gep(words, [_constant(next(places))]))
-
-            def write(value: Any, kind: Any, target: Any) -> None:
-                if isinstance(target, types.BaseTuple):
-                    inner: Any = target
-                    for i, part in enumerate(inner):
-                        write(builder.extract_value(value, i), kind[i], part)
-                elif isinstance(target, types.Array):
-                    array = context.make_array(kind)(context, builder, value)
-                    store(builder.ptrtoint(array.data, _WORD))
-                    for sizes in (array.shape, array.strides):
-                        for i in range(kind.ndim):
-                            store(builder.extract_value(sizes, i))
-                else:
-                    store(builder.bitcast(context.cast(builder, value, kind, target), _WORD))
-
-            write(args[1], value, target)
-            return context.get_dummy_value()
-
-        return types.void(types.int64, value), generate
-
-    result: Any = write
-    return result
-
-
-def _array(
-    context: Any, builder: Any, kind: Any, address: Any, shape: list[Any], strides: list[Any]
-) -> Any:
-    """Return an array of memory that somebody else owns."""
-    from numba.np.arrayobj import populate_array  # needed by compiling only, and slow to import
-
-    result = context.make_array(kind)(context, builder)
-    item = context.get_constant(types.intp, context.get_abi_sizeof(result.data.type.pointee))
-    populate_array(  # type: ignore[no-untyped-call]
-        result,
-        data=builder.inttoptr(address, result.data.type),
-        shape=shape,
-        strides=strides,
-        itemsize=item,
-        meminfo=None,
-    )
-    return result._getvalue()
-
-
-def caller_of(what: str) -> Callable[..., Any]:
-    """Return the intrinsic that compiled code calls as ``call(address, (argument, ...))``.
-
-    `what` is the `pieces.Recipe.kind` of such pieces; arguments are converted to it.
+    Attributes
+    ----------
+    make : callable
+        Called with the laws, with what makes a function a part of a kernel (`Part`), and with the
+        settings it returns the function to compile. Its name is the kernel's.
+    signature : str
+        What the kernel returns and takes, such as ``void(int64, float64)``.
+    laws : tuple of formulas
+    settings : tuple of pairs
+        Further arguments of `make`, by name.
+    for_lanes : bool
+        Whether it loops over lanes, so that wide vectors make it faster.
     """
-    arguments, returned = normalize_signature(what)  # type: ignore[no-untyped-call]
-    kind: Any = returned(*arguments)
 
-    @intrinsic
-    def call(typing_context: Any, address: Any, values: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            kinds = [context.get_value_type(argument) for argument in kind.args]
-            returned = (
-                ir.VoidType()  # numba's own is a pointer, which WebAssembly tells from nothing
-                if kind.return_type == types.void
-                else context.get_value_type(kind.return_type)
-            )
-            function = ir.FunctionType(returned, kinds)
-            casts = [
-                context.cast(builder, builder.extract_value(args[1], i), was, becomes)
-                for i, (was, becomes) in enumerate(zip(values.types, kind.args, strict=True))
-            ]
-            result = builder.call(builder.inttoptr(args[0], function.as_pointer()), casts)
-            return context.get_dummy_value() if kind.return_type == types.void else result
+    make: Callable[..., Callable[..., Any]]
+    signature: str
+    laws: tuple[Formula, ...] = ()
+    settings: tuple[tuple[str, Any], ...] = ()
+    for_lanes: bool = False
 
-        return kind.return_type(types.int64, values), generate
+    @property
+    def name(self) -> str:
+        """What the kernel does, such as ``engine``."""
+        return self.make.__name__
 
-    result: Callable[..., Any] = call
-    return result
+    @property
+    def key(self) -> str:
+        """A text that tells kernels apart, the same in every version of Python."""
+        laws = [f"{law.__module__}.{law.__qualname__}" for law in self.laws]
+        return f"{self.name}({', '.join([*laws, *(f'{n}={v}' for n, v in self.settings)])})"
+
+
+def words_of(value: Any, example: Any) -> list[int]:
+    """The words of a value, from which compiled code reads it; see `pointers.Bundle`.
+
+    A value is a number, an array, or a tuple of values. An array's words are its address, its
+    shape and its strides.
+
+    Raises
+    ------
+    TypeError
+        If something is not of the kind that it has in `example`, for which the code was compiled.
+    """
+    if isinstance(example, tuple):
+        pairs = zip(value, example, strict=True)
+        return [word for part, like in pairs for word in words_of(part, like)]
+    if isinstance(example, np.ndarray):
+        _check_array(value, example)
+        return [value.ctypes.data, *value.shape, *value.strides]
+    if isinstance(example, float):
+        return list(struct.unpack("q", struct.pack("d", value)))
+    return [operator.index(value)]
+
+
+def _check_array(value: Any, example: NDArray[Any]) -> None:
+    """Raise unless a value is an array that compiled code can take for `example`."""
+    if not isinstance(value, np.ndarray):
+        raise TypeError(f"compiled code expects an array, got {type(value).__name__}")
+    is_contiguous = value.flags.c_contiguous or not example.flags.c_contiguous
+    if value.dtype != example.dtype or value.ndim != example.ndim or not is_contiguous:
+        raise TypeError(
+            f"compiled code expects a contiguous array of {example.dtype} in {example.ndim} "
+            f"dimensions, got {value.dtype} in {value.ndim} with strides {value.strides}"
+        )
+
+
+# What kernels are compiled from, within the package.
+_LAYERS = ("core/scalar.py", "physics", "observables", "numerics")
+
+
+@functools.cache
+def digest_of_sources() -> str:
+    """The digest of the sources of the kernel layers."""
+    digest = hashlib.sha256()
+    root = Path(__file__).resolve().parents[1]
+    for layer in _LAYERS:
+        path = root / layer
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:24]
+
+
+@functools.cache
+def sources_hash() -> str:
+    """The digest of the kernel layers' sources and of the versions of the compilers here."""
+    text = f"{digest_of_sources()} {version_of('numba')} {version_of('llvmlite')} {sys.version}"
+    return hashlib.sha256(text.encode()).hexdigest()[:24]

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
 from latolato.numerics.callbacks import ON_CONTACT, Accumulators, Callbacks
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import STATE, run_dtype
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import (
     AT_REST,
     BODY,
@@ -124,7 +124,7 @@ class Job(NamedTuple):
 
 
 class LaneSpace(NamedTuple):
-    """The memory of lanes, and the addresses of their pieces; see `make_lane_space`."""
+    """The memory of lanes, and the addresses of their kernels; see `make_lane_space`."""
 
     w: Any  # rows of `lane_rows`, each LANES wide
     z: Any  # rows of noted impacts
@@ -133,9 +133,9 @@ class LaneSpace(NamedTuple):
     point: Any  # (LANES,): which point a lane carries, -1 for none
     index: Any  # (LANES,): its next stop
     lane: Any  # (IMPACTS,): whose impact is noted
-    fly: Any
+    step: Any
     locate: Any
-    callbacks: Any  # see `pieces.callback_table`
+    callbacks: Any  # see `kernels.callback_table`
 
 
 class Task(NamedTuple):
@@ -151,11 +151,11 @@ class Task(NamedTuple):
 
 
 def make_lane_space(
-    stages: int, slots: int, fly: int, locate: int, callbacks: NDArray[np.int64]
+    stages: int, slots: int, step: int, locate: int, callbacks: NDArray[np.int64]
 ) -> LaneSpace:
     """Return the memory of lanes whose step has so many stages, for observables with so many slots.
 
-    `fly` and `locate` are addresses of the pieces of `lane_flight` and `lane_locate`, `callbacks`
+    `step` and `locate` are addresses of the kernels of `lane_flight` and `lane_locate`, `callbacks`
     the table of what shows steps and matrices.
     """
     return LaneSpace(
@@ -166,7 +166,7 @@ def make_lane_space(
         np.full(r.LANES, -1),
         np.zeros(r.LANES, dtype=np.int64),
         np.zeros(r.IMPACTS, dtype=np.int64),
-        fly,
+        step,
         locate,
         callbacks,
     )
@@ -221,7 +221,7 @@ def make_steering(
     Parameters
     ----------
     carry_on : callable
-        The engine, or what calls it; see `latolato.numerics.entry`.
+        The engine, or what calls it; see `callback_kernels.make_caller`.
     balls : int
         Angles of the state.
 

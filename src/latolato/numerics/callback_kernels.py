@@ -1,4 +1,4 @@
-"""Observables as compiled pieces: each formula is compiled on its own and called by its address.
+"""Kernels called by address: observables, each formula compiled on its own, and the engine.
 
 Where points run in lanes, one call shows a step of all lanes: see `lane_flight`.
 """
@@ -10,7 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from latolato.numerics.abi import (
+from latolato.numerics.abi import CALLBACK, ENGINE
+from latolato.numerics.callbacks import OCCASIONS, Accumulators, Callbacks
+from latolato.numerics.engine.events import Output
+from latolato.numerics.engine.loop import Timetable, empty_arguments
+from latolato.numerics.engine.record import MATRIX_SHAPE
+from latolato.numerics.parts import Part
+from latolato.numerics.pointers import (
     ANY_SIZE,
     address_of,
     array_at,
@@ -19,10 +25,7 @@ from latolato.numerics.abi import (
     value_at,
     writer_of,
 )
-from latolato.numerics.callbacks import OCCASIONS, Accumulators, Callbacks
-from latolato.numerics.engine.compiling import Part
-from latolato.numerics.engine.record import MATRIX_SHAPE
-from latolato.numerics.pieces import CALLBACK
+from latolato.numerics.records import segment_dtype
 from latolato.observables import Outcome, Step
 
 # What observables are shown on each occasion, behind their slots: see `Observable`.
@@ -48,12 +51,12 @@ def make_callback(formula: Any, part: Part, *, occasion: int) -> Callable[..., N
 
 
 def make_address_callbacks(part: Part) -> Callbacks:
-    """Return functions that call the pieces whose table lies at ``run.callbacks``."""
+    """Return functions that call the kernels whose table lies at ``run.callbacks``."""
     call, numbers_at = caller_of(CALLBACK), array_at(np.dtype(np.int64))
 
     @part
     def call_all(run: Any, accumulators: Accumulators, ball: int, occasion: int) -> None:
-        """Call all pieces of an occasion; what they are shown lies in the run."""
+        """Call all kernels of an occasion; what they are shown lies in the run."""
         acc, shown, column = (
             address_of(accumulators.acc),
             address_of(run.shown),
@@ -94,3 +97,24 @@ def make_address_callbacks(part: Part) -> Callbacks:
         finish=finish,
         is_wanted=is_wanted,
     )
+
+
+def make_caller(part: Part) -> Callable[..., int]:
+    """Return a stand-in for the engine whose address is ``run.engine``: it calls it."""
+    call = caller_of(ENGINE)
+    write = writer_of(kind_of(empty_arguments(segment_dtype())))
+
+    @part
+    def carry_on(
+        run: Any,
+        timetable: Timetable,
+        output: Output,
+        accumulators: Accumulators,
+        stop: float,
+        most_steps: int,
+    ) -> int:
+        write(address_of(run.words), (timetable, output, accumulators))
+        rows: int = call(run.engine, (address_of(run), stop, most_steps))
+        return rows
+
+    return carry_on

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.observables import Observable
 
 Formulas = tuple[tuple[int, Callable[..., None]], ...]

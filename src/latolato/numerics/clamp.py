@@ -10,12 +10,12 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.numerics.callbacks import ON_STEP, Accumulators, Callbacks
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.loop import Timetable
 from latolato.numerics.engine.record import FLIGHT, UNSETTLED
 from latolato.numerics.engine.samples import follow_ledger, write_sample
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact

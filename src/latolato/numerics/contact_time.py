@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from latolato.core.scalar import formula
-from latolato.numerics.engine.compiling import Part
+from latolato.numerics.parts import Part
 from latolato.observables.hermite import quintic_terms
 
 # What a search looks for.

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import restoring_laws
 from latolato.numerics.engine.record import REST, STICKING
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import BALL, ball_record
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag_force, static_friction

@@ -16,8 +16,8 @@ from latolato.numerics.derived import (
     ROD,
     TENSION,
 )
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import REST, STICKING
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import S_DISTANCE
 from latolato.physics.damping import drag_force, static_friction
 from latolato.physics.pair import contact_torque, radial_push

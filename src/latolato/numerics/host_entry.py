@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import run_dtype
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.prepare import has_nonsmooth_drag, prepare
 from latolato.numerics.records import CASE, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics import records
+from latolato.numerics.abi import words_of
 from latolato.numerics.callbacks import (
     NO_FORMULAS,
     ON_START,
@@ -29,8 +30,23 @@ from latolato.numerics.engine.loop import (
     Timetable,
     empty_arguments,
 )
-from latolato.numerics.engine.record import as_objects, write_back
-from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
+from latolato.numerics.engine.record import as_objects, run_dtype, write_back
+from latolato.numerics.kernels import (
+    PREPARE,
+    callback_kernels_of,
+    callback_table,
+    engine_spec,
+    kernel_of,
+    observer_spec,
+)
+from latolato.numerics.prepare import (
+    Cases,
+    cases_of,
+    choose_stepper,
+    empty_cases,
+    make_prepare,
+    write_stepper,
+)
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
@@ -177,16 +193,8 @@ def engine_of(
             return written
 
         return carry_on_plainly
-    from latolato.numerics.pieces import (
-        callback_table,
-        engine_recipe,
-        piece_of,
-        pieces_of,
-        words_of,
-    )
-
-    piece = piece_of(engine_recipe(count, segment or records.segment_dtype(), *laws, motion=motion))
-    looking = pieces_of(formulas)
+    kernel = kernel_of(engine_spec(count, segment or records.segment_dtype(), *laws, motion=motion))
+    looking = callback_kernels_of(formulas)
     table = callback_table(looking)
     example = empty_arguments(segment or records.segment_dtype())
 
@@ -194,26 +202,70 @@ def engine_of(
         runs: NDArray[Any], timetable: Timetable, output: Output, accumulators: Accumulators,
         stop: float, most_steps: int,
     ) -> int:  # fmt: skip
-        assert looking is not None  # the code of the pieces must not go while they are called
+        assert looking is not None  # the code of the kernels must not go while they are called
         words = words_of((timetable, output, accumulators), example)
         runs["words"][0, : len(words)] = words
-        runs["engine"], runs["callbacks"] = piece.address, table.ctypes.data
-        rows: int = piece.call(runs.ctypes.data, stop, most_steps)
+        runs["engine"], runs["callbacks"] = kernel.address, table.ctypes.data
+        rows: int = kernel.call(runs.ctypes.data, stop, most_steps)
         return rows
 
     return carry_on
 
 
+def prepared_runs(
+    cases: NDArray[Any],
+    stepper: Stepper,
+    segment: np.dtype[Any] | None = None,
+    *,
+    compiled: bool = True,
+) -> tuple[NDArray[Any], int]:
+    """Return the record of a run at time zero, of shape (1,), and what is wrong with its case.
+
+    Parameters
+    ----------
+    cases : ndarray, shape (1,)
+        With its drive's bounds.
+    segment : dtype, optional
+        The layout of the drive's segments, if it is not the usual one.
+    """
+    runs = np.zeros(1, dtype=run_dtype(segment))
+    none, problems = empty_cases(), np.zeros(1, dtype=np.int64)
+    prepare_cases(
+        Cases(
+            cases, none.segments, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
+            runs["state"], problems,
+        ),
+        compiled=compiled,
+    )  # fmt: skip
+    write_stepper(runs, stepper)
+    return runs, int(problems[0])
+
+
+def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
+    """Prepare cases, compiled or as plain Python."""
+    if compiled:
+        words = np.array(words_of(work, empty_cases()))
+        kernel_of(PREPARE).call(words.ctypes.data)
+        return
+    records: tuple[NDArray[Any], ...] = work.settings, work.states
+    objects = [as_objects(each) for each in records]
+    bodies = [as_objects(row) for row in work.bodies]
+    make_prepare()(work._replace(
+        cases=as_objects(work.cases), segments=as_objects(work.segments),
+        settings=objects[0], bodies=bodies, states=objects[1],
+    ))  # fmt: skip
+    for item, record in zip((*objects, *bodies), (*records, *work.bodies), strict=True):
+        write_back(item, record)
+
+
 def observe(observation: Observation, *laws: Formula) -> None:
     """Fill the pivot's motion and the balls' quantities of an observation.
 
-    Laws are those of `pieces.observer_recipe`.
+    Laws are those of `kernels.observer_spec`.
     """
-    from latolato.numerics.pieces import observer_recipe, piece_of, words_of
-
     segment = observation.segments.dtype
     words = np.array(words_of(observation, empty_observation(segment)))
-    piece_of(observer_recipe(segment, *laws)).call(words.ctypes.data)
+    kernel_of(observer_spec(segment, *laws)).call(words.ctypes.data)
 
 
 def integrate(

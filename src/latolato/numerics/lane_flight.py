@@ -1,4 +1,4 @@
-"""What all lanes do together, as compiled pieces: a full step, and showing it to an observable.
+"""What all lanes do together: a full step, and reporting it to an observable.
 
 Loops run over all lanes without branches, so that they become vector instructions.
 """
@@ -12,11 +12,11 @@ import numpy as np
 
 from latolato.core.scalar import formula
 from latolato.numerics import lane_rows as r
-from latolato.numerics.abi import ANY_SIZE, array_at
-from latolato.numerics.engine.compiling import Part
 from latolato.numerics.engine.laws import Formula, restoring_laws
 from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
+from latolato.numerics.parts import Part
+from latolato.numerics.pointers import ANY_SIZE, array_at
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.pendulum import SLOPES
@@ -31,7 +31,7 @@ def width_of(w: Any) -> int:
     return r.BLOCK * int(w[r.BLOCKS * r.LANES])
 
 
-def make_fly(
+def make_lane_step(
     restoring: Formula, part: Part, *, damped: bool, walled: bool, works: bool, tangents: bool
 ) -> Callable[..., float]:
     """Return the kernel that takes a step in every lane, undone where it must not be taken."""
@@ -142,7 +142,7 @@ def make_fly(
                 now, before = w[row * L + j], w[(row + r.COPY) * L + j]
                 w[row * L + j] = now if w[r.TAKEN * L + j] > 0.0 else before
 
-    def fly(workspace: int, table: int, kicks: int, stages: int) -> float:
+    def take_step(workspace: int, table: int, kicks: int, stages: int) -> float:
         w = numbers_at(workspace, r.ROWS * r.LANES)
         weights, rows = numbers_at(kicks, stages + 1), (stages + 1) * r.TABLE_ROWS * r.LANES
         advance(w, numbers_at(table, rows), weights, stages)
@@ -151,10 +151,10 @@ def make_fly(
             put_back(w)
         return waiting
 
-    return fly
+    return take_step
 
 
-def make_survey(
+def make_shared_values(
     restoring: Formula, potential_of: Formula, part: Part, *, energy: bool, turn: bool
 ) -> Callable[..., None]:
     """Return the kernel that computes, for every lane, the values that observables share.
@@ -202,28 +202,29 @@ def make_survey(
             x0, x1 = w[r.X0 * L + j], w[r.X * L + j]
             w[r.TURN * L + j] = turning_angle(w[r.H * L + j], x0, v0, a0, x1, v1, a1)
 
-    def survey(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+    def find_shared(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
         w = numbers_at(workspace, r.ROWS * r.LANES)
         if energy:
             find_potentials(w, is_linear)
         if turn:
             find_turns(w)
 
-    return survey
+    return find_shared
 
 
-def make_show(
+def make_step_report(
     formula: Callable[..., None], restoring: Formula, potential_of: Formula, part: Part, *,
     energy: bool, turn: bool,
 ) -> Callable[..., None]:  # fmt: skip
     """Return the kernel that reports every lane's step to an observable, an undone one as 0 s.
 
-    The flags say what `make_survey` has found; if the formula reads the other it is found here.
+    The flags say what `make_shared_values` has found; if the formula reads the other it is found
+    here.
     """
     potential = restoring_laws(restoring, potential_of, part).potential
     numbers_at = array_at()
 
-    def show(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+    def report(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
         acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         L = r.LANES
         for j in range(width_of(w)):
@@ -248,16 +249,16 @@ def make_show(
             )  # fmt: skip
             formula(acc, j, L, segment)
 
-    return show
+    return report
 
 
-def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]:
+def make_jacobian_report(formula: Callable[..., None], part: Part) -> Callable[..., None]:
     """Return the kernel that reports the Jacobian of every step taken to an observable."""
     first, second = r.ANGLE_OF_ANGLE, r.ANGLE_OF_VELOCITY
     numbers_at, (rows, columns) = array_at(), MATRIX_SHAPE
     matrix_at = array_at(np.dtype(np.float64), columns)
 
-    def follow(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
+    def report(slots: int, workspace: int, matrix: int, is_linear: int) -> None:
         acc, w = numbers_at(slots, ANY_SIZE), numbers_at(workspace, r.ROWS * r.LANES)
         jacobian = matrix_at(matrix, rows)
         L = r.LANES
@@ -272,4 +273,4 @@ def make_follow(formula: Callable[..., None], part: Part) -> Callable[..., None]
             write_matrix(jacobian, 0, step)
             formula(acc, j, L, 2, h, -w[r.RATE * L + j] * h, jacobian)
 
-    return follow
+    return report

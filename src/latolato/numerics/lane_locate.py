@@ -1,4 +1,4 @@
-"""Impacts in lanes, located on the step itself, together: a compiled piece.
+"""Impacts in lanes, located on the step itself, together.
 
 The quintic through both ends of a step gives the share of it at which a wall is met, a step of that
 share is taken, and what is missing to the wall is a short glide.
@@ -11,8 +11,8 @@ from typing import Any
 
 from latolato.core.scalar import cosine, formula
 from latolato.numerics import lane_rows as r
-from latolato.numerics.abi import array_at
-from latolato.numerics.engine.compiling import Part
+from latolato.numerics.parts import Part
+from latolato.numerics.pointers import array_at
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
 # the velocity's error is then about 1e-3 of the tolerance.
@@ -33,7 +33,7 @@ def reach_series(x: float) -> float:
     return total
 
 
-def make_locate(
+def make_lane_locate(
     restoring: Callable[..., float], part: Part, *, damped: bool, works: bool
 ) -> Callable[..., None]:
     """Return the kernel that corrects each share of a step until a short glide is left.

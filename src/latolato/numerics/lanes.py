@@ -21,18 +21,17 @@ import numpy as np
 
 from latolato.core.scalar import cosine, sine
 from latolato.numerics import lane_rows as r
-from latolato.numerics.abi import address_of, bundle_at, caller_of, kind_of
+from latolato.numerics.abi import LANE_LOCATE, LANE_REPORT, LANE_STEP
 from latolato.numerics.batch import LaneSpace, Points, Progress, Task, empty_task, make_steering
-from latolato.numerics.callback_kernels import make_address_callbacks
+from latolato.numerics.callback_kernels import make_address_callbacks, make_caller
 from latolato.numerics.callbacks import Accumulators
-from latolato.numerics.engine.compiling import Part, inlined
 from latolato.numerics.engine.laws import Formula, laws_of
 from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.taut_step import make_taut_step
-from latolato.numerics.entry import make_caller
 from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
-from latolato.numerics.pieces import FLY, LOCATE, SHOW
+from latolato.numerics.parts import Part, inlined
+from latolato.numerics.pointers import address_of, bundle_at, caller_of, kind_of
 from latolato.physics.damping import effective_time
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
@@ -71,7 +70,8 @@ def make_lanes(
     start, carry_to, is_over, arrive, time_of = steering
     laws = laws_of(acceleration, restoring_of, potential_of, part=part)
     restoring, potential = laws.restoring, laws.potential
-    call_fly, call_locate, call_show = caller_of(FLY), caller_of(LOCATE), caller_of(SHOW)
+    take_step, locate_impacts = caller_of(LANE_STEP), caller_of(LANE_LOCATE)
+    report = caller_of(LANE_REPORT)
 
     @part
     def show_all(occasion: int, run: Any, space: LaneSpace) -> None:
@@ -80,7 +80,7 @@ def make_lanes(
         matrix, row = address_of(run.jacobian), 8 * r.LANES
         at = callbacks[occasion]
         while callbacks[at] != 0:
-            call_show(
+            report(
                 callbacks[at], (slots + row * callbacks[at + 1], w, matrix, run.settings.is_linear)
             )
             at += 2
@@ -258,7 +258,7 @@ def make_lanes(
         for e in range(noted, E):  # idle columns repeat the first
             for row in range(r.NOTED_ROWS):
                 z[row * E + e] = z[row * E]
-        call_locate(
+        locate_impacts(
             space.locate,
             (
                 address_of(z), address_of(weights.kicks), address_of(weights.drifts),
@@ -300,7 +300,7 @@ def make_lanes(
             turns += 1
             if turns % 1024 == 0 and cancel[0] != 0:
                 return
-            some = call_fly(space.fly, step) > 0.0
+            some = take_step(space.step, step) > 0.0
             show_all(_STEPS, run, space)
             show_all(_MATRICES, run, space)
             count_all(w)

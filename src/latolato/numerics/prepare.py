@@ -15,14 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.scalar import cosine, formula, sine
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import (
     STATE,
     UNSETTLED,
-    as_objects,
-    run_dtype,
-    write_back,
 )
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE, ContactLaw, meeting
@@ -390,35 +387,6 @@ def choose_stepper(system: System) -> Stepper:
     )
 
 
-def prepared_runs(
-    cases: NDArray[Any],
-    stepper: Stepper,
-    segment: np.dtype[Any] | None = None,
-    *,
-    compiled: bool = True,
-) -> tuple[NDArray[Any], int]:
-    """Return the record of a run at time zero, of shape (1,), and what is wrong with its case.
-
-    Parameters
-    ----------
-    cases : ndarray, shape (1,)
-        With its drive's bounds.
-    segment : dtype, optional
-        The layout of the drive's segments, if it is not the usual one.
-    """
-    runs = np.zeros(1, dtype=run_dtype(segment))
-    none, problems = empty_cases(), np.zeros(1, dtype=np.int64)
-    prepare_cases(
-        Cases(
-            cases, none.segments, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
-            runs["state"], problems,
-        ),
-        compiled=compiled,
-    )  # fmt: skip
-    write_stepper(runs, stepper)
-    return runs, int(problems[0])
-
-
 def write_stepper(runs: NDArray[Any], stepper: Stepper) -> None:
     """Write a stepper's weights into runs."""
     stages = len(stepper.drifts)
@@ -439,22 +407,3 @@ def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
                 )
 
     return part(prepare_all)
-
-
-def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
-    """Prepare cases, compiled or as plain Python."""
-    if compiled:
-        from latolato.numerics.pieces import PREPARE, piece_of, words_of
-
-        words = np.array(words_of(work, empty_cases()))
-        piece_of(PREPARE).call(words.ctypes.data)
-        return
-    records: tuple[NDArray[Any], ...] = work.settings, work.states
-    objects = [as_objects(each) for each in records]
-    bodies = [as_objects(row) for row in work.bodies]
-    make_prepare()(work._replace(
-        cases=as_objects(work.cases), segments=as_objects(work.segments),
-        settings=objects[0], bodies=bodies, states=objects[1],
-    ))  # fmt: skip
-    for item, record in zip((*objects, *bodies), (*records, *work.bodies), strict=True):
-        write_back(item, record)

@@ -1,6 +1,6 @@
-"""Pieces that come with the package as LLVM bitcode: compiled for this processor without numba.
+"""Kernels that come with the package as LLVM bitcode: compiled for this processor without numba.
 
-`make kernels` compiles the pieces of `latolato.numerics.pieces.every_recipe` into ``kernels.zip``,
+`make kernels` compiles those of `latolato.numerics.kernels.every_spec` into ``kernels.zip``,
 with a digest of their sources. If the sources have changed since, or the bitcode cannot be used,
 numba compiles instead. Machine code is kept in the cache folder.
 """
@@ -20,8 +20,7 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from latolato.core import cache
-from latolato.numerics.recipes import LANE_PIECES, Piece
-from latolato.numerics.sources import digest_of_sources, sources_hash
+from latolato.numerics.abi import Kernel, KernelSpec, digest_of_sources, sources_hash
 
 ARCHIVE = Path(__file__).with_name("kernels.zip")
 # LLVM's model of a processor that takes 512 bits at once.
@@ -45,46 +44,40 @@ class Processor(NamedTuple):
 
 
 class Archive(NamedTuple):
-    """The package's pieces, read whole: the file may be replaced while a process runs.
+    """The package's kernels, read whole: the file may be replaced while a process runs.
 
     Attributes
     ----------
     content : ZipFile
-        A piece is a module, which exports a function of its own name.
+        A kernel is a module, which exports a function of its own name.
     names : dict
-        The pieces' names by the keys of their recipes.
+        The kernels' names in it by `KernelSpec.key`.
     """
 
     content: zipfile.ZipFile
     names: dict[str, str]
 
 
-def load(key: str, kind: str) -> Piece | None:
-    """Return a piece of the package, None if numba must compile it.
-
-    Parameters
-    ----------
-    key, kind : str
-        Of its `pieces.Recipe`.
-    """
+def load(spec: KernelSpec) -> Kernel | None:
+    """The package's kernel of a specification, None if numba must compile it."""
     try:
         archive = _archive()
-        if archive is None or key not in archive.names:
+        if archive is None or spec.key not in archive.names:
             return None
-        name = archive.names[key]
-        machine = _this_machine(for_lanes=key.startswith(LANE_PIECES))
+        name = archive.names[spec.key]
+        machine = _this_machine(for_lanes=spec.for_lanes)
         address = _address(name, archive.content.read(name), machine)
     except Exception as error:  # zlib, zipfile and LLVM have many, and numba needs none of them
         _cannot_be_used(cache.reason_of(error))
         return None
-    returned, *taken = kind.replace("(", ",").rstrip(")").split(",")
+    returned, *taken = spec.signature.replace("(", ",").rstrip(")").split(",")
     types: list[Any] = [_TYPES[name.strip()] for name in (returned, *taken)]
-    return Piece(address, ctypes.CFUNCTYPE(*types)(address))
+    return Kernel(address, ctypes.CFUNCTYPE(*types)(address))
 
 
 @functools.cache
 def _archive() -> Archive | None:
-    """Return the package's pieces, None if there are none of these very sources."""
+    """The package's kernels, None if there are none of these very sources."""
     try:
         content = zipfile.ZipFile(io.BytesIO(ARCHIVE.read_bytes()))
     except FileNotFoundError:
@@ -96,7 +89,7 @@ def _archive() -> Archive | None:
     missing = [name for name in about["calls"] if not llvm.address_of_symbol(name)]
     if missing:
         raise LookupError(f"this process has no {', '.join(missing)}")
-    return Archive(content, about["pieces"])
+    return Archive(content, about["kernels"])
 
 
 def _cannot_be_used(reason: str) -> None:
@@ -153,7 +146,7 @@ def _this_machine(*, for_lanes: bool) -> Machine:
 
 
 def _address(name: str, bitcode: bytes, machine: Machine) -> int:
-    """Return the address of a piece, whose code is put into memory."""
+    """The address of a kernel, whose code is put into memory."""
     digest = hashlib.sha256(machine.name.encode() + bitcode).hexdigest()[:32]
     path = Path(sources_hash(), f"{name}-{digest}.o")
     code = _kept(path)
@@ -167,7 +160,7 @@ def _address(name: str, bitcode: bytes, machine: Machine) -> int:
 
 
 def machine_code(bitcode: bytes, target: Any) -> bytes:
-    """Return a piece as an object file for a target machine of LLVM."""
+    """A kernel as an object file for a target machine of LLVM."""
     module = llvm.parse_bitcode(bitcode)
     module.triple, module.data_layout = target.triple, str(target.target_data)
     tuning = llvm.create_pipeline_tuning_options(3)

@@ -8,9 +8,9 @@ from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.numerics.callbacks import Callbacks
 from latolato.numerics.clamp import make_clamped
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Formula, Laws, laws_of
 from latolato.numerics.engine.loop import make_engine
+from latolato.numerics.parts import Part, as_it_stands
 
 # What a contact law names: called with laws, the number of balls, the functions that observables
 # are shown by and what makes parts. Others may add their own, built by `make_engine` of their own

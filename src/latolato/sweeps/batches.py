@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.numerics.abi import words_of
 from latolato.numerics.batch import (
     Job,
     Progress,
@@ -23,17 +24,16 @@ from latolato.numerics.batch import (
 from latolato.numerics.callbacks import ON_TANGENT, formulas_of, make_callbacks
 from latolato.numerics.engine.record import as_objects, write_back
 from latolato.numerics.integrate import laws_key
-from latolato.numerics.pieces import (
+from latolato.numerics.kernels import (
+    batch_spec,
+    callback_kernels_of,
     callback_table,
-    engine_recipe,
-    fly_recipe,
-    lane_pieces,
-    lanes_recipe,
-    locate_recipe,
-    many_recipe,
-    piece_of,
-    pieces_of,
-    words_of,
+    engine_spec,
+    kernel_of,
+    lane_locate_spec,
+    lane_reports,
+    lane_step_spec,
+    lanes_spec,
 )
 from latolato.numerics.prepare import write_stepper
 from latolato.numerics.steppers import Stepper
@@ -52,12 +52,12 @@ def _reference(plan_key: tuple[Any, ...], *laws: Any) -> Any:
 
 
 def _prepared(plan: Plan, batch: Batch, stepper: Stepper) -> tuple[Scratch, tuple[Any, ...]]:
-    """Return a worker's memory that knows the engine's and the observables' pieces, and these."""
+    """Return a worker's memory that knows the engine's and the observables' kernels, and these."""
     segment = batch.points.segments.dtype
-    engine = piece_of(engine_recipe(
+    engine = kernel_of(engine_spec(
         plan.system.angles, segment, *laws_of_points(plan), motion=plan.contact.motion,
     ))  # fmt: skip
-    looking = pieces_of(formulas_of(plan.observables))
+    looking = callback_kernels_of(formulas_of(plan.observables))
     table = callback_table(looking)
     scratch = make_scratch(segment)
     write_stepper(scratch.runs, stepper)
@@ -97,13 +97,13 @@ def run_scalar(
     cancel: NDArray[np.int64] | None = None,
 ) -> None:
     """Run points one after the other, compiled."""
-    scratch, pieces = _prepared(plan, batch, stepper)
+    scratch, kernels = _prepared(plan, batch, stepper)
     never = np.zeros(1, dtype=np.int64)
     job = Job(order, batch.points, scratch, progress, never if cancel is None else cancel)
-    many = piece_of(many_recipe(plan.system.angles, batch.points.segments.dtype))
+    many = kernel_of(batch_spec(plan.system.angles, batch.points.segments.dtype))
     words = np.array(words_of(job, empty_job(batch.points.segments.dtype)))
     many.call(words.ctypes.data)
-    del pieces  # keeps the compiled code until here
+    del kernels  # keeps the compiled code until here
 
 
 def run_fastest(
@@ -123,15 +123,15 @@ def run_fastest(
     damped = bool(np.any(batch.points.bodies[order]["damping_rate"] > 0.0))
     works = any("works" in o.needs for o in plan.observables)
     walled = system.has_contacts and plan.contact.meets
-    fly = piece_of(fly_recipe(
+    fly = kernel_of(lane_step_spec(
         system.restoring, damped=damped, walled=walled, works=works,
         tangents=bool(formulas[ON_TANGENT]),
     ))  # fmt: skip
     locate = None
     if walled:
-        locate = piece_of(locate_recipe(system.restoring, damped=damped, works=works))
-    looking = lane_pieces(plan.observables, *laws_key(system))
-    scratch, pieces = _prepared(plan, batch, stepper)
+        locate = kernel_of(lane_locate_spec(system.restoring, damped=damped, works=works))
+    looking = lane_reports(plan.observables, *laws_key(system))
+    scratch, kernels = _prepared(plan, batch, stepper)
     space = make_lane_space(
         len(stepper.drifts), len(progress.acc) // len(progress.status), fly.address,
         0 if locate is None else locate.address, callback_table(looking),
@@ -141,10 +141,10 @@ def run_fastest(
     stop = never if cancel is None else cancel
     task = Task(order, batch.points, weights, scratch, progress, space, stop)
     laws = drive.acceleration, *laws_key(system), drive.rotation
-    lanes = piece_of(lanes_recipe(batch.points.segments.dtype, *laws))
+    lanes = kernel_of(lanes_spec(batch.points.segments.dtype, *laws))
     words = np.array(words_of(task, empty_task(batch.points.segments.dtype)))
     lanes.call(words.ctypes.data)
-    del pieces, looking, fly, locate, lanes  # keep the compiled code until here
+    del kernels, looking, fly, locate, lanes  # keep the compiled code until here
 
 
 def has_lanes(plan: Plan) -> bool:

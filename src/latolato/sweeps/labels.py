@@ -101,7 +101,7 @@ def attributes_of(plan: Plan, rounding: str) -> dict[str, Any]:
 
     `rounding` is a value of `executors.ROUNDING`.
     """
-    from latolato.numerics.sources import sources_hash
+    from latolato.numerics.abi import sources_hash
 
     described = plan.describe()
     flat: dict[str, Any] = {

@@ -20,15 +20,19 @@ from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.batch import Points
 from latolato.numerics.engine.record import STATE
-from latolato.numerics.integrate import Start, motion_laws, moves_in_plane
+from latolato.numerics.integrate import (
+    Start,
+    motion_laws,
+    moves_in_plane,
+    prepare_cases,
+    prepared_runs,
+)
 from latolato.numerics.prepare import (
     MOST_STEPS,
     OUT_OF_RANGE,
     Cases,
     cases_of,
     has_nonsmooth_drag,
-    prepare_cases,
-    prepared_runs,
 )
 from latolato.numerics.records import BALL, BODY, SETTINGS
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper

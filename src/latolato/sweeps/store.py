@@ -22,7 +22,7 @@ import numpy as np
 
 from latolato.core.atomic import atomic_path, checked_path
 from latolato.core.errors import InputError
-from latolato.numerics.sources import sources_hash
+from latolato.numerics.abi import sources_hash
 from latolato.observables import observables
 from latolato.sweeps import lock
 from latolato.sweeps.chunk import STATUS, Values, status_counts

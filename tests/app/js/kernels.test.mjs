@@ -16,15 +16,15 @@ const LAYOUT = {
     { name: "limit", type: "i8" }] },
   modules: { small: ["engine", "angles.step"] }, rows: { upright: {}, plane: {} },
 };
-const PIECES = [3, 8];
+const PLACES = [3, 8];
 
-/** A module whose pieces stand at places 3 and 8, whose `engine` notes the words it is given. */
+/** A module whose kernels stand at places 3 and 8, whose `engine` notes the words it is given. */
 function small() {
   const memory = new WebAssembly.Memory({ initial: 1 });
-  new Uint32Array(memory.buffer, 16, PIECES.length).set(PIECES);
+  new Uint32Array(memory.buffer, 16, PLACES.length).set(PLACES);
   const called = [];
   const engine = (at) => called.push([...new BigInt64Array(memory.buffer, at, 10)]);
-  const exports = { memory, pieces: { value: 16 }, __heap_base: { value: 100 }, engine };
+  const exports = { memory, kernels: { value: 16 }, __heap_base: { value: 100 }, engine };
   return { kernels: new Kernels(exports, LAYOUT, "small"), called };
 }
 
@@ -61,7 +61,7 @@ test("fields of records are found by their path, also of later records", () => {
   assert.throws(() => kernels.get(runs, "state.colour"), /state has no field colour/);
 });
 
-test("a piece is called with the words of its arguments, in the order of the layout", () => {
+test("a kernel is called with the words of its arguments, in the order of the layout", () => {
   const { kernels, called } = small();
   const order = kernels.take("i8", 4);
   const stops = kernels.take("f8", 4, 3);
@@ -78,9 +78,9 @@ test("a piece is called with the words of its arguments, in the order of the lay
   }
 });
 
-test("the table of callbacks names pieces by their places", () => {
+test("the table of callbacks names kernels by their places", () => {
   const { kernels } = small();
   const table = kernels.callbacks([[], [[4, "angles.step"], [0, "engine"]], []]);
   assert.deepEqual([...kernels.numbers(table)].map(Number), [3, 4, 9, 0, 8, 4, 3, 0, 0, 0]);
-  assert.throws(() => kernels.callbacks([[[0, "energy.step"]]]), /no piece energy.step/);
+  assert.throws(() => kernels.callbacks([[[0, "energy.step"]]]), /no kernel energy.step/);
 });

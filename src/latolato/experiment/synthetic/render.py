@@ -398,7 +398,7 @@ _KERNELS = {"paint": _make_paint, "blur": _make_blur, "develop": _make_develop}
 @lru_cache(maxsize=len(_KERNELS))
 def kernel(name: str) -> Callable[..., Any]:
     """Return `paint`, `blur` or `develop`, compiled and kept on disk."""
-    from latolato.numerics.compiled import compile_kernel
+    from latolato.numerics.jit import compile_kernel
 
     # The disk cache knows the sources of kernel layers, and this file is in none of them.
     mark = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:16]

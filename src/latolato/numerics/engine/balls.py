@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import GAP, crossing, make_root
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.slack_step import NO_SLACK_STEP, SlackStep, place_taut
 from latolato.numerics.engine.taut_step import (
@@ -21,6 +20,7 @@ from latolato.numerics.engine.taut_step import (
     acceleration_with_friction,
 )
 from latolato.numerics.engine.tension import Tension, make_tension
+from latolato.numerics.parts import Part, as_it_stands, inlined
 
 
 class Balls(NamedTuple):

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls, share_of
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import (
     CONTACT,
     FLIGHT,
@@ -28,6 +27,7 @@ from latolato.numerics.engine.taut_step import (
     acceleration_with_friction,
 )
 from latolato.numerics.matrices import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.wall_contact import wall_contact
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation

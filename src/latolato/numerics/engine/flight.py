@@ -9,7 +9,6 @@ from typing import Any
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE
 from latolato.numerics.engine.balls import Balls
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.report import Report
@@ -22,6 +21,7 @@ from latolato.numerics.engine.taut_step import (
     acceleration_with_drag,
 )
 from latolato.numerics.matrices import clear_matrix, write_matrix
+from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.numerics.wall_contact import hop
 from latolato.observables.hermite import quintic_bounds
 from latolato.physics.damping import divergence

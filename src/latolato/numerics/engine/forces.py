@@ -10,9 +10,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
+from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.physics.damping import drift, drift_slopes
 from latolato.physics.pendulum import swung
 

@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.slack_step import radial_rate
+from latolato.numerics.parts import Part, as_it_stands
 
 # A ball this close to another one, or to its string's end, is there; and what rounding can take
 # from such a distance. Shares of the string's length.

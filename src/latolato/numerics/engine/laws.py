@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
+from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.physics.pendulum import (
     SLOPES,
     potential_linear,

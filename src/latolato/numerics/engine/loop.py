@@ -10,7 +10,6 @@ import numpy as np
 
 from latolato.numerics.callbacks import Accumulators, Callbacks
 from latolato.numerics.engine.balls import Balls, make_balls
-from latolato.numerics.engine.compiling import Part, as_it_stands, inlined
 from latolato.numerics.engine.events import Event, Output, make_events
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.gaps import Gaps, make_gaps
@@ -37,6 +36,7 @@ from latolato.numerics.engine.strings import NO_STRINGS, Strings, make_strings
 from latolato.numerics.engine.tangent_map import make_tangent_map
 from latolato.numerics.engine.taut_step import TautStep, make_taut_step
 from latolato.numerics.matrices import clear_matrix, write_matrix
+from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.physics.damping import is_nonsmooth
 from latolato.physics.pendulum import swung
 

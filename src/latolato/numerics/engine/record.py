@@ -104,7 +104,7 @@ MATRIX_SHAPE = (4, 7)
 
 # As many words as an observable is shown at most; see `callbacks`.
 _SHOWN = 14
-# As many words as say where everything lies that compiled code is given; see `pieces.words_of`.
+# As many words as say where everything lies that compiled code is given; see `abi.words_of`.
 _WORDS = 48
 
 
@@ -147,7 +147,7 @@ def run_dtype(segment: np.dtype[Any] | None = None) -> np.dtype[Any]:
             ("shown", "i8", (_SHOWN,)),
             ("jacobian", "f8", MATRIX_SHAPE),
             ("words", "i8", (_WORDS,)),
-            # Addresses of the engine's piece and of the observables'; see `pieces.callback_table`.
+            # Addresses of the engine and of the observables' kernels; see `kernels.callback_table`.
             ("engine", "i8"),
             ("callbacks", "i8"),
             ("segment", segment or segment_dtype()),  # last: a drive may bring its own layout

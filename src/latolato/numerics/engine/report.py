@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, Accumulators, Callbacks
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 

@@ -6,12 +6,12 @@ import math
 from typing import Any
 
 from latolato.numerics.callbacks import Accumulators
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import RELEASE, REST
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.stiction import Stiction
 from latolato.numerics.matrices import clear_matrix
+from latolato.numerics.parts import Part, as_it_stands
 
 
 def make_rest(stiction: Stiction, report: Report, part: Part = as_it_stands) -> Mode:

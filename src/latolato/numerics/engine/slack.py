@@ -9,7 +9,6 @@ from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE, make_root
 from latolato.numerics.engine.balls import Balls
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.flight import make_cut_at_turn
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
 from latolato.numerics.engine.modes import Mode
@@ -19,6 +18,7 @@ from latolato.numerics.engine.slack_step import SlackStep, place_taut, radial_ra
 from latolato.numerics.engine.stiction import Stiction
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.taut_step import SHORTEST, TautStep, acceleration_with_drag
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.wall_contact import SMALLEST_HOP
 from latolato.observables.hermite import quintic_bounds
 

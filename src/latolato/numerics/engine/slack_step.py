@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.record import DRIFT_TIME, KICK
 from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.physics.damping import drift_in_plane, slowing_in_plane
 
 

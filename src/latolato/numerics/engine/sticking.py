@@ -11,7 +11,6 @@ from typing import Any
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN
 from latolato.numerics.engine.report import Report
@@ -24,6 +23,7 @@ from latolato.numerics.engine.taut_step import (
     acceleration_with_friction,
 )
 from latolato.numerics.matrices import write_joint_matrix
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.physics.pair import contact_torque, radial_push
 
 _TABLE = ANY_LENGTH + PAIR_ROW

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula
 from latolato.numerics.contact_time import make_lowest
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.taut_step import TautStep
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.physics.pendulum import swung
 
 # How much finer than the step the search for the end of rest looks at the drive.

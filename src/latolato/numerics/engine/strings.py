@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.events import Event, Output
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
 from latolato.numerics.engine.record import (
@@ -29,6 +28,7 @@ from latolato.numerics.engine.record import (
 from latolato.numerics.engine.slack_step import place_taut, radial_rate
 from latolato.numerics.engine.tangent_map import TangentMap
 from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.physics import contacts
 from latolato.physics.pair import runs_through

@@ -24,12 +24,12 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.callbacks import Accumulators
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.gaps import THERE, Gaps
 from latolato.numerics.engine.record import DELAY_ROWS, DRIFT_TIME, KICK
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut
 from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.physics.damping import drift_slopes_in_plane
 
 

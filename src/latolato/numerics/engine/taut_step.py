@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
-from latolato.numerics.engine.compiling import Part, as_it_stands
 from latolato.numerics.engine.forces import make_planar, make_upright
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
+from latolato.numerics.parts import Part, as_it_stands
 from latolato.physics.damping import drag, effective_time, viscous_drag
 
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for

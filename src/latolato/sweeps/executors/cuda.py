@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import latolato.numerics.compiled  # noqa: F401 - makes formulas callable from compiled code
+import latolato.numerics.jit  # noqa: F401 - makes formulas callable from compiled code
 from latolato.core.errors import InputError, import_extra
 from latolato.core.registry import checked_count
 from latolato.numerics.batch import Points, Progress, Scratch, make_many, make_scratch

@@ -14,7 +14,7 @@ from typing import Any
 
 from latolato.core.errors import InputError, import_extra
 from latolato.core.registry import checked_count
-from latolato.numerics.sources import sources_hash
+from latolato.numerics.abi import sources_hash
 from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import Values, run_chunk
 from latolato.sweeps.executors.threads import available_processors

@@ -166,8 +166,8 @@ function computed(kernels, question) {
     const all = { order, points: { ...points, ...kicksOf(kernels, question, problems) }, progress,
       stepper, slots, is_linear: Boolean(is_linear),
       engine: question.contact === "clamp" ? "clamp" : "engine" };
-    runPoints(kernels, all, layout.occasions.map((name) => piecesFor(observers, name)), in_lanes ? {
-      walled: Boolean(collides), shown: [piecesFor(observers, "show"), piecesFor(observers, "follow")],
+    runPoints(kernels, all, layout.occasions.map((name) => callbacksFor(observers, name)), in_lanes ? {
+      walled: Boolean(collides), shown: [callbacksFor(observers, "step_report"), callbacksFor(observers, "jacobian_report")],
       needs: layout.shared_needs.filter((need) => needs.has(need)),
     } : null);
   }
@@ -240,14 +240,14 @@ function observersOf(kernels, names, angles) {
 }
 
 /**
- * Return the pieces that are called on an occasion, each behind its first slot.
+ * Return the kernels that are called on an occasion, each behind its first slot.
  * @param {Observer[]} observers
  * @param {string} occasion
  * @returns {[number, string][]}
  */
-function piecesFor(observers, occasion) {
-  return observers.filter(({ about }) => occasion in about.pieces)
-    .map(({ about, first }) => [first, about.pieces[occasion]]);
+function callbacksFor(observers, occasion) {
+  return observers.filter(({ about }) => occasion in about.callbacks)
+    .map(({ about, first }) => [first, about.callbacks[occasion]]);
 }
 
 /**

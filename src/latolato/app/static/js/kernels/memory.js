@@ -4,7 +4,7 @@
  * There are five modules: `one` runs one ball, `two` runs two balls and points of their maps,
  * `plane_one` and `plane_two` run balls on strings, under a pivot that moves sideways and in air at
  * rest in the room, and points of their maps, `lanes` runs points of maps of one ball. `make kernels`
- * makes them and `layout.json`, which says which pieces they have and what lies where in their memory.
+ * makes them and `layout.json`, which says which kernels they have and what lies where in their memory.
  * For what the names in it mean see `latolato.numerics`.
  */
 
@@ -30,11 +30,11 @@
  *
  * An observable with its usual parameters: how many slots each of its variables has, how many ends
  * of drive periods it looks at, all its slots, which variables have no further dimension, whether
- * it belongs to both balls together, to their mirrored motion and to strings, and its pieces by
+ * it belongs to both balls together, to their mirrored motion and to strings, and its callbacks by
  * occasion.
  * @typedef {{parameters: Record<string, number>, dimension: string, angles: number,
  *   widths: Record<string, number>, marks: number, slots: number, needs: string[], plain: string[],
- *   joint: boolean, mirrored: boolean, of_strings: boolean, pieces: Record<string, string>}} Observable
+ *   joint: boolean, mirrored: boolean, of_strings: boolean, callbacks: Record<string, string>}} Observable
  * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 
@@ -78,12 +78,12 @@ export class Kernels {
     this.layout = layout;
     this.name = name;
     this.rows = layout.rows[name.startsWith("plane") ? "plane" : "upright"];
-    const { memory, pieces } = exports;
+    const { memory, kernels } = exports;
     this.top = 0;
     this.clear();
-    const places = new Uint32Array(memory.buffer, pieces.value, names.length);
-    /** @type {Record<string, number>} What compiled code calls pieces by. */
-    this.pieces = Object.fromEntries(names.map((name, i) => [name, places[i]]));
+    const places = new Uint32Array(memory.buffer, kernels.value, names.length);
+    /** @type {Record<string, number>} What compiled code calls kernels by. */
+    this.addresses = Object.fromEntries(names.map((name, i) => [name, places[i]]));
   }
 
   /**
@@ -211,7 +211,7 @@ export class Kernels {
   }
 
   /**
-   * Write the words from which compiled code reads arrays and numbers; see `pieces.words_of`.
+   * Write the words from which compiled code reads arrays and numbers; see `abi.words_of`.
    * @param {Held} words
    * @param {string} bundle
    * @param {Record<string, Held | number>} values by the names that the bundle has in the layout
@@ -259,21 +259,21 @@ export class Kernels {
   }
 
   /**
-   * Call a piece with the words of a bundle.
-   * @param {string} piece
+   * Call a kernel with the words of a bundle.
+   * @param {string} kernel
    * @param {string} bundle
    * @param {Record<string, Held | number>} values
    */
-  call(piece, bundle, values) {
+  call(kernel, bundle, values) {
     const words = this.words(bundle);
     this.fill(words, bundle, values);
-    this.exports[piece](words.at);
+    this.exports[kernel](words.at);
     this.release(words);
   }
 
   /**
-   * Return the table of what observables are shown; see `pieces.hook_table`.
-   * @param {[number, string][][]} occasions for each occasion pairs of first slot and piece
+   * Return the table of what observables are shown; see `kernels.callback_table`.
+   * @param {[number, string][][]} occasions for each occasion pairs of first slot and kernel
    * @returns {Held}
    */
   callbacks(occasions) {
@@ -284,8 +284,8 @@ export class Kernels {
     for (const occasion of occasions) {
       begins.push(occasions.length + pairs.length);
       for (const [first, name] of occasion) {
-        if (!(name in this.pieces)) throw new Error(`this module has no piece ${name}`);
-        pairs.push(this.pieces[name], first);
+        if (!(name in this.addresses)) throw new Error(`this module has no kernel ${name}`);
+        pairs.push(this.addresses[name], first);
       }
       pairs.push(0);
     }

@@ -19,7 +19,7 @@
  * @param {Kernels} kernels of the module that `moduleOf` in `map.js` names
  * @param {Points} batch
  * @param {[number, string][][]} callbacks what observables are shown on each occasion: pairs of first
- *   slot and piece
+ *   slot and kernel
  * @param {{walled: boolean, shown: [number, string][][], needs: string[]} | null} lanes whether there
  *   are walls, what shows the observables all lanes' steps, and matrices, and what they need of each
  *   step; null runs one point after the other,
@@ -36,7 +36,7 @@ export function runPoints(kernels, batch, callbacks, lanes) {
     kernels.set(runs, name, ...kernels.numbers(stepper[name]));
   }
   kernels.set(runs, "settings.is_linear", Number(is_linear));
-  kernels.set(runs, "engine", kernels.pieces[engine]);
+  kernels.set(runs, "engine", kernels.addresses[engine]);
   kernels.set(runs, "callbacks", kernels.callbacks(callbacks).at);
   const job = {
     order, cancel: kernels.take("i8", 1),
@@ -48,7 +48,7 @@ export function runPoints(kernels, batch, callbacks, lanes) {
     "scratch.no_samples": kernels.take("f8", kernels.rows.samples, 0),
   };
   if (lanes === null) {
-    kernels.call("many", "job", job);
+    kernels.call("batch", "job", job);
   } else {
     const space = laneSpace(kernels, stages, slots, is_linear, lanes);
     kernels.call("lanes", "task", { ...job, ...named("weights", stepper), ...named("space", space) });
@@ -57,7 +57,7 @@ export function runPoints(kernels, batch, callbacks, lanes) {
 }
 
 /**
- * Return the memory of lanes and their pieces; see `batch.make_lane_space`.
+ * Return the memory of lanes and their kernels; see `batch.make_lane_space`.
  * @param {Kernels} kernels
  * @param {number} stages
  * @param {number} slots
@@ -69,16 +69,16 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) 
   const law = is_linear ? "restoring_linear" : "restoring_sine";
   const [steps, matrices] = shown;
   /** @type {[number, string][]} */
-  const shared = needs.length ? [[0, "survey_energy_turn"]] : [];
-  const fly = `fly_${law}${walled ? "_walled" : ""}${matrices.length ? "_tangents" : ""}`;
+  const shared = needs.length ? [[0, "shared_values_energy_turn"]] : [];
+  const step = `lane_step_${law}${walled ? "_walled" : ""}${matrices.length ? "_tangents" : ""}`;
   const point = kernels.take("i8", lanes);
   kernels.numbers(point).fill(-1n);
   return {
     w: kernels.take("f8", rows * lanes), z: kernels.take("f8", impact_rows * impacts),
     table: kernels.take("f8", (stages + 1) * table_rows * lanes),
     acc: kernels.take("f8", lanes * slots), point, index: kernels.take("i8", lanes),
-    lane: kernels.take("i8", impacts), fly: kernels.pieces[fly],
-    locate: walled ? kernels.pieces[`locate_${law}`] : 0, callbacks: kernels.callbacks([[...shared, ...steps], matrices]),
+    lane: kernels.take("i8", impacts), step: kernels.addresses[step],
+    locate: walled ? kernels.addresses[`lane_locate_${law}`] : 0, callbacks: kernels.callbacks([[...shared, ...steps], matrices]),
   };
 }
 

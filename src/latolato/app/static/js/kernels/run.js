@@ -32,11 +32,11 @@ const PER_BALL = 2;
  * Return what comes of a run of one ball or two; `integrate.integrate` does the same.
  * @param {Kernels} kernels
  * @param {Prepared} prepared
- * @param {{balls: number, duration: number, contact_limit: number, piece?: string}} how
- *   `piece` is `engine` or `clamp`
+ * @param {{balls: number, duration: number, contact_limit: number, engine?: string}} how
+ *   `engine` is `engine` or `clamp`
  * @returns {Run}
  */
-export function integrate(kernels, prepared, { balls, duration, contact_limit, piece = "engine" }) {
+export function integrate(kernels, prepared, { balls, duration, contact_limit, engine = "engine" }) {
   const { layout } = kernels;
   const { run, times, segments, kick_times, kick_sizes } = prepared;
   const samples = kernels.take("f8", kernels.rows.samples, times.shape[0]);
@@ -68,7 +68,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
       "output.contact_kinds": kinds, "output.contact_values": values,
       "accumulators.acc": seen, "accumulators.column": 0, "accumulators.columns": balls,
     });
-    const written = kernels.exports[piece](run.at, duration, layout.steps_per_call);
+    const written = kernels.exports[engine](run.at, duration, layout.steps_per_call);
     parts[0].push(kernels.numbers(buffer).slice(0, written));
     parts[1].push(Float64Array.from(kernels.numbers(kinds).subarray(0, written), Number));
     const rows = kernels.numbers(values);
@@ -104,7 +104,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, p
  * @param {Kernels} kernels
  * @param {Record<string, number | number[]>} parameters of the case, see `begin`
  * @param {Omit<Prepared, "run">} inputs
- * @param {{balls: number, duration: number, contact_limit: number, piece?: string}} how
+ * @param {{balls: number, duration: number, contact_limit: number, engine?: string}} how
  * @returns {Run & {run: Held, halvings: number, closes: boolean}}
  */
 export function simulate(kernels, parameters, inputs, how) {
@@ -117,7 +117,7 @@ export function simulate(kernels, parameters, inputs, how) {
     const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
     const closes = kernels.get(run, "state.ledger_error") <= allowed;
     const steps = kernels.get(run, "state.total_steps");
-    if (closes || how.piece === "clamp" || end.status !== "complete"
+    if (closes || how.engine === "clamp" || end.status !== "complete"
       || halvings === most_halvings || steps > most_steps_to_repeat) {
       return { ...end, run, halvings, closes };
     }

@@ -76,7 +76,7 @@ export async function questionOf(registry, layout, request) {
   checkVaried(registry, system, drive, [x, y]);
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
   for (const { name } of watched)
-    if ("tangent" in layout.observables[name].pieces)
+    if ("tangent" in layout.observables[name].callbacks)
       checkDeviations(system.suspension,
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
@@ -220,10 +220,10 @@ function startOf(registry, system, options, varied) {
  */
 function checkWatched(registry, layout, watched, drive, contact) {
   for (const { name } of watched) {
-    const { marks, pieces, widths } = layout.observables[name];
+    const { marks, callbacks, widths } = layout.observables[name];
     if (marks && !registry.drives[drive].periodic)
       throw new InputError(`a ${drive} drive has no single period that a stroboscope could follow`);
-    if ("follow" in pieces && contact === "clamp")
+    if ("jacobian_report" in callbacks && contact === "clamp")
       throw new InputError(`${Object.keys(widths)[0]} needs exact contact: a clamped motion depends on its `
         + "step, so small deviations have no meaning there");
   }

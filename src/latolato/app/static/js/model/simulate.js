@@ -114,7 +114,7 @@ function carried(each, mostSamples) {
   const inputs = { segments, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
     kick_sizes };
   const how = { balls: system.angles, duration, contact_limit: each.contactLimit,
-    piece: each.clampStep ? "clamp" : "engine" };
+    engine: each.clampStep ? "clamp" : "engine" };
   let step = 0;
   for (let halvings = 0; ; halvings += 1) {
     const { run: record, problem } = begin(kernels, recordOf(each, step), segments);
