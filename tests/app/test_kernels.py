@@ -33,8 +33,8 @@ async ({ arrays, how }) => {
   const [, size] = samples.shape;
   return {
     status, angles: [...one.numbers(samples).subarray(0, size)], times: [...contacts.times],
-    pieces: Object.fromEntries(Object.entries(started).map(([name, each]) =>
-      [name, Object.keys(each.pieces)])),
+    kernels: Object.fromEntries(Object.entries(started).map(([name, each]) =>
+      [name, Object.keys(each.addresses)])),
   };
 }
 """
@@ -88,7 +88,7 @@ def test_a_page_computes_what_python_computes(empty_page):
         for name, array in case.arrays.items()
     ]
     result = empty_page.evaluate(RUN, {"arrays": arrays, "how": case.options["how"]})
-    assert result["pieces"] == modules
+    assert result["kernels"] == modules
     assert result["status"] == case.expected["status"] == "complete"
     assert len(result["times"]) > 10
     # The motion is regular: see `tests/numerics/test_wasm.py`.
