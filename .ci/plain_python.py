@@ -20,7 +20,7 @@ from latolato.core.cache import cache_directory
 from latolato.numerics import integrate, jit, kernels, shipped
 from latolato.numerics.abi import sources_hash
 from latolato.numerics.derived import make_observer
-from latolato.numerics.engine.record import as_objects
+from latolato.numerics.run_record import as_objects
 
 TIMES, KERNELS = Path(os.environ["TIMES"]), os.environ["KERNELS"]
 known = json.loads(TIMES.read_text()) if TIMES.exists() else {}

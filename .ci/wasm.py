@@ -32,9 +32,10 @@ from latolato.numerics import (
     lane_rows,
     prepare,
     records,
+    run_record,
 )
 from latolato.numerics.abi import Formula, KernelSpec
-from latolato.numerics.engine import loop, record, samples
+from latolato.numerics.engine import loop, samples
 from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
@@ -76,11 +77,11 @@ _FOR_LANES = {
 # Records, and tuples whose words compiled code is given, by the names that pages know them by.
 _USUAL = records.segment_dtype()
 _RECORDS = {
-    "run": record.run_dtype(),
-    "state": record.STATE,
+    "run": run_record.run_dtype(),
+    "state": run_record.STATE,
     "settings": records.SETTINGS,
     "body": records.BODY,
-    "point": record.POINT,
+    "point": run_record.POINT,
     "segment": _USUAL,
     "ball": records.BALL,
     "case": records.CASE,

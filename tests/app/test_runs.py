@@ -15,7 +15,7 @@ from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import balls_of, compute, strobes_of
 from latolato.app.site import write_site
 from latolato.numerics import records
-from latolato.numerics.engine.record import as_objects
+from latolato.numerics.run_record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import Scenario, scenarios
 from latolato.simulation.start import checked_contact

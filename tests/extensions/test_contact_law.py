@@ -19,8 +19,8 @@ from latolato.numerics.engine.balls import GAP
 from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.forces import tension_at
 from latolato.numerics.engine.loop import make_engine, usual_events, usual_modes
-from latolato.numerics.engine.record import CONTACT, FLIGHT, RELEASE, SETTLE
 from latolato.numerics.integrate import Start, choose_step, integrate
+from latolato.numerics.run_record import CONTACT, FLIGHT, RELEASE, SETTLE
 from latolato.numerics.trajectory import MOTIONS
 from latolato.physics.contacts import ContactLaw, contact_laws
 from latolato.scenario.scenario import changed_tables

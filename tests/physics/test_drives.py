@@ -11,8 +11,8 @@ import pytest
 import scipy.interpolate
 
 import latolato as ll
-from latolato.numerics.engine.record import as_objects
 from latolato.numerics.records import segment_records
+from latolato.numerics.run_record import as_objects
 from latolato.physics.drives import PeriodicDrive, drives
 
 END = 10.0

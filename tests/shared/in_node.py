@@ -22,11 +22,10 @@ import numpy as np
 import latolato as ll
 from latolato.app import STATIC
 from latolato.core.registry import describe, number_fields
-from latolato.numerics import integrate, records
+from latolato.numerics import integrate, records, run_record
 from latolato.numerics.abi import digest_of_sources
 from latolato.numerics.batch import Progress
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, formulas_of
-from latolato.numerics.engine import record
 from latolato.numerics.host_entry import WRITTEN
 from latolato.numerics.kernels import SHARED
 from latolato.numerics.prepare import cases_of
@@ -46,8 +45,8 @@ _OPTIONS = ("--no-memory-protection-keys",)
 MODULES = STATIC / "kernels"
 _SIMULATE = sys.modules["latolato.simulation.run"]
 _TYPES = {
-    record.run_dtype(): "run",
-    record.STATE: "state",
+    run_record.run_dtype(): "run",
+    run_record.STATE: "state",
     records.SETTINGS: "settings",
     records.BODY: "body",
     records.segment_dtype(): "segment",
@@ -316,7 +315,7 @@ def in_node(cases: Iterable[Case]) -> list[dict[str, Any]]:
 def _like(name: str, data: bytes, case: Case) -> Any:
     """Return bytes as an array of the kind that Python has under this name."""
     if name == "run":
-        return np.frombuffer(data, record.run_dtype())
+        return np.frombuffer(data, run_record.run_dtype())
     like = np.asarray(case.expected[name])
     is_float = name.startswith("contact") or "question" in case.options
     numbers = np.frombuffer(data, np.float64 if is_float else like.dtype)

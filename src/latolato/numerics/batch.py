@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 
 from latolato.numerics import lane_rows as r
 from latolato.numerics.callbacks import ON_CONTACT, Accumulators, Callbacks
-from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import STATE, run_dtype
 from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import (
     AT_REST,
@@ -30,7 +28,11 @@ from latolato.numerics.records import (
     OUTSIDE_MODEL,
     PLANE_ROWS,
     SETTINGS,
+    Floats,
+    Integers,
+    Records,
 )
+from latolato.numerics.run_record import STATE, Output, run_dtype
 from latolato.observables import Outcome
 
 _STEPS_PER_CALL = 20_000  # after so many steps a trajectory is looked at: is it finite still?
@@ -54,46 +56,46 @@ class Points(NamedTuple):
         Contacts after which a trajectory is given up.
     """
 
-    settings: Any
-    bodies: Any
-    segments: Any
-    firsts: Any
-    kick_times: Any
-    kick_sizes: Any
-    kick_firsts: Any
-    stops: Any
-    contact_limit: Any
+    settings: Records
+    bodies: Records
+    segments: Records
+    firsts: Integers
+    kick_times: Floats
+    kick_sizes: Floats
+    kick_firsts: Integers
+    stops: Floats
+    contact_limit: int
 
 
 class Progress(NamedTuple):
     """What changes while points run; see `make_progress`."""
 
-    states: Any  # records of shape (point,)
-    begun: Any  # the same when the transient ended
-    status: Any  # (point,)
-    acc: Any  # (slot * column,), slot after slot; a column is a point's ball
+    states: Records  # records of shape (point,)
+    begun: Records  # the same when the transient ended
+    status: Integers  # (point,)
+    acc: Floats  # (slot * column,), slot after slot; a column is a point's ball
 
 
 class Scratch(NamedTuple):
     """Memory that one worker reuses."""
 
-    runs: Any  # one record, with the stepper's weights
-    contact_times: Any
-    contact_kinds: Any
-    contact_values: Any
-    no_times: Any
-    no_samples: Any
+    runs: Records  # one record, with the stepper's weights
+    contact_times: Floats
+    contact_kinds: Integers
+    contact_values: Floats
+    no_times: Floats
+    no_samples: Floats
 
 
 class Weights(NamedTuple):
     """A stepper's weights."""
 
-    kicks: Any
-    drifts: Any
-    nodes: Any
+    kicks: Floats
+    drifts: Floats
+    nodes: Floats
 
 
-def make_progress(states: Any, acc: Any) -> Progress:
+def make_progress(states: Records, acc: Floats) -> Progress:
     """Return the points' initial states, shape (point,), and accumulators."""
     return Progress(
         states.copy(), np.zeros_like(states), np.zeros(len(states), dtype=np.int64), acc
@@ -116,38 +118,38 @@ def make_scratch(segment: np.dtype[Any] | None = None) -> Scratch:
 class Job(NamedTuple):
     """What runs points one after the other works on."""
 
-    order: Any  # numbers of the points
+    order: Integers  # numbers of the points
     points: Points
     scratch: Scratch
     progress: Progress
-    cancel: Any
+    cancel: Integers
 
 
 class LaneSpace(NamedTuple):
     """The memory of lanes, and the addresses of their kernels; see `make_lane_space`."""
 
-    w: Any  # rows of `lane_rows`, each LANES wide
-    z: Any  # rows of noted impacts
-    table: Any  # rows of a step's table
-    acc: Any  # (slot * LANES,)
-    point: Any  # (LANES,): which point a lane carries, -1 for none
+    w: Floats  # rows of `lane_rows`, each LANES wide
+    z: Floats  # rows of noted impacts
+    table: Floats  # rows of a step's table
+    acc: Floats  # (slot * LANES,)
+    point: Integers  # (LANES,): which point a lane carries, -1 for none
     index: Any  # (LANES,): its next stop
-    lane: Any  # (IMPACTS,): whose impact is noted
-    step: Any
-    locate: Any
-    callbacks: Any  # see `kernels.callback_table`
+    lane: Integers  # (IMPACTS,): whose impact is noted
+    step: int
+    locate: int
+    callbacks: Integers  # see `kernels.callback_table`
 
 
 class Task(NamedTuple):
     """What lanes work on."""
 
-    order: Any  # numbers of the points
+    order: Integers  # numbers of the points
     points: Points
     weights: Weights
     scratch: Scratch
     progress: Progress
     space: LaneSpace
-    cancel: Any
+    cancel: Integers
 
 
 def make_lane_space(
@@ -175,9 +177,17 @@ def make_lane_space(
 def empty_points(segment: np.dtype[Any]) -> Points:
     """Return no points, in arrays of the kinds that points have."""
     floats, numbers = np.zeros(0), np.zeros(0, dtype=np.int64)
-    records = np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=segment)
-    kicks = numbers, floats, np.zeros((1, 0)), numbers
-    return Points(*records, *kicks, np.zeros((0, 2)), 0)
+    return Points(
+        settings=np.zeros(0, dtype=SETTINGS),
+        bodies=np.zeros((0, 4), dtype=BODY),
+        segments=np.zeros(0, dtype=segment),
+        firsts=numbers,
+        kick_times=floats,
+        kick_sizes=np.zeros((1, 0)),
+        kick_firsts=numbers,
+        stops=np.zeros((0, 2)),
+        contact_limit=0,
+    )
 
 
 def empty_job(segment: np.dtype[Any]) -> Job:
@@ -240,7 +250,7 @@ def make_steering(
 
     @part
     def start(
-        k: int, scratch: Scratch, progress: Progress, acc: Any, column: int, columns: int
+        k: int, scratch: Scratch, progress: Progress, acc: Floats, column: int, columns: int
     ) -> None:
         """Let the observables of point k begin."""
         accumulators = Accumulators(acc, column, columns)
@@ -250,7 +260,7 @@ def make_steering(
     @part
     def carry_to(
         stop: float, most_steps: int, k: int, points: Points, scratch: Scratch,
-        progress: Progress, acc: Any, column: int, columns: int,
+        progress: Progress, acc: Floats, column: int, columns: int,
     ) -> int:  # fmt: skip
         """Carry point k on to `stop`, for at most so many steps; return the contacts' rows."""
         first, last = points.firsts[k], points.firsts[k + 1]
@@ -308,7 +318,7 @@ def make_steering(
 
     @part
     def arrive(
-        index: int, k: int, points: Points, scratch: Scratch, progress: Progress, acc: Any,
+        index: int, k: int, points: Points, scratch: Scratch, progress: Progress, acc: Floats,
         column: int, columns: int,
     ) -> None:  # fmt: skip
         """Do what is to be done at a stop of point k: forget the transient, mark, conclude."""

@@ -12,9 +12,7 @@ import numpy as np
 
 from latolato.numerics.abi import CALLBACK, ENGINE
 from latolato.numerics.callbacks import OCCASIONS, Accumulators, Callbacks
-from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.loop import Timetable, empty_arguments
-from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.parts import Part
 from latolato.numerics.pointers import (
     ANY_SIZE,
@@ -26,6 +24,7 @@ from latolato.numerics.pointers import (
     writer_of,
 )
 from latolato.numerics.records import segment_dtype
+from latolato.numerics.run_record import MATRIX_SHAPE, Output, Run
 from latolato.observables import Outcome, Step
 
 # What observables are shown on each occasion, behind their slots: see `Observable`.
@@ -55,7 +54,7 @@ def make_address_callbacks(part: Part) -> Callbacks:
     call, numbers_at = caller_of(CALLBACK), array_at(np.dtype(np.int64))
 
     @part
-    def call_all(run: Any, accumulators: Accumulators, ball: int, occasion: int) -> None:
+    def call_all(run: Run, accumulators: Accumulators, ball: int, occasion: int) -> None:
         """Call all kernels of an occasion; what they are shown lies in the run."""
         acc, shown, column = (
             address_of(accumulators.acc),
@@ -70,7 +69,7 @@ def make_address_callbacks(part: Part) -> Callbacks:
             at += 2
 
     @part
-    def is_wanted(run: Any, occasion: int) -> bool:
+    def is_wanted(run: Run, occasion: int) -> bool:
         """Return whether anybody looks on then."""
         callbacks = numbers_at(run.callbacks, ANY_SIZE)
         result: bool = callbacks[callbacks[occasion]] != 0
@@ -80,7 +79,7 @@ def make_address_callbacks(part: Part) -> Callbacks:
         write = writer_of(_SHOWN[occasion])
 
         @part
-        def show(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
+        def show(run: Run, accumulators: Accumulators, ball: int, *shown: Any) -> None:
             write(address_of(run.shown), shown)
             call_all(run, accumulators, ball, occasion)
 
@@ -106,7 +105,7 @@ def make_caller(part: Part) -> Callable[..., int]:
 
     @part
     def carry_on(
-        run: Any,
+        run: Run,
         timetable: Timetable,
         output: Output,
         accumulators: Accumulators,

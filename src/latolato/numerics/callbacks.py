@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.records import Floats
+from latolato.numerics.run_record import Run
 from latolato.observables import Observable
 
 Formulas = tuple[tuple[int, Callable[..., None]], ...]
@@ -35,7 +37,7 @@ class Accumulators(NamedTuple):
     columns : int
     """
 
-    acc: Any
+    acc: Floats
     column: int
     columns: int
 
@@ -103,12 +105,12 @@ def make_callbacks(formulas: tuple[Formulas, ...], part: Part = as_it_stands) ->
     wanted = tuple(bool(formulas) for formulas in formulas)
 
     @inline
-    def do_nothing(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
+    def do_nothing(run: Run, accumulators: Accumulators, ball: int, *shown: Any) -> None:
         """Do nothing."""
 
     def link(first: int, formula: Any, rest: Any) -> Any:
         @inline
-        def show(run: Any, accumulators: Accumulators, ball: int, *shown: Any) -> None:
+        def show(run: Run, accumulators: Accumulators, ball: int, *shown: Any) -> None:
             formula(
                 accumulators.acc,
                 first * accumulators.columns + accumulators.column + ball,
@@ -120,7 +122,7 @@ def make_callbacks(formulas: tuple[Formulas, ...], part: Part = as_it_stands) ->
         return show
 
     @inline
-    def is_wanted(run: Any, occasion: int) -> bool:
+    def is_wanted(run: Run, occasion: int) -> bool:
         """Return whether anybody looks on then."""
         return wanted[occasion]
 

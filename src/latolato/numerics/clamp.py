@@ -7,15 +7,13 @@ energy appears from nowhere, and rounding and step size set a ball at rest in mo
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from latolato.numerics.callbacks import ON_STEP, Accumulators, Callbacks
-from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.loop import Timetable
-from latolato.numerics.engine.record import FLIGHT, UNSETTLED
 from latolato.numerics.engine.samples import follow_ledger, write_sample
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import FLIGHT, UNSETTLED, Output, Run
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.contacts import BOTTOM, TOP, wall_impact
@@ -33,7 +31,7 @@ def make_clamped(
     on_step, is_wanted = callbacks.step, callbacks.is_wanted
 
     @part
-    def slopes(run: Any, t: float, x: float, v: float) -> tuple[float, float, float]:
+    def slopes(run: Run, t: float, x: float, v: float) -> tuple[float, float, float]:
         """Return acceleration, drive power and damping power per inertia."""
         b, gravity = run.bodies[0], run.settings.gravity
         restored = restoring(x, run.settings.is_linear)
@@ -44,7 +42,7 @@ def make_clamped(
         return a, driven * v, slowing * v
 
     @part
-    def step(run: Any) -> None:
+    def step(run: Run) -> None:
         """Take a step of classical Runge-Kutta."""
         t, h, x, v = run.t, run.length, run.now[0].angle, run.now[0].velocity
         a1, w1, d1 = slopes(run, t, x, v)
@@ -61,13 +59,13 @@ def make_clamped(
         run.loss = inertia * h * (d1 + 2.0 * (d2 + d3) + d4) / 6.0
 
     @part
-    def energy(run: Any, x: float, v: float) -> float:
+    def energy(run: Run, x: float, v: float) -> float:
         """Return the energy over the moment of inertia [1/s^2]."""
         stiffness = run.settings.gravity * run.bodies[0].inverse_length
         return 0.5 * v * v + stiffness * potential(x, run.settings.is_linear)
 
     @part
-    def show(run: Any, accumulators: Accumulators) -> None:
+    def show(run: Run, accumulators: Accumulators) -> None:
         """Show the observables a step."""
         x0, v0 = run.now[0].angle, run.now[0].velocity
         x1, v1 = run.end[0].angle, run.end[0].velocity
@@ -81,7 +79,7 @@ def make_clamped(
         on_step(run, accumulators, 0, segment)
 
     @part
-    def put_back(run: Any, output: Output) -> None:
+    def put_back(run: Run, output: Output) -> None:
         """Put a ball that is found beyond a wall back onto it, with its velocity reflected."""
         settings, point, row = run.settings, run.now[0], run.rows
         if settings.low <= point.angle <= settings.high:
@@ -96,7 +94,7 @@ def make_clamped(
         run.state.impact_loss += run.bodies[0].inertia * lost
 
     def carry_on(
-        run: Any,
+        run: Run,
         timetable: Timetable,
         output: Output,
         accumulators: Accumulators,

@@ -7,6 +7,7 @@ from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.parts import Part
+from latolato.numerics.run_record import Run
 from latolato.observables.hermite import quintic_terms
 
 # What a search looks for.
@@ -96,7 +97,7 @@ def make_root(function: Callable[..., Any], part: Part) -> Callable[..., Any]:
 
     @part
     def root(
-        run: Any, s: float, low: float, high: float, far: float, *rest: Any
+        run: Run, s: float, low: float, high: float, far: float, *rest: Any
     ) -> tuple[float, float]:
         span = move = high - low
         for _ in range(MOST_TRIALS):
@@ -130,7 +131,7 @@ def make_lowest(function: Callable[..., float], part: Part) -> Callable[..., flo
     """
 
     @part
-    def lowest(run: Any, begin: float, end: float, *rest: Any) -> float:
+    def lowest(run: Run, begin: float, end: float, *rest: Any) -> float:
         for _ in range(80):
             left, right = begin + 0.382 * (end - begin), begin + 0.618 * (end - begin)
             if function(run, left, *rest) < function(run, right, *rest):

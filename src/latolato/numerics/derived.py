@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from latolato.numerics.engine.laws import restoring_laws
-from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.records import BALL, ball_record
+from latolato.numerics.records import BALL, Floats, Records, ball_record
+from latolato.numerics.run_record import REST, STICKING
 from latolato.physics import energy
 from latolato.physics.damping import damping_power, drag_force, static_friction
 from latolato.physics.energy import drive_power, kinetic_energy, potential_energy
@@ -65,17 +65,17 @@ class Observation(NamedTuple):
         Rows are `BALL_ROWS`.
     """
 
-    times: Any
-    modes: Any
-    samples: Any
-    segments: Any
-    balls: Any
-    gravity: Any
-    is_linear: Any
-    in_lab: Any
-    with_lab: Any
-    pivot: Any
-    out: Any
+    times: Floats
+    modes: Floats
+    samples: Floats
+    segments: Records
+    balls: Records
+    gravity: float
+    is_linear: int
+    in_lab: int
+    with_lab: int
+    pivot: Floats
+    out: Floats
 
 
 @functools.cache
@@ -100,7 +100,7 @@ def make_observer(
     restored_at, potential_at = laws.restoring, laws.potential
 
     @part
-    def resistance(o: Any, speed: float, angle: float, ay: float, b: Any) -> float:
+    def resistance(o: Observation, speed: float, angle: float, ay: float, b: Ball) -> float:
         """Return the drag on a ball, or what friction opposes to the force on one at rest [N]."""
         if speed == 0.0:
             force = -b.mass * (o.gravity + ay) * restored_at(angle, o.is_linear)
@@ -109,7 +109,7 @@ def make_observer(
         return drag_force(speed, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
 
     @part
-    def joint_friction(o: Any, samples: Any, i: int, ay: float) -> float:
+    def joint_friction(o: Observation, samples: Floats, i: int, ay: float) -> float:
         """Return the share of its strength with which friction holds two balls in contact."""
         torque = limit = 0.0
         for j in range(2):
@@ -120,12 +120,12 @@ def make_observer(
         return static_friction(torque, limit) / limit if limit > 0.0 else 0.0
 
     @part
-    def free(o: Any, angle: float, force: float, ay: float, b: Any) -> float:
+    def free(o: Observation, angle: float, force: float, ay: float, b: Ball) -> float:
         """Return the angular acceleration that a ball would have without the other one."""
         restored = restored_at(angle, o.is_linear)
         return swung(o.gravity + ay, 1.0 / b.length, restored) - force / (b.mass * b.length)
 
-    def observe(o: Any) -> None:
+    def observe(o: Observation) -> None:
         times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
         segments, gravity, pivot, out = o.segments, o.gravity, o.pivot, o.out
         k = 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from latolato.core.scalar import cosine, sine
 from latolato.numerics.derived import (
@@ -15,12 +14,14 @@ from latolato.numerics.derived import (
     POTENTIAL,
     ROD,
     TENSION,
+    Observation,
 )
-from latolato.numerics.engine.record import REST, STICKING
 from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import S_DISTANCE
+from latolato.numerics.run_record import REST, STICKING
 from latolato.physics.damping import drag_force, static_friction
 from latolato.physics.pair import contact_torque, radial_push
+from latolato.physics.pendulum import Ball
 
 # The formulas that `make_plane_observer` takes: height, velocity and acceleration, up and across.
 PLANE_OBSERVED = 6
@@ -42,7 +43,7 @@ def make_plane_observer(
     """
 
     @part
-    def pull(o: Any, b: Any, i: int) -> tuple[float, float, float, float]:
+    def pull(o: Observation, b: Ball, i: int) -> tuple[float, float, float, float]:
         """Return the force on a ball by gravity, drive and wind [N], and the wind's part."""
         rate = b.damping / b.length
         wind_x = -rate * o.pivot[4, i] * o.in_lab
@@ -51,7 +52,7 @@ def make_plane_observer(
         return x, -b.mass * (o.gravity + o.pivot[2, i]) + wind_y, wind_x, wind_y
 
     @part
-    def around(o: Any, j: int, i: int) -> float:
+    def around(o: Observation, j: int, i: int) -> float:
         """Return the force that turns a ball on its taut string, with all drag [N]."""
         b, angle, w = o.balls[j], o.samples[2 * j, i], o.samples[2 * j + 1, i]
         x, y, _, _ = pull(o, b, i)
@@ -62,7 +63,7 @@ def make_plane_observer(
         return force - drag_force(w, sign, b.damping, b.quadratic_damping, b.coulomb_damping)
 
     @part
-    def observe_ball(o: Any, j: int, i: int, is_still: bool) -> None:
+    def observe_ball(o: Observation, j: int, i: int, is_still: bool) -> None:
         """Fill all rows of one ball but what a second one adds to its tension."""
         b, samples, out = o.balls[j], o.samples, o.out
         angle, w, row = samples[2 * j, i], samples[2 * j + 1, i], S_DISTANCE + 3 * j
@@ -84,7 +85,7 @@ def make_plane_observer(
         out[j, TENSION, i] = 0.0 if slack != 0.0 else tension
 
     @part
-    def observe_lab(o: Any, j: int, i: int) -> None:
+    def observe_lab(o: Observation, j: int, i: int) -> None:
         """Fill the rows of one ball in the laboratory."""
         b, samples, out, pivot = o.balls[j], o.samples, o.out, o.pivot
         angle, w, row = samples[2 * j, i], samples[2 * j + 1, i], S_DISTANCE + 3 * j
@@ -104,7 +105,7 @@ def make_plane_observer(
         y = pulled * c - drag * (vy - pivot[1, i]) - rubbed * s
         out[j, ROD, i] = x * pivot[4, i] + y * pivot[1, i]
 
-    def observe(o: Any) -> None:
+    def observe(o: Observation) -> None:
         times, samples, modes, balls = o.times, o.samples, o.modes, o.balls
         k = 0
         for i in range(len(times)):

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.numerics.engine.record import run_dtype
 from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.prepare import has_nonsmooth_drag, prepare
-from latolato.numerics.records import CASE, segment_dtype
+from latolato.numerics.records import CASE, Floats, Integers, Records, segment_dtype
+from latolato.numerics.run_record import Run, run_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
 from latolato.physics.drives import drives
 
@@ -49,17 +49,17 @@ class Shaking(NamedTuple):
     """A drive's parameters, and where its segments and their number go."""
 
     drive: Any
-    segments: Any  # with room for two for each of its times and two more
-    number: Any  # shape (1,)
+    segments: Records  # with room for two for each of its times and two more
+    number: Integers  # shape (1,)
 
 
 class Beginning(NamedTuple):
     """A run's parameters and its drive's segments, and where its record goes; of shape (1,)."""
 
-    case: Any
-    segments: Any  # shape (segment,)
-    run: Any
-    problem: Any  # one of `prepare.PROBLEMS`
+    case: Records
+    segments: Records  # shape (segment,)
+    run: Records
+    problem: Integers  # one of `prepare.PROBLEMS`
 
 
 def empty_shaking() -> Shaking:
@@ -109,7 +109,7 @@ def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
     )
 
     @part
-    def write_weights(run: Any, kicks: Any, drifts: Any, nodes: Any) -> None:
+    def write_weights(run: Run, kicks: Floats, drifts: Floats, nodes: Floats) -> None:
         """Write a stepper's weights."""
         run.stages = len(drifts)
         for i in range(len(drifts)):

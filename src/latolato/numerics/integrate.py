@@ -22,7 +22,6 @@ from latolato.numerics.callbacks import (
     make_callbacks,
 )
 from latolato.numerics.derived import Observation, empty_observation
-from latolato.numerics.engine.events import Output
 from latolato.numerics.engine.laws import Formula
 from latolato.numerics.engine.loop import (
     SPARE_IN_PLANE,
@@ -30,7 +29,6 @@ from latolato.numerics.engine.loop import (
     Timetable,
     empty_arguments,
 )
-from latolato.numerics.engine.record import as_objects, run_dtype, write_back
 from latolato.numerics.kernels import (
     PREPARE,
     callback_kernels_of,
@@ -47,6 +45,7 @@ from latolato.numerics.prepare import (
     make_prepare,
     write_stepper,
 )
+from latolato.numerics.run_record import Output, State, as_objects, run_dtype, write_back
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
@@ -97,7 +96,7 @@ class Trajectory:
     ----------
     samples : ndarray, shape (SAMPLE_ROWS, time)
         Rows as laid down in `latolato.numerics.records`.
-    state : record of `latolato.numerics.engine.record.STATE`
+    state : record of `latolato.numerics.run_record.STATE`
         The motion at the end.
     contact_values : ndarray, shape (CONTACT_ROWS, contact)
         Angular velocities before (one row a ball) and after; in the plane more.
@@ -109,7 +108,7 @@ class Trajectory:
     contact_times: Floats
     contact_kinds: NDArray[np.int64]
     contact_values: Floats
-    state: Any
+    state: State
     reached: float
     step: float
     stepper: Stepper

@@ -79,8 +79,8 @@ def engine(
     from latolato.numerics.callback_kernels import make_address_callbacks
     from latolato.numerics.engine.laws import laws_of
     from latolato.numerics.engine.loop import empty_arguments
-    from latolato.numerics.engine.record import run_dtype
     from latolato.numerics.pointers import address_of, bundle_at, kind_of, record_at
+    from latolato.numerics.run_record import run_dtype
 
     *formulas, part = laws_and_part
     run_at = record_at(run_dtype(segment))
@@ -157,9 +157,9 @@ def begin(part: Part) -> Callable[[int], None]:
 
 def allowed(part: Part) -> Callable[[int, float], float]:
     """The function ``(run, tolerance)`` of the error that the ledger may have."""
-    from latolato.numerics.engine.record import run_dtype
     from latolato.numerics.engine.samples import allowed_error
     from latolato.numerics.pointers import record_at
+    from latolato.numerics.run_record import run_dtype
 
     run_at = record_at(run_dtype())
 

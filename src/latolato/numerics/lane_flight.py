@@ -6,17 +6,17 @@ Loops run over all lanes without branches, so that they become vector instructio
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from latolato.core.scalar import formula
 from latolato.numerics import lane_rows as r
 from latolato.numerics.engine.laws import Formula, restoring_laws
-from latolato.numerics.engine.record import MATRIX_SHAPE
 from latolato.numerics.matrices import write_matrix
 from latolato.numerics.parts import Part
 from latolato.numerics.pointers import ANY_SIZE, array_at
+from latolato.numerics.records import Floats
+from latolato.numerics.run_record import MATRIX_SHAPE
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 from latolato.physics.pendulum import SLOPES
@@ -26,7 +26,7 @@ _GROUP = 8
 
 
 @formula
-def width_of(w: Any) -> int:
+def width_of(w: Floats) -> int:
     """Return how many lanes are in use; the compiler sees that they are whole blocks."""
     return r.BLOCK * int(w[r.BLOCKS * r.LANES])
 
@@ -40,7 +40,7 @@ def make_lane_step(
     numbers_at = array_at()
 
     @part
-    def advance(w: Any, table: Any, kicks: Any, stages: int) -> None:
+    def advance(w: Floats, table: Floats, kicks: Floats, stages: int) -> None:
         """Take a full step in every lane, keeping what was before."""
         L, width = r.LANES, width_of(w)
         for row in range(copied):
@@ -96,7 +96,7 @@ def make_lane_step(
                 w[(second + 1) * L + j] += gradient * w[second * L + j]
 
     @part
-    def judge(w: Any) -> float:
+    def judge(w: Floats) -> float:
         """Find the lanes whose full step must not be taken, and return how many they are.
 
         That is at a halt, where the end lies beyond a wall, and beside a wall where the force
@@ -129,7 +129,7 @@ def make_lane_step(
         return count
 
     @part
-    def put_back(w: Any) -> None:
+    def put_back(w: Floats) -> None:
         """Note the ends of steps that are not taken, and put these lanes back to their start."""
         L, width = r.LANES, width_of(w)
         for j in range(width):
@@ -165,7 +165,7 @@ def make_shared_values(
     numbers_at = array_at()
 
     @part
-    def list_chosen(w: Any) -> int:
+    def list_chosen(w: Floats) -> int:
         """List the lanes that are chosen, and return how many they are."""
         L, count = r.LANES, 0
         for first in range(0, width_of(w), _GROUP):
@@ -179,7 +179,7 @@ def make_shared_values(
         return count
 
     @part
-    def find_potentials(w: Any, is_linear: int) -> None:
+    def find_potentials(w: Floats, is_linear: int) -> None:
         """Write the potentials at both ends of each step; the first is the end of the last one."""
         L = r.LANES
         for j in range(width_of(w)):
@@ -187,7 +187,7 @@ def make_shared_values(
             w[r.P1 * L + j] = potential(w[r.X * L + j], is_linear)
 
     @part
-    def find_turns(w: Any) -> None:
+    def find_turns(w: Floats) -> None:
         """Write the angle at which each lane turns round."""
         L, width = r.LANES, width_of(w)
         for j in range(width):

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.numerics import lane_rows as r
 from latolato.numerics.batch import Points, Progress, Scratch
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, Accumulators, Callbacks
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.record import REST
 from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
 from latolato.numerics.lane_locate import EXTENDABLE, MOST_DRAG
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, inlined
+from latolato.numerics.records import Floats
+from latolato.numerics.run_record import REST, Run
 from latolato.numerics.wall_contact import hop, wall_contact
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
@@ -61,7 +62,7 @@ def make_lane_impacts(
 
     @part
     def follow_flight(
-        run: Any, accumulators: Accumulators, t: float, x: float, v: float, hs: float
+        run: Run, accumulators: Accumulators, t: float, x: float, v: float, hs: float
     ) -> None:
         """Show the observables the matrix of a part of a step."""
         begin, run.t = run.inside[0], t
@@ -73,7 +74,7 @@ def make_lane_impacts(
 
     @part
     def follow_impact(
-        run: Any, accumulators: Accumulators, before: float, after: float, rests: bool, free: float
+        run: Run, accumulators: Accumulators, before: float, after: float, rests: bool, free: float
     ) -> None:
         """Show the observables the matrix of an impact; rest forgets all."""
         rate, e = run.bodies[0].damping_rate, run.settings.restitution
@@ -86,7 +87,7 @@ def make_lane_impacts(
         on_tangent(run, accumulators, 0, 2, 0.0, spread, run.jacobian)
 
     @inline
-    def is_impact(j: int, w: Any) -> bool:
+    def is_impact(j: int, w: Floats) -> bool:
         """Return whether lane j meets a wall within its step in an ordinary way.
 
         That is once, from inside or from the wall itself.
@@ -110,7 +111,7 @@ def make_lane_impacts(
         return w[r.RATE * L + j] * h < MOST_DRAG
 
     @inline
-    def note_impact(e: int, j: int, k: int, w: Any, z: Any, points: Points) -> None:
+    def note_impact(e: int, j: int, k: int, w: Floats, z: Floats, points: Points) -> None:
         """Write the impact of lane j into column e."""
         L, E = r.LANES, r.IMPACTS
         h = w[r.H * L + j]
@@ -134,7 +135,7 @@ def make_lane_impacts(
 
     @inline
     def rebound(
-        e: int, j: int, k: int, stop: float, w: Any, z: Any, accumulators: Accumulators,
+        e: int, j: int, k: int, stop: float, w: Floats, z: Floats, accumulators: Accumulators,
         points: Points, scratch: Scratch, progress: Progress,
     ) -> None:  # fmt: skip
         """Let the ball of lane j rebound from the impact of column e; write the state of point k.

@@ -7,12 +7,12 @@ share is taken, and what is missing to the wall is a short glide.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 from latolato.core.scalar import cosine, formula
 from latolato.numerics import lane_rows as r
 from latolato.numerics.parts import Part
 from latolato.numerics.pointers import array_at
+from latolato.numerics.records import Floats
 
 # An impact is corrected along the parabola over this share of a step, times its squared angle;
 # the velocity's error is then about 1e-3 of the tolerance.
@@ -43,7 +43,7 @@ def make_lane_locate(
     numbers_at = array_at()
 
     @part
-    def solve_quintics(z: Any) -> None:
+    def solve_quintics(z: Floats) -> None:
         """Find the shares of the step at which the quintics through both ends meet the walls.
 
         A ball that starts on the wall meets it again where the quintic over the share vanishes.
@@ -83,7 +83,7 @@ def make_lane_locate(
                 z[r.IU * E + e] = trial if inside else 0.5 * (low + high)
 
     @part
-    def fly_to_shares(z: Any, kicks: Any, drifts: Any, nodes: Any, stages: int) -> None:
+    def fly_to_shares(z: Floats, kicks: Floats, drifts: Floats, nodes: Floats, stages: int) -> None:
         """Take from every start the step of the share that was found."""
         E = r.IMPACTS
         for e in range(E):

@@ -26,12 +26,13 @@ from latolato.numerics.batch import LaneSpace, Points, Progress, Task, empty_tas
 from latolato.numerics.callback_kernels import make_address_callbacks, make_caller
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.laws import Formula, laws_of
-from latolato.numerics.engine.record import FLIGHT
 from latolato.numerics.engine.taut_step import make_taut_step
 from latolato.numerics.lane_flight import width_of
 from latolato.numerics.lane_impacts import make_lane_impacts
 from latolato.numerics.parts import Part, inlined
 from latolato.numerics.pointers import address_of, bundle_at, caller_of, kind_of
+from latolato.numerics.records import Floats, Integers
+from latolato.numerics.run_record import FLIGHT, Run
 from latolato.physics.damping import effective_time
 
 # The rotated phase is computed afresh after so many steps; until then its error is below 1e-13.
@@ -74,7 +75,7 @@ def make_lanes(
     report = caller_of(LANE_REPORT)
 
     @part
-    def show_all(occasion: int, run: Any, space: LaneSpace) -> None:
+    def show_all(occasion: int, run: Run, space: LaneSpace) -> None:
         """Show the observables the step of every lane, or its matrix."""
         callbacks, slots, w = space.callbacks, address_of(space.acc), address_of(space.w)
         matrix, row = address_of(run.jacobian), 8 * r.LANES
@@ -86,13 +87,13 @@ def make_lanes(
             at += 2
 
     @part
-    def count_all(w: Any) -> None:
+    def count_all(w: Floats) -> None:
         """Count the steps that were taken."""
         for j in range(width_of(w)):
             w[r.N * r.LANES + j] += w[r.TAKEN * r.LANES + j]
 
     @inline
-    def turn_phase(j: int, k: int, w: Any, points: Points) -> None:
+    def turn_phase(j: int, k: int, w: Floats, points: Points) -> None:
         """Compute the drive's phase of a lane afresh."""
         L = r.LANES
         strength, frequency, phase = rotation(points.segments[points.firsts[k]])
@@ -103,17 +104,17 @@ def make_lanes(
         w[r.D * L + j] = scale * sine(turn)
 
     @inline
-    def last_step(j: int, stop: float, w: Any) -> float:
+    def last_step(j: int, stop: float, w: Floats) -> float:
         """Return how many full steps a lane can take before a stop."""
         return (stop - w[r.T * r.LANES + j]) / w[r.H * r.LANES + j] - 1.0 - 1e-9
 
     @inline
-    def set_halt(j: int, stop: float, w: Any) -> None:
+    def set_halt(j: int, stop: float, w: Floats) -> None:
         """Write after how many steps a lane must be looked at: before the stop, or to resync."""
         w[r.HALT * r.LANES + j] = min(last_step(j, stop, w), w[r.N * r.LANES + j] + _RESYNC)
 
     @inline
-    def load(j: int, k: int, stop: float, w: Any, points: Points, progress: Progress) -> None:
+    def load(j: int, k: int, stop: float, w: Floats, points: Points, progress: Progress) -> None:
         """Put the state of point k into lane j."""
         L = r.LANES
         state = progress.states[k]
@@ -130,7 +131,7 @@ def make_lanes(
         set_halt(j, stop, w)
 
     @inline
-    def store(j: int, k: int, w: Any, points: Points, progress: Progress) -> None:
+    def store(j: int, k: int, w: Floats, points: Points, progress: Progress) -> None:
         """Write the state of lane j back to point k."""
         L = r.LANES
         state = progress.states[k]
@@ -177,7 +178,7 @@ def make_lanes(
         start(k, task.scratch, progress, acc, j, L)
 
     @part
-    def make_idle(j: int, w: Any) -> None:
+    def make_idle(j: int, w: Floats) -> None:
         """Let a ball hang still in lane j, far from walls and halts."""
         L = r.LANES
         for row in range(r.BLOCKS):
@@ -186,7 +187,7 @@ def make_lanes(
         w[r.PER_H * L + j] = 1.0
 
     @part
-    def leave_out(w: Any, point: Any) -> None:
+    def leave_out(w: Floats, point: Integers) -> None:
         """Use the blocks up to the last lane that has a point."""
         used = 0
         for j in range(r.LANES):
@@ -224,7 +225,7 @@ def make_lanes(
                 return stops
 
     @part
-    def refill(j: int, taken: int, order: Any, task: Task) -> int:
+    def refill(j: int, taken: int, order: Integers, task: Task) -> int:
         """Give lane j the next point that does not end at once; return how many were taken up."""
         points, progress, space = task.points, task.progress, task.space
         stops = points.stops.shape[1]

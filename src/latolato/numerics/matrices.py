@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from latolato.core.scalar import formula
+from latolato.numerics.records import Floats
 
 Matrix = tuple[float, float, float, float]
 UNCHANGED: Matrix = (1.0, 0.0, 0.0, 1.0)
 
 
 @formula
-def write_matrix(jacobian: Any, ball: int, matrix: Matrix) -> None:
+def write_matrix(jacobian: Floats, ball: int, matrix: Matrix) -> None:
     """Write the block of one ball, row by row, into the matrix of the whole state."""
     at = 2 * ball
     jacobian[at, at], jacobian[at, at + 1] = matrix[0], matrix[1]
@@ -19,7 +18,7 @@ def write_matrix(jacobian: Any, ball: int, matrix: Matrix) -> None:
 
 
 @formula
-def write_joint_matrix(jacobian: Any, share: float, matrix: Matrix) -> None:
+def write_joint_matrix(jacobian: Floats, share: float, matrix: Matrix) -> None:
     """Write the matrix of two balls that move as one; `share` is the first one's of the inertia.
 
     Deviations from moving as one are lost; the common one is the mean that impacts keep.
@@ -35,7 +34,7 @@ def write_joint_matrix(jacobian: Any, share: float, matrix: Matrix) -> None:
 
 
 @formula
-def clear_matrix(jacobian: Any, size: int) -> None:
+def clear_matrix(jacobian: Floats, size: int) -> None:
     """Write zeros."""
     for row in range(size):
         for column in range(size):

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.scalar import cosine, formula, sine
-from latolato.numerics.engine.record import (
+from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, segment_dtype
+from latolato.numerics.run_record import (
     STATE,
     UNSETTLED,
 )
-from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE, ContactLaw, meeting
 from latolato.physics.drives.segment import fastest_frequency, largest_acceleration

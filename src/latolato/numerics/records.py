@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import fields
-from typing import Any
+from typing import Annotated, Any, Protocol, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,23 +11,64 @@ from numpy.typing import NDArray
 from latolato.physics.drives import Drive, Segment
 from latolato.physics.pendulum import Ball
 
-BODY = np.dtype(
-    [
-        ("inverse_length", "f8"),  # 1/length [1/m]
-        ("damping_rate", "f8"),  # damping/(mass length) [1/s]
-        ("quadratic", "f8"),  # quadratic_damping/(mass length) [1]
-        ("coulomb", "f8"),  # coulomb_damping/(mass length) [rad/s^2]
-        ("inertia", "f8"),  # mass length^2 [kg m^2]
-        # How air that moves past the pivot turns it: damping_rate/length [1/(m s)], and at which
-        # angle from its own [rad]; that is zero but for two balls as one body.
-        ("wind_drag", "f8"),
-        ("wind_offset", "f8"),
-    ],
-    align=True,
-)
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Records = NDArray[Any]  # whose elements have fields
+Pair = Annotated[Floats, 2]
+PairOfIntegers = Annotated[Integers, 2]
 
 
-BALL = np.dtype([(f.name, "f8") for f in fields(Ball)], align=True)
+def layout_of(record: type, **given: np.dtype[Any]) -> np.dtype[Any]:
+    """The NumPy layout of a record that is declared as a class.
+
+    Its fields are floats, integers, other records, and arrays of these of a given shape, which
+    stands in ``Annotated``. So editors and type checkers know the fields that kernels read.
+
+    Parameters
+    ----------
+    given : dtype
+        Layouts of fields by name, instead of those declared.
+    """
+    hints = get_type_hints(record, include_extras=True)
+    return np.dtype(
+        [(name, *_kind_of(hint, given.get(name))) for name, hint in hints.items()], align=True
+    )
+
+
+def _kind_of(hint: Any, layout: np.dtype[Any] | None) -> tuple[Any, ...]:
+    """The NumPy type of a field, and its shape if it is an array."""
+    if layout is not None:
+        return (layout,)
+    if hint in _NUMBERS:
+        return (_NUMBERS[hint],)
+    if get_origin(hint) is not Annotated:
+        return (layout_of(hint),)
+    array, shape = get_args(hint)
+    (kind,) = get_args(array) if get_origin(array) is list else (_NUMBERS[array],)
+    return (kind if isinstance(kind, str) else layout_of(kind), shape)
+
+
+_NUMBERS: dict[Any, str] = {float: "f8", int: "i8", Floats: "f8", Integers: "i8"}
+
+
+class Body(Protocol):
+    """A body that swings: a ball, or two in sticking contact."""
+
+    inverse_length: float  # 1/length [1/m]
+    damping_rate: float  # damping/(mass length) [1/s]
+    quadratic: float  # quadratic_damping/(mass length) [1]
+    coulomb: float  # coulomb_damping/(mass length) [rad/s^2]
+    inertia: float  # mass length^2 [kg m^2]
+    # How air that moves past the pivot turns it: damping_rate/length [1/(m s)], and at which
+    # angle from its own [rad]; that is zero but for two balls as one body.
+    wind_drag: float
+    wind_offset: float
+
+
+BODY = layout_of(Body)
+
+
+BALL = layout_of(Ball)
 
 
 def ball_record(ball: Ball) -> tuple[float, ...]:
@@ -36,40 +76,40 @@ def ball_record(ball: Ball) -> tuple[float, ...]:
     return tuple(getattr(ball, name) for name in BALL.names or ())
 
 
-# The public parameters of a run; see `latolato.numerics.prepare`.
-CASE = np.dtype(
-    [
-        ("gravity", "f8"),  # m/s^2
-        ("balls", BALL, (2,)),  # right, left
-        ("restitution", "f8"),
-        ("initial_angle", "f8", (2,)),  # rad
-        ("initial_offset", "f8"),  # instead of it [rad], or NaN
-        ("initial_angular_velocity", "f8", (2,)),  # rad/s
-        ("duration", "f8"),  # s
-        ("tolerance", "f8"),  # rad
-        ("rest_speed", "f8"),  # rad/s
-        ("step", "f8"),  # s; 0: to be chosen
-        ("speed", "f8"),  # which the step must allow for beside those at the start [rad/s]
-        ("pivot_bound", "f8"),  # of the drive [m/s^2]; NaN: both are to be found from its segments
-        ("drive_rate", "f8"),  # its fastest frequency [rad/s]
-        ("law", "f8", (2,)),  # numbers of the contact law, and its fastest rate [rad/s]
-        ("law_rate", "f8"),
-        ("angles", "i8"),  # of the state
-        ("collides", "i8"),  # whether balls meet
-        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
-        ("is_nonsmooth", "i8"),  # whether the step is one of `steppers.BLANES_MOAN_GENERAL`
-        ("is_exact", "i8"),  # whether the start is taken as it is, wherever that may be
-        ("clamps_start", "i8"),  # whether a start beyond a wall is moved there
-        ("follows_tension", "i8"),
-        ("follows_ledger", "i8"),
-        ("mirrored", "i8"),  # whether two equal balls are kept mirror images of each other
-        ("is_string", "i8"),  # whether balls hang on strings
-        ("in_lab", "i8"),  # whether the air is at rest in the room, not around the pivot
-        ("string_restitution", "f8"),
-        ("initial_distance", "f8", (2,)),  # from the pivot [m], or NaN: the length
-    ],
-    align=True,
-)
+class Case(Protocol):
+    """The public parameters of a run; see `latolato.numerics.prepare`."""
+
+    gravity: float  # m/s^2
+    balls: Annotated[list[Ball], 2]  # right, left
+    restitution: float
+    initial_angle: Pair  # rad
+    initial_offset: float  # instead of it [rad], or NaN
+    initial_angular_velocity: Pair  # rad/s
+    duration: float  # s
+    tolerance: float  # rad
+    rest_speed: float  # rad/s
+    step: float  # s; 0: to be chosen
+    speed: float  # which the step must allow for beside those at the start [rad/s]
+    pivot_bound: float  # of the drive [m/s^2]; NaN: both are to be found from its segments
+    drive_rate: float  # its fastest frequency [rad/s]
+    law: Pair  # numbers of the contact law, and its fastest rate [rad/s]
+    law_rate: float
+    angles: int  # of the state
+    collides: int  # whether balls meet
+    is_linear: int  # whether the restoring factor is the angle itself
+    is_nonsmooth: int  # whether the step is one of `steppers.BLANES_MOAN_GENERAL`
+    is_exact: int  # whether the start is taken as it is, wherever that may be
+    clamps_start: int  # whether a start beyond a wall is moved there
+    follows_tension: int
+    follows_ledger: int
+    mirrored: int  # whether two equal balls are kept mirror images of each other
+    is_string: int  # whether balls hang on strings
+    in_lab: int  # whether the air is at rest in the room, not around the pivot
+    string_restitution: float
+    initial_distance: Pair  # from the pivot [m], or NaN: the length
+
+
+CASE = layout_of(Case)
 
 
 def segment_records(drive: Drive, duration: float) -> NDArray[Any]:
@@ -92,31 +132,32 @@ def _layout(names: tuple[str, ...]) -> np.dtype[Any]:
     return np.dtype([(name, "f8") for name in names], align=True)
 
 
-SETTINGS = np.dtype(
-    [
-        ("gravity", "f8"),  # m/s^2
-        ("low", "f8"),  # contacts: angle of one ball, or separation of two [rad]
-        ("high", "f8"),
-        ("restitution", "f8"),
-        ("rest_speed", "f8"),  # rad/s
-        ("step", "f8"),  # s
-        ("pivot_bound", "f8"),  # largest |pivot_acceleration| [m/s^2]
-        ("drive_rate", "f8"),  # the drive's fastest angular frequency [rad/s]
-        ("offset_low", "f8"),  # angle offset of the body that both balls form in contact [rad]
-        ("offset_high", "f8"),
-        ("tension_dip", "f8"),  # relative dip of the tension within a step that is looked for
-        ("follows_tension", "i8"),
-        ("follows_ledger", "i8"),
-        ("mirrored", "i8"),  # keep two equal balls mirror images of each other
-        ("is_linear", "i8"),  # whether the restoring factor is the angle itself
-        ("law", "f8", (2,)),  # what a contact law says to its motion
-        ("is_string", "i8"),  # whether balls hang on strings
-        ("in_lab", "i8"),  # whether the air is at rest in the room, not around the pivot
-        ("string_restitution", "f8"),
-        ("radius", "f8", (2,)),  # of the balls [m]
-    ],
-    align=True,
-)
+class Settings(Protocol):
+    """What stays the same throughout a run."""
+
+    gravity: float  # m/s^2
+    low: float  # contacts: angle of one ball, or separation of two [rad]
+    high: float
+    restitution: float
+    rest_speed: float  # rad/s
+    step: float  # s
+    pivot_bound: float  # largest |pivot_acceleration| [m/s^2]
+    drive_rate: float  # the drive's fastest angular frequency [rad/s]
+    offset_low: float  # angle offset of the body that both balls form in contact [rad]
+    offset_high: float
+    tension_dip: float  # relative dip of the tension within a step that is looked for
+    follows_tension: int
+    follows_ledger: int
+    mirrored: int  # keep two equal balls mirror images of each other
+    is_linear: int  # whether the restoring factor is the angle itself
+    law: Pair  # what a contact law says to its motion
+    is_string: int  # whether balls hang on strings
+    in_lab: int  # whether the air is at rest in the room, not around the pivot
+    string_restitution: float
+    radius: Pair  # of the balls [m]
+
+
+SETTINGS = layout_of(Settings)
 
 # Rows of the sample array: the states of the balls, then the ledger.
 S_WORK, S_DAMPED, S_IMPACT, S_CAPTURED, S_NOISE, S_MODE = 4, 5, 6, 7, 8, 9

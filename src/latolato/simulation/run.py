@@ -261,7 +261,8 @@ def _slackness(system: System, trajectory: Trajectory) -> dict[str, Any]:
     """
     state = trajectory.state
     known = math.nan if trajectory.failed else 1.0
-    first, share = known * state.slack_start, _share_of(state.slack_time, trajectory)
+    first: Any = known * state.slack_start
+    share: Any = _share_of(state.slack_time, trajectory)
     if system.angles == 1:
         first, share = float(first[0]), float(share[0])
     impulse = known * float(state.string_impulse)
@@ -272,8 +273,8 @@ def _compression(system: System, trajectory: Trajectory) -> dict[str, Any]:
     """Return when a rod is first pushed [s], and in which share of the time [1], of each ball."""
     # What a failed run adds up last is no compression.
     known = math.nan if trajectory.failed else 1.0
-    first = known * trajectory.state.compression_start
-    share = _share_of(trajectory.state.compression_time, trajectory)
+    first: Any = known * trajectory.state.compression_start
+    share: Any = _share_of(trajectory.state.compression_time, trajectory)
     if system.angles == 1:
         first, share = float(first[0]), float(share[0])
     return {"compression_time": first, "compression_fraction": share}

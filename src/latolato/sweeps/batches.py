@@ -22,7 +22,6 @@ from latolato.numerics.batch import (
     make_scratch,
 )
 from latolato.numerics.callbacks import ON_TANGENT, formulas_of, make_callbacks
-from latolato.numerics.engine.record import as_objects, write_back
 from latolato.numerics.integrate import laws_key
 from latolato.numerics.kernels import (
     batch_spec,
@@ -36,6 +35,7 @@ from latolato.numerics.kernels import (
     lanes_spec,
 )
 from latolato.numerics.prepare import write_stepper
+from latolato.numerics.run_record import as_objects, write_back
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.sweeps.plan import Plan

@@ -19,7 +19,6 @@ from latolato.core.errors import InputError
 from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.batch import Points
-from latolato.numerics.engine.record import STATE
 from latolato.numerics.integrate import (
     Start,
     motion_laws,
@@ -35,6 +34,7 @@ from latolato.numerics.prepare import (
     has_nonsmooth_drag,
 )
 from latolato.numerics.records import BALL, BODY, SETTINGS
+from latolato.numerics.run_record import STATE
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.physics.contacts import FINE
 from latolato.physics.drives import Drive

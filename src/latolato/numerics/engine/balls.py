@@ -21,6 +21,7 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.engine.tension import Tension, make_tension
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.run_record import Point, Run
 
 
 class Balls(NamedTuple):
@@ -44,7 +45,7 @@ class Balls(NamedTuple):
 
 
 @formula
-def share_of(run: Any) -> float:
+def share_of(run: Run) -> float:
     """Share of the first ball in the moment of inertia of both."""
     share: float = run.bodies[0].inertia / (run.bodies[0].inertia + run.bodies[1].inertia)
     return share
@@ -62,32 +63,32 @@ def make_balls(
     potential, push_potential = laws.potential, laws.push_potential
 
     @inlined(part)
-    def gap(points: Any) -> float:
+    def gap(points: list[Point]) -> float:
         """The gap [rad]."""
         angle: float = points[0].angle - points[1].angle if two else points[0].angle
         return angle
 
     @inlined(part)
-    def gap_rate(points: Any) -> float:
+    def gap_rate(points: list[Point]) -> float:
         """Rate of the gap [rad/s]."""
         speed: float = points[0].velocity - points[1].velocity if two else points[0].velocity
         return speed
 
     @inlined(part)
-    def gap_acceleration(run: Any, points: Any) -> float:
+    def gap_acceleration(run: Run, points: list[Point]) -> float:
         """Acceleration of the gap with all drag [rad/s^2]."""
         curvature: float = acceleration_with_drag(points[0], run.bodies[0])
         return curvature - acceleration_with_drag(points[1], run.bodies[1]) if two else curvature
 
     @part
-    def gap_course(run: Any, wall: float) -> tuple[float, float, float, float, float, float]:
+    def gap_course(run: Run, wall: float) -> tuple[float, float, float, float, float, float]:
         """The gap above a wall, its rate and acceleration, at both ends of the step."""
         a0, a1 = gap_acceleration(run, run.now), gap_acceleration(run, run.end)
         begin, end = gap(run.now) - wall, gap(run.end) - wall
         return begin, gap_rate(run.now), a0, end, gap_rate(run.end), a1
 
     @part
-    def place(run: Any, points: Any, wanted: float, rate: float) -> None:
+    def place(run: Run, points: list[Point], wanted: float, rate: float) -> None:
         """Set the gap and its rate, with the mean angle and the angular momentum kept."""
         if two:
             share, angle = share_of(run), wanted - gap(points)
@@ -100,7 +101,7 @@ def make_balls(
             points[0].angle, points[0].velocity = wanted, rate
 
     @inlined(part)
-    def fly(run: Any) -> None:
+    def fly(run: Run) -> None:
         """Take a full step of all balls."""
         for i in range(count):
             if in_plane and run.state.is_slack[i] != 0:
@@ -111,7 +112,7 @@ def make_balls(
                     place_taut(run.end[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
-    def fly_by(run: Any, length: float, points: Any) -> None:
+    def fly_by(run: Run, length: float, points: list[Point]) -> None:
         """Take a step of any length of all balls."""
         for i in range(count):
             if in_plane and run.state.is_slack[i] != 0:
@@ -122,7 +123,7 @@ def make_balls(
                     place_taut(points[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
-    def settle(run: Any) -> None:
+    def settle(run: Run) -> None:
         """Find the directions in which the balls move, and the forces on them."""
         for i in range(count):
             if not in_plane or run.state.is_slack[i] == 0:
@@ -139,7 +140,7 @@ def make_balls(
         return crossing(what, low, high, far, h, *course)
 
     @part
-    def extend_step(run: Any, s: float, missing: float) -> None:
+    def extend_step(run: Run, s: float, missing: float) -> None:
         """Extend ``run.end``, s seconds into the step, by a tiny missing time; all are taut."""
         if run.settings.in_lab != 0:  # what moving air takes is counted in whole steps
             fly_by(run, s + missing, run.end)
@@ -150,7 +151,7 @@ def make_balls(
                 place_taut(run.end[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
-    def value_at(run: Any, s: float, what: int, target: float) -> tuple[float, float, float]:
+    def value_at(run: Run, s: float, what: int, target: float) -> tuple[float, float, float]:
         """The guard to be located, its slope and curvature, s seconds into the step."""
         fly_by(run, s, run.end)
         rate, curvature = gap_rate(run.end), gap_acceleration(run, run.end)
@@ -161,7 +162,7 @@ def make_balls(
     find = make_root(value_at, part)
 
     @part
-    def locate(run: Any, what: int, target: float, low: float, high: float) -> float:
+    def locate(run: Run, what: int, target: float, low: float, high: float) -> float:
         """Length in [low, high] of a step to where the gap or its rate reaches `target` [s].
 
         ``run.end``, where the step of length `high` ends, becomes where that one ends. The value
@@ -177,7 +178,7 @@ def make_balls(
         return s + missing
 
     @part
-    def leave(run: Any, target: float, far: float, high: float) -> float:
+    def leave(run: Run, target: float, far: float, high: float) -> float:
         """Length of a step after which the gap has left `target`, on the near side [s].
 
         Zero if the motion on the near side is too small to be seen in double precision.
@@ -191,7 +192,7 @@ def make_balls(
         return 0.0
 
     @part
-    def separation_acceleration(run: Any, side: float, t: float, points: Any) -> float:
+    def separation_acceleration(run: Run, side: float, t: float, points: list[Point]) -> float:
         """Acceleration of the gap away from a contact, with all drag [rad/s^2]."""
         separating = 0.0
         for i in range(count):
@@ -201,7 +202,7 @@ def make_balls(
         return -side * separating
 
     @inlined(part)
-    def energy(run: Any) -> float:
+    def energy(run: Run) -> float:
         """Energy of all balls [J]."""
         total, settings = 0.0, run.settings
         for i in range(count):
@@ -217,7 +218,7 @@ def make_balls(
         return total
 
     @inlined(part)
-    def plan_length(run: Any) -> None:
+    def plan_length(run: Run) -> None:
         """Plan a full step, or one that ends at the goal."""
         h = run.settings.step
         run.length, run.is_whole = h, 1
@@ -226,7 +227,7 @@ def make_balls(
             run.length, run.t_end, run.is_whole = run.goal - run.t, run.goal, 0
 
     @inlined(part)
-    def shorten(run: Any, length: float) -> None:
+    def shorten(run: Run, length: float) -> None:
         """End the step earlier."""
         run.length, run.t_end, run.is_whole = length, run.t + length, 0
 

@@ -4,21 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls, share_of
-from latolato.numerics.engine.record import (
-    CONTACT,
-    FLIGHT,
-    PAIR_ROW,
-    RELEASE,
-    REST,
-    SETTLE,
-    STICKING,
-    TURN,
-)
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.taut_step import (
     SHORTEST,
@@ -28,6 +18,18 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import (
+    CONTACT,
+    FLIGHT,
+    PAIR_ROW,
+    RELEASE,
+    REST,
+    SETTLE,
+    STICKING,
+    TURN,
+    Output,
+    Run,
+)
 from latolato.numerics.wall_contact import wall_contact
 from latolato.physics import contacts
 from latolato.physics.contacts import BOTTOM, TOP, pair_impact, wall_saltation
@@ -40,16 +42,6 @@ _HOLD, _SHORTEST_REST = 0.25 / 16.0, 1e-3
 # What rounding can take from the difference of two velocities, per sum of their sizes: an impact
 # whose closing speed is a few units in the last place may repeat itself for ever.
 _ROUNDING = 1e-15
-
-
-class Output(NamedTuple):
-    """Where samples and contacts are written; see `latolato.numerics.records`."""
-
-    sample_times: Any
-    samples: Any
-    contact_times: Any
-    contact_kinds: Any
-    contact_values: Any
 
 
 class Event(NamedTuple):
@@ -73,7 +65,7 @@ def make_events(
     sticking = STICKING if two else REST
 
     @part
-    def write_row(run: Any, output: Output, kind: int, before_1: float, before_2: float) -> None:
+    def write_row(run: Run, output: Output, kind: int, before_1: float, before_2: float) -> None:
         """Write a row of the contact table; the velocities after it are those of now."""
         row, values = run.rows, output.contact_values
         output.contact_times[row], output.contact_kinds[row] = run.t, kind
@@ -84,7 +76,7 @@ def make_events(
         run.rows += 1
 
     @part
-    def report_sticking_start(run: Any, accumulators: Accumulators) -> None:
+    def report_sticking_start(run: Run, accumulators: Accumulators) -> None:
         """Report the tangent map of a start of sticking contact: perturbations off it are lost."""
         clear_matrix(run.jacobian, 4)
         if two:
@@ -92,7 +84,7 @@ def make_events(
         report.matrix(run, accumulators, 2 * count, 0.0, -math.inf)
 
     @part
-    def turn(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def turn(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: a ball turns round, begins to move or stops, so friction changes its direction."""
         if run.state.mode == STICKING:
             turn_together(run, accumulators)
@@ -111,7 +103,7 @@ def make_events(
         report.matrix(run, accumulators, 2 * count, 0.0, logarithm(ratio))
 
     @part
-    def turn_together(run: Any, accumulators: Accumulators) -> None:
+    def turn_together(run: Run, accumulators: Accumulators) -> None:
         """Turn of two balls in sticking contact."""
         body = 2 if run.state.side < 0.0 else 3
         end = run.end[PAIR_ROW]
@@ -124,7 +116,7 @@ def make_events(
         report.matrix(run, accumulators, 4, 0.0, -math.inf)
 
     @part
-    def collide_with_wall(run: Any, side: float) -> bool:
+    def collide_with_wall(run: Run, side: float) -> bool:
         """Apply the impact of one ball on a wall; whether it rests there."""
         settings, b, point = run.settings, run.bodies[0], run.now[0]
         outward = -side * swing.free(run, 0, run.t, point.angle)
@@ -136,7 +128,7 @@ def make_events(
         return rests
 
     @part
-    def collide_balls(run: Any, side: float) -> bool:
+    def collide_balls(run: Run, side: float) -> bool:
         """Apply the impact of two balls; whether they rest on each other.
 
         The capture speed counts for each of two mirrored balls, so twice it for the gap's rate.
@@ -163,7 +155,7 @@ def make_events(
         return captures or (presses and joins)
 
     @part
-    def apply_impact(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def apply_impact(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: balls meet on ``run.side``, with an impact, a capture, or both."""
         side, state = run.side, run.state
         v1, v2 = run.now[0].velocity, run.now[1].velocity
@@ -188,7 +180,7 @@ def make_events(
 
     @part
     def report_impact(
-        run: Any,
+        run: Run,
         accumulators: Accumulators,
         v1: float,
         v2: float,
@@ -224,7 +216,7 @@ def make_events(
         report.matrix(run, accumulators, 2 * count, 0.0, 2.0 * logarithm(e))
 
     @part
-    def start_sticking(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def start_sticking(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: sticking contact begins where a separation is below rounding; release waits."""
         state, settings = run.state, run.settings
         state.grazes += 1
@@ -249,7 +241,7 @@ def make_events(
         balls.settle(run)
 
     @part
-    def release(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def release(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: sticking contact ends."""
         state = run.state
         state.mode, state.touch = FLIGHT, state.side

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import CONTACT, FLIGHT, SETTLE, TURN
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.stiction import Stiction, add_compression
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
@@ -22,6 +20,7 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.run_record import CONTACT, FLIGHT, SETTLE, TURN, Point, Run
 from latolato.numerics.wall_contact import hop
 from latolato.observables.hermite import quintic_bounds
 from latolato.physics.damping import divergence
@@ -39,7 +38,7 @@ def make_cut_at_turn(
     """Make the function ``(run, i)`` that ends a step where friction changes ball i's motion."""
 
     @part
-    def cut_at_turn(run: Any, i: int) -> None:
+    def cut_at_turn(run: Run, i: int) -> None:
         """Shorten a step where a ball turns, or where friction lets go of it."""
         s = math.inf
         if run.now[i].sign == 0.0:
@@ -65,7 +64,7 @@ def make_flight(
     tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, stiction, part)
 
     @inlined(part)
-    def plan(run: Any) -> None:
+    def plan(run: Run) -> None:
         """Plan a step, up to the first event in it."""
         balls.plan_length(run)
         is_still = run.now[0].sign == 0.0 and run.now[count - 1].sign == 0.0
@@ -90,7 +89,7 @@ def make_flight(
         sum_up(run, run.end, run.t_end)
 
     @inlined(part)
-    def hop_time(run: Any) -> float:
+    def hop_time(run: Run) -> float:
         """Duration of a rebound that is too small for the angle's digits, 0 if larger [s]."""
         touch, speed = run.state.touch, gap_rate(run.now)
         if speed * touch >= 0.0:
@@ -106,7 +105,7 @@ def make_flight(
         return soon if soon < run.goal - run.t else 0.0
 
     @inlined(part)
-    def cut_beside_contact(run: Any) -> None:
+    def cut_beside_contact(run: Run) -> None:
         """Shorten a step in which the gap's acceleration changes its sign and a contact may be."""
         # From touch without any rate the first dip has no sign that the ends would show.
         level = run.state.touch != 0.0 and gap_rate(run.now) == 0.0
@@ -120,7 +119,7 @@ def make_flight(
             fly_by(run, run.length, run.end)
 
     @inlined(part)
-    def contact_ahead(run: Any, soon: float) -> float:
+    def contact_ahead(run: Run, soon: float) -> float:
         """Side of the contact that a step reaches or may dip into, 0 for none."""
         low, high = run.settings.low, run.settings.high
         if soon > 0.0:
@@ -138,7 +137,7 @@ def make_flight(
         return 0.0
 
     @part
-    def end_at_contact(run: Any, side: float, soon: float) -> None:
+    def end_at_contact(run: Run, side: float, soon: float) -> None:
         """End the step at the contact on this side, if it is met indeed."""
         wall = run.settings.low if side < 0.0 else run.settings.high
         if soon > 0.0:
@@ -159,7 +158,7 @@ def make_flight(
         run.event, run.side = CONTACT, side
 
     @part
-    def dips_beyond(run: Any, side: float, wall: float) -> bool:
+    def dips_beyond(run: Run, side: float, wall: float) -> bool:
         """Whether the gap dips beyond a contact within the step, which then ends at the bottom."""
         length, was_whole, t_end = run.length, run.is_whole, run.t_end
         balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
@@ -173,7 +172,7 @@ def make_flight(
         return False
 
     @part
-    def land(run: Any, side: float, wall: float, soon: float) -> None:
+    def land(run: Run, side: float, wall: float, soon: float) -> None:
         """Take a rebound that the angle's digits cannot show as a parabola in time."""
         before, friction = gap_rate(run.now), 0.0 if two else run.bodies[0].coulomb
         _, back = hop(before, -balls.separation_acceleration(run, side, run.t, run.now), friction)
@@ -185,7 +184,7 @@ def make_flight(
         run.event, run.side = CONTACT, side
 
     @part
-    def stay(run: Any, side: float, wall: float) -> None:
+    def stay(run: Run, side: float, wall: float) -> None:
         """Decide whether balls whose separation is below rounding begin to part or rest."""
         fly_by(run, run.length, run.end)
         tiny = 10.0 * _ROUNDING
@@ -200,7 +199,7 @@ def make_flight(
                 run.end[i].work = run.end[i].loss = 0.0
 
     @inlined(part)
-    def sum_up(run: Any, points: Any, t: float) -> None:
+    def sum_up(run: Run, points: list[Point], t: float) -> None:
         """Add up work and loss of all balls, and find their tensions."""
         run.work, run.loss = 0.0, 0.0
         for i in range(count):
@@ -213,7 +212,7 @@ def make_flight(
                 point.tension = swing.tension(run, i, point)
 
     @part
-    def evaluate_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Run, length: float) -> None:
         """Fly a part of the step."""
         fly_by(run, length, run.inside)
         if run.event == CONTACT:
@@ -226,7 +225,7 @@ def make_flight(
             run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
 
     @part
-    def note_compression(run: Any, i: int) -> None:
+    def note_compression(run: Run, i: int) -> None:
         """Add the compression of a rod; zeros of the tension are located, one in each half."""
         begin, end = run.now[i], run.end[i]
         state = run.state
@@ -253,7 +252,7 @@ def make_flight(
             left, right = middle, end.tension
 
     @inlined(part)
-    def note(run: Any, accumulators: Accumulators) -> None:
+    def note(run: Run, accumulators: Accumulators) -> None:
         """Add up compression, and report the step and its tangent map."""
         for i in range(count):
             if run.settings.follows_tension != 0 and run.settings.is_string == 0:
@@ -267,7 +266,7 @@ def make_flight(
             note_matrix(run, accumulators)
 
     @part
-    def note_matrix(run: Any, accumulators: Accumulators) -> None:
+    def note_matrix(run: Run, accumulators: Accumulators) -> None:
         """Report the tangent map of the step, one block a ball."""
         spread = 0.0
         clear_matrix(run.jacobian, 4)

@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.records import Body
+from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
 from latolato.physics.damping import drift, drift_slopes
 from latolato.physics.pendulum import swung
 
@@ -43,13 +44,13 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
     push, push_slope = laws.push, laws.push_slope
 
     @part
-    def pivot_motion(run: Any, t: float) -> float:
+    def pivot_motion(run: Run, t: float) -> float:
         """Vertical acceleration of the pivot [m/s^2]: one copy of its forms, for all but steps."""
         ay: float = pivot_acceleration(t, run.segment)
         return ay
 
     @part
-    def free(run: Any, body: int, t: float, angle: float) -> float:
+    def free(run: Run, body: int, t: float, angle: float) -> float:
         """Angular acceleration without drag [rad/s^2]."""
         b, settings = run.bodies[body], run.settings
         lifted = settings.gravity + pivot_motion(run, t)
@@ -57,7 +58,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         return swung(lifted, b.inverse_length, restored) + push(angle, run)
 
     @part
-    def write_forces(run: Any, body: int, t: float, point: Any) -> None:
+    def write_forces(run: Run, body: int, t: float, point: Point) -> None:
         """Write the accelerations by all forces but drag into a point, and the tension."""
         b, gravity = run.bodies[body], run.settings.gravity
         ay = point.pivot_acceleration = pivot_motion(run, t)
@@ -72,7 +73,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
             point.tension = tension_at(angle, velocity, ay, gravity, b.inverse_length)
 
     @inlined(part)
-    def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
+    def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
         """Take the step of a table that was prepared.
 
         In a kick ``dW = driven h (w + w')/2`` is the exact work of the drive's part; in a drift the
@@ -114,7 +115,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         end.work, end.loss = work, loss
 
     @part
-    def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
+    def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
         """Tangent map of a prepared step, row by row.
 
         A kick adds ``h a'(angle)`` times the perturbation of the angle to that of the velocity, and
@@ -155,7 +156,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         return x1, x2, v1 + gradient * x1, v2 + gradient * x2
 
     @part
-    def tension(run: Any, body: int, point: Any) -> float:
+    def tension(run: Run, body: int, point: Point) -> float:
         """Tension in flight over mass and length [1/s^2]."""
         return tension_at(
             point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
@@ -163,12 +164,12 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         )  # fmt: skip
 
     @part
-    def write_pivot_motion(run: Any, t: float, point: Any) -> None:
+    def write_pivot_motion(run: Run, t: float, point: Point) -> None:
         """Write the pivot's acceleration into a point."""
         point.pivot_acceleration = pivot_motion(run, t)
 
     @part
-    def static_tension(run: Any, body: int, t: float, angle: float) -> float:
+    def static_tension(run: Run, body: int, t: float, angle: float) -> float:
         """Tension over mass of a ball that does not move [m/s^2]."""
         along: float = run.settings.gravity + pivot_motion(run, t)
         return along * cosine(angle)
@@ -197,7 +198,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
     push, push_slope = laws.push, laws.push_slope
 
     @part
-    def pivot_motion(run: Any, t: float) -> tuple[float, float, float, float]:
+    def pivot_motion(run: Run, t: float) -> tuple[float, float, float, float]:
         """Acceleration of the pivot and its velocity against the air, x and y each."""
         ax = across_acceleration(t, run.segment)
         ay = pivot_acceleration(t, run.segment)
@@ -206,19 +207,19 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return ax, ay, across_velocity(t, run.segment), up_velocity(t, run.segment)
 
     @part
-    def write_pivot_motion(run: Any, t: float, point: Any) -> None:
+    def write_pivot_motion(run: Run, t: float, point: Point) -> None:
         """Write the pivot's acceleration and its velocity against the air into a point."""
         point.across, point.pivot_acceleration, point.wind_x, point.wind_y = pivot_motion(run, t)
 
     @part
-    def angular_acceleration(b: Any, angle: float, x: float, y: float) -> float:
+    def angular_acceleration(b: Body, angle: float, x: float, y: float) -> float:
         """Angular acceleration by a force per mass (x, y) [rad/s^2]."""
         sideways = b.inverse_length * x * cosine(angle) if x != 0.0 else 0.0
         result: float = sideways + b.inverse_length * y * sine(angle)
         return result
 
     @part
-    def tension(run: Any, body: int, point: Any) -> float:
+    def tension(run: Run, body: int, point: Point) -> float:
         """Tension in flight over mass and length [1/s^2]."""
         b = run.bodies[body]
         x = -point.across - b.damping_rate * point.wind_x
@@ -227,7 +228,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return point.velocity * point.velocity + b.inverse_length * along
 
     @part
-    def static_tension(run: Any, body: int, t: float, angle: float) -> float:
+    def static_tension(run: Run, body: int, t: float, angle: float) -> float:
         """Tension over mass of a ball that does not move [m/s^2]."""
         b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
         x, y = -ax - b.damping_rate * wx, -(run.settings.gravity + ay) - b.damping_rate * wy
@@ -235,7 +236,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return along
 
     @part
-    def wind_acceleration(b: Any, angle: float, wx: float, wy: float) -> float:
+    def wind_acceleration(b: Body, angle: float, wx: float, wy: float) -> float:
         """Angular acceleration by the air that the pivot moves through [rad/s^2]."""
         if wx == 0.0 and wy == 0.0:
             return 0.0
@@ -244,14 +245,14 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return result
 
     @part
-    def free(run: Any, body: int, t: float, angle: float) -> float:
+    def free(run: Run, body: int, t: float, angle: float) -> float:
         """Angular acceleration without drag against the pivot [rad/s^2]."""
         b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
         pulled = angular_acceleration(b, angle, -ax, -(run.settings.gravity + ay))
         return pulled + wind_acceleration(b, angle, wx, wy) + push(angle, run)
 
     @part
-    def write_forces(run: Any, body: int, t: float, point: Any) -> None:
+    def write_forces(run: Run, body: int, t: float, point: Point) -> None:
         """Write the accelerations by all forces but drag into a point, and the tension."""
         b = run.bodies[body]
         write_pivot_motion(run, t, point)
@@ -266,7 +267,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         point.tension = tension(run, body, point)
 
     @inlined(part)
-    def step(run: Any, body: int, table: int, begin: Any, end: Any) -> None:
+    def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
         """Take the step of a table that was prepared, with its work and loss.
 
         The wind's part of a kick counts as a loss by drag, which may be negative.
@@ -311,7 +312,7 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         end.work, end.loss = work, loss
 
     @part
-    def tangent(run: Any, body: int, table: int, begin: Any) -> tuple[float, float, float, float]:
+    def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
         """Tangent map of a prepared step, row by row."""
         sign = begin.sign
         if sign == 0.0:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from latolato.numerics.engine.slack_step import radial_rate
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import Point, Run
 
 # A ball this close to another one, or to its string's end, is there; and what rounding can take
 # from such a distance. Shares of the string's length.
@@ -33,7 +34,7 @@ def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
     two = count == 2
 
     @part
-    def line_of_centres(points: Any) -> tuple[float, float, float]:
+    def line_of_centres(points: list[Point]) -> tuple[float, float, float]:
         """Unit vector from the other ball to the first one, and their distance [m]."""
         if not two:
             return 1.0, 0.0, points[0].x
@@ -42,7 +43,7 @@ def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
         return (x / distance, y / distance, distance) if distance > 0.0 else (1.0, 0.0, 0.0)
 
     @part
-    def gap(run: Any, points: Any) -> tuple[float, float]:
+    def gap(run: Run, points: list[Point]) -> tuple[float, float]:
         """Gap between the balls [m] and its rate [m/s]; infinite if they never touch."""
         if run.settings.high == math.inf:
             return math.inf, 0.0
@@ -54,13 +55,13 @@ def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
         return distance - reach, x * vx + y * vy
 
     @part
-    def spare_length(run: Any, i: int, point: Any) -> tuple[float, float]:
+    def spare_length(run: Run, i: int, point: Point) -> tuple[float, float]:
         """Length of a string beyond its ball's distance [m], and its rate [m/s]."""
         length = 1.0 / run.bodies[i].inverse_length
         return length - math.hypot(point.x, point.y), -radial_rate(point)
 
     @part
-    def is_tensile(run: Any, points: Any) -> bool:
+    def is_tensile(run: Run, points: list[Point]) -> bool:
         """Whether an impulse that parts the balls pulls at the strings of both."""
         x, y, _ = line_of_centres(points)
         pulls = x * points[0].x + y * points[0].y >= 0.0
@@ -69,7 +70,7 @@ def make_gaps(count: int, part: Part = as_it_stands) -> Gaps:
         return pulls
 
     @part
-    def side(points: Any) -> float:
+    def side(points: list[Point]) -> float:
         """-1 for a contact at the bottom, 1 for one at the top of the circle."""
         separation = points[0].angle - points[1].angle if two else 2.0 * points[0].angle
         return 1.0 if separation > math.pi else -1.0

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.core.scalar import formula
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.run_record import Run
 from latolato.physics.pendulum import (
     SLOPES,
     potential_linear,
@@ -62,7 +63,7 @@ class Laws(NamedTuple):
 
 
 @formula
-def no_push(angle: float, run: Any) -> float:
+def no_push(angle: float, run: Run) -> float:
     """Zero."""
     return 0.0
 

@@ -10,21 +10,11 @@ import numpy as np
 
 from latolato.numerics.callbacks import Accumulators, Callbacks
 from latolato.numerics.engine.balls import Balls, make_balls
-from latolato.numerics.engine.events import Event, Output, make_events
+from latolato.numerics.engine.events import Event, make_events
 from latolato.numerics.engine.flight import make_flight
 from latolato.numerics.engine.gaps import Gaps, make_gaps
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import (
-    CONTACT,
-    FLIGHT,
-    NOTHING,
-    RELEASE,
-    REST,
-    SLACK,
-    STICKING,
-    UNSETTLED,
-)
 from latolato.numerics.engine.report import Report, make_report
 from latolato.numerics.engine.rest import make_rest
 from latolato.numerics.engine.samples import follow_ledger, write_place, write_sample
@@ -37,6 +27,19 @@ from latolato.numerics.engine.tangent_map import make_tangent_map
 from latolato.numerics.engine.taut_step import TautStep, make_taut_step
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands, inlined
+from latolato.numerics.records import Floats, Records
+from latolato.numerics.run_record import (
+    CONTACT,
+    FLIGHT,
+    NOTHING,
+    RELEASE,
+    REST,
+    SLACK,
+    STICKING,
+    UNSETTLED,
+    Output,
+    Run,
+)
 from latolato.physics.damping import is_nonsmooth
 from latolato.physics.pendulum import swung
 
@@ -49,9 +52,9 @@ _TOUCH = 1e-12
 class Timetable(NamedTuple):
     """When the drive or a kick changes something: arrays of shape (segment,) or (kick,)."""
 
-    segments: Any
-    kick_times: Any
-    kick_sizes: Any  # rad/s, shape (ball, kick)
+    segments: Records
+    kick_times: Floats
+    kick_sizes: Floats  # rad/s, shape (ball, kick)
 
 
 class Arguments(NamedTuple):
@@ -128,7 +131,7 @@ def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]
     otherwise = by_mode(others, what, part)
 
     @part
-    def chosen(run: Any, *rest: Any) -> None:
+    def chosen(run: Run, *rest: Any) -> None:
         if run.state.mode == number:
             function(run, *rest)
         else:
@@ -144,7 +147,7 @@ def by_event(events: Sequence[Event], part: Part) -> Callable[..., None]:
     otherwise = by_event(others, part) if others else None
 
     @part
-    def chosen(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def chosen(run: Run, output: Output, accumulators: Accumulators) -> None:
         if run.event == number:
             function(run, output, accumulators)
         elif otherwise is not None:
@@ -195,7 +198,7 @@ def make_engine(
     restoring, slope = laws.restoring, laws.slope
 
     @part
-    def begin(run: Any, timetable: Timetable) -> None:
+    def begin(run: Run, timetable: Timetable) -> None:
         """Set up everything that a step needs from the state."""
         state, h = run.state, run.settings.step
         run.segment = timetable.segments[state.segment]
@@ -213,7 +216,7 @@ def make_engine(
         balls.settle(run)
 
     @part
-    def settle_contact(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def settle_contact(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Apply the contact of balls that touch at time zero."""
         state, settings = run.state, run.settings
         state.mode = FLIGHT
@@ -230,7 +233,7 @@ def make_engine(
                 apply_impact(run, output, accumulators)
 
     @inlined(part)
-    def set_goal(run: Any, timetable: Timetable, stop: float) -> None:
+    def set_goal(run: Run, timetable: Timetable, stop: float) -> None:
         """Set the next instant at which a step must end; no event is known before it."""
         state = run.state
         run.goal, run.event, run.keeps_touch = stop, NOTHING, 0
@@ -240,7 +243,7 @@ def make_engine(
             run.goal = min(run.goal, timetable.kick_times[state.kick])
 
     @inlined(part)
-    def write_samples(run: Any, output: Output) -> None:
+    def write_samples(run: Run, output: Output) -> None:
         """Write the samples that fall into the step."""
         times, state = output.sample_times, run.state
         while state.sample < len(times) and times[state.sample] < run.t_end:
@@ -250,7 +253,7 @@ def make_engine(
             write_sample(run, output, run.inside, count, run.work_inside, run.loss_inside)
 
     @inlined(part)
-    def accept_step(run: Any) -> None:
+    def accept_step(run: Run) -> None:
         """Go to the end of the step."""
         state = run.state
         for i in range(count):
@@ -277,7 +280,7 @@ def make_engine(
             follow_ledger(state, balls.energy(run))
 
     @part
-    def apply_jump_and_kick(run: Any, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
+    def apply_jump_and_kick(run: Run, timetable: Timetable, is_jump: bool, is_kick: bool) -> bool:
         """Apply a jump of the pivot's velocity and a kick; whether any velocity changes."""
         state, moved = run.state, False
         jump = timetable.segments[state.segment + 1].jump if is_jump else 0.0
@@ -303,7 +306,7 @@ def make_engine(
         return moved
 
     @part
-    def change(run: Any, timetable: Timetable, output: Output, accumulators: Accumulators) -> None:
+    def change(run: Run, timetable: Timetable, output: Output, accumulators: Accumulators) -> None:
         """Start the drive's next segment or apply a kick, if due."""
         state, kick_times, following = run.state, timetable.kick_times, run.state.segment + 1
         segments = timetable.segments
@@ -343,7 +346,7 @@ def make_engine(
                 release(run, output, accumulators)
 
     @part
-    def finish(run: Any, output: Output, stop: float) -> None:
+    def finish(run: Run, output: Output, stop: float) -> None:
         """Write the last samples, and the state back."""
         state, times = run.state, output.sample_times
         while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
@@ -362,7 +365,7 @@ def make_engine(
         state.total_steps += run.done
 
     def carry_on(
-        run: Any,
+        run: Run,
         timetable: Timetable,
         output: Output,
         accumulators: Accumulators,

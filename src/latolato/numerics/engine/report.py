@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, Accumulators, Callbacks
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import Run
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle
 
@@ -29,7 +30,7 @@ def make_report(laws: Laws, callbacks: Callbacks, part: Part = as_it_stands) -> 
 
     @part
     def show(
-        run: Any, accumulators: Accumulators, ball: int, accelerations: tuple[float, float],
+        run: Run, accumulators: Accumulators, ball: int, accelerations: tuple[float, float],
         energies: tuple[float, float], powers: tuple[float, float], held: float,
     ) -> None:  # fmt: skip
         """Report the step of one ball, of which all this is known at both ends."""
@@ -43,7 +44,7 @@ def make_report(laws: Laws, callbacks: Callbacks, part: Part = as_it_stands) -> 
 
     @part
     def step(
-        run: Any, accumulators: Accumulators, ball: int, a0: float, a1: float, held: float
+        run: Run, accumulators: Accumulators, ball: int, a0: float, a1: float, held: float
     ) -> None:
         """Report the step of one ball, whose accelerations with all drag are a0 and a1."""
         if not is_wanted(run, ON_STEP):
@@ -62,13 +63,13 @@ def make_report(laws: Laws, callbacks: Callbacks, part: Part = as_it_stands) -> 
         on_step(run, accumulators, ball, segment)
 
     @part
-    def matrix(run: Any, accumulators: Accumulators, size: int, time: float, spread: float) -> None:
+    def matrix(run: Run, accumulators: Accumulators, size: int, time: float, spread: float) -> None:
         """Report the tangent map in ``run.jacobian``."""
         if is_wanted(run, ON_TANGENT):
             on_tangent(run, accumulators, 0, size, time, spread, run.jacobian)
 
     @part
-    def wants_tangent_map(run: Any) -> bool:
+    def wants_tangent_map(run: Run) -> bool:
         """Whether an observable wants tangent maps."""
         seen: bool = is_wanted(run, ON_TANGENT)
         return seen

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import RELEASE, REST
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.stiction import Stiction
 from latolato.numerics.matrices import clear_matrix
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import RELEASE, REST, Run
 
 
 def make_rest(stiction: Stiction, report: Report, part: Part = as_it_stands) -> Mode:
     """Make the mode of one ball at rest; its step reaches to the release or to the goal."""
 
     @part
-    def plan(run: Any) -> None:
+    def plan(run: Run) -> None:
         """Wait for the release."""
         state = run.state
         begin = max(run.t, min(state.held_until, run.goal))
@@ -33,11 +32,11 @@ def make_rest(stiction: Stiction, report: Report, part: Part = as_it_stands) -> 
         run.inside[0] = run.now[0]
 
     @part
-    def evaluate_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Run, length: float) -> None:
         """Do nothing: the ball is where it is."""
 
     @part
-    def note(run: Any, accumulators: Accumulators) -> None:
+    def note(run: Run, accumulators: Accumulators) -> None:
         """Note compression and the time at rest; the motion forgets its past."""
         if run.settings.follows_tension != 0 and run.settings.is_string == 0:
             stiction.note_compression(run, 0, run.now[0].angle)

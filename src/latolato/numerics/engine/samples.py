@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.engine.slack_step import radial_rate
@@ -17,10 +16,13 @@ from latolato.numerics.records import (
     S_RETENSION,
     S_WORK,
 )
+from latolato.numerics.run_record import Output, Point, Run, State
 
 
 @formula
-def write_sample(run: Any, output: Any, points: Any, count: int, work: float, loss: float) -> None:
+def write_sample(
+    run: Run, output: Output, points: list[Point], count: int, work: float, loss: float
+) -> None:
     """Write the next sample: the state of the balls, then the ledger.
 
     Work and loss are those of the step up to the sample [J].
@@ -36,7 +38,7 @@ def write_sample(run: Any, output: Any, points: Any, count: int, work: float, lo
 
 
 @formula
-def write_place(run: Any, output: Any, points: Any, count: int) -> None:
+def write_place(run: Run, output: Output, points: list[Point], count: int) -> None:
     """Write the rest of the next sample of a motion in the plane; before `write_sample`."""
     state, k, samples = run.state, run.state.sample, output.samples
     for i in range(count):
@@ -49,7 +51,7 @@ def write_place(run: Any, output: Any, points: Any, count: int) -> None:
 
 
 @formula
-def follow_ledger(state: Any, energy: float) -> None:
+def follow_ledger(state: State, energy: float) -> None:
     """Update the largest energy and the largest error of the ledger after a step [J]."""
     state.largest_energy = max(state.largest_energy, energy)
     gained = state.drive_work + state.noise_work - state.damping_loss
@@ -70,7 +72,7 @@ _ROUNDING_OF_SUMS = 1e-13
 
 
 @formula
-def allowed_error(state: Any, tolerance: float) -> float:
+def allowed_error(state: State, tolerance: float) -> float:
     """Error of the ledger up to which a run keeps its tolerance [J]."""
     gone = state.damping_loss + state.impact_loss + state.capture_loss + state.retension_loss
     share = max(_LEDGER_MARGIN * tolerance, _ROUNDING)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
@@ -12,13 +11,13 @@ from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.flight import make_cut_at_turn
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import CONTACT, RETENSION, SLACK
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut, radial_rate
 from latolato.numerics.engine.stiction import Stiction
 from latolato.numerics.engine.strings import Strings
 from latolato.numerics.engine.taut_step import SHORTEST, TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import CONTACT, RETENSION, SLACK, Point, Run
 from latolato.numerics.wall_contact import SMALLEST_HOP
 from latolato.observables.hermite import quintic_bounds
 
@@ -33,7 +32,7 @@ _PULLS = 1e-9
 
 
 @formula
-def place_at_end(point: Any, length: float, outward: float) -> None:
+def place_at_end(point: Point, length: float, outward: float) -> None:
     """Put a ball on the end of its string, with this radial velocity [m/s]."""
     place_taut(point, length)
     point.vx += outward * point.x / length
@@ -56,7 +55,7 @@ def make_slack(
     )
 
     @part
-    def measured(run: Any, points: Any, what: int, i: int) -> tuple[float, float]:
+    def measured(run: Run, points: list[Point], what: int, i: int) -> tuple[float, float]:
         """Guard of an event, a spare length or the gap [m], and its rate [m/s]."""
         if what == _STRING:
             value, rate = spare_length_of(run, i, points[i])
@@ -65,7 +64,7 @@ def make_slack(
         return value, rate
 
     @part
-    def curvature(run: Any, points: Any, what: int, i: int) -> float:
+    def curvature(run: Run, points: list[Point], what: int, i: int) -> float:
         """Acceleration of a guard [m/s^2].
 
         The second derivative of a distance r: ``(|x cross v|^2/r^2 + x a)/r``.
@@ -85,7 +84,7 @@ def make_slack(
         return second if what == _GAP else -second
 
     @part
-    def course(run: Any, what: int, i: int) -> tuple[float, float, float, float, float, float]:
+    def course(run: Run, what: int, i: int) -> tuple[float, float, float, float, float, float]:
         """A guard, its rate and its acceleration, at both ends of the step."""
         begin, begin_rate = measured(run, run.now, what, i)
         end, end_rate = measured(run, run.end, what, i)
@@ -93,7 +92,7 @@ def make_slack(
         return begin, begin_rate, a0, end, end_rate, a1
 
     @part
-    def value_at(run: Any, s: float, what: int, i: int) -> tuple[float, float, float]:
+    def value_at(run: Run, s: float, what: int, i: int) -> tuple[float, float, float]:
         """A guard, its rate and its acceleration s seconds into the step."""
         balls.fly_by(run, s, run.inside)
         value, rate = measured(run, run.inside, what, i)
@@ -102,7 +101,7 @@ def make_slack(
     find_end = make_root(value_at, part)
 
     @part
-    def leave_time(run: Any, high: float, what: int, i: int) -> float:
+    def leave_time(run: Run, high: float, what: int, i: int) -> float:
         """A length of a step after which a guard that begins at zero is positive, or 0 [s]."""
         s = 0.5 * high
         for _ in range(50):
@@ -113,7 +112,7 @@ def make_slack(
         return 0.0
 
     @part
-    def await_end(run: Any, what: int, i: int, leaves: bool, event: int) -> None:
+    def await_end(run: Run, what: int, i: int, leaves: bool, event: int) -> None:
         """End the step where a string runs out of spare length, or where balls meet.
 
         What begins at zero leaves it first, like the third power of the time from a string; what
@@ -149,14 +148,14 @@ def make_slack(
         balls.fly_by(run, run.length, run.end)
 
     @part
-    def pulls(run: Any, i: int, point: Any) -> bool:
+    def pulls(run: Run, i: int, point: Point) -> bool:
         """Whether a string would pull here, by more than rounding."""
         least = _PULLS * tension.margin(run, i) / run.settings.tension_dip
         result: bool = swing.tension(run, i, point) > least
         return result
 
     @part
-    def bounce_time(run: Any, i: int) -> float:
+    def bounce_time(run: Run, i: int) -> float:
         """Duration of a bounce off a string that is too small for the digits, or 0 [s]."""
         state, point, length = run.state, run.now[i], 1.0 / run.bodies[i].inverse_length
         if state.is_slack[i] == 0 or state.leaves[i] == 0:
@@ -170,7 +169,7 @@ def make_slack(
         return 2.0 * inward / pull
 
     @part
-    def bends_beside_end(run: Any, i: int) -> bool:
+    def bends_beside_end(run: Run, i: int) -> bool:
         """Whether the pull on a ball changes its sign in the step near its string's end.
 
         Then it may run out of spare length and come back, which the ends of the step do not show.
@@ -183,7 +182,7 @@ def make_slack(
         return lowest < -THERE / run.bodies[i].inverse_length
 
     @part
-    def steadied(run: Any, i: int) -> float:
+    def steadied(run: Run, i: int) -> float:
         """Share of the step within which quadratic drag stays smooth.
 
         Quadratic drag has a kink at rest: past it the velocity must change by less than the least
@@ -200,7 +199,7 @@ def make_slack(
         return 1.0 if change <= least else max(least / change, _LEAST_SHARE)
 
     @part
-    def plan(run: Any) -> None:
+    def plan(run: Run) -> None:
         """Plan a step of slack and taut balls, up to the first event in it."""
         balls.plan_length(run)
         soon, bounced = math.inf, 0
@@ -240,7 +239,7 @@ def make_slack(
         sum_up(run)
 
     @part
-    def sum_up(run: Any) -> None:
+    def sum_up(run: Run) -> None:
         """Add up work and loss of all balls."""
         run.work, run.loss = 0.0, 0.0
         for i in range(count):
@@ -248,7 +247,7 @@ def make_slack(
             run.loss += run.bodies[i].inertia * run.end[i].loss
 
     @part
-    def evaluate_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Run, length: float) -> None:
         """Fly a part of the step."""
         balls.fly_by(run, length, run.inside)
         run.work_inside, run.loss_inside = 0.0, 0.0
@@ -257,7 +256,7 @@ def make_slack(
             run.loss_inside += run.bodies[i].inertia * run.inside[i].loss
 
     @part
-    def note(run: Any, accumulators: Accumulators) -> None:
+    def note(run: Run, accumulators: Accumulators) -> None:
         """Add up the time that strings are slack, and report the step."""
         state = run.state
         for i in range(count):

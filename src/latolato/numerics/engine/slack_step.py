@@ -11,9 +11,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
-from latolato.numerics.engine.record import DRIFT_TIME, KICK
 from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import DRIFT_TIME, KICK, Point, Run
 from latolato.physics.damping import drift_in_plane, slowing_in_plane
 
 
@@ -28,14 +28,14 @@ class SlackStep(NamedTuple):
 
 
 @formula
-def place_taut(point: Any, length: float) -> None:
+def place_taut(point: Point, length: float) -> None:
     """Write position and velocity of a ball at the end of its taut string."""
     s, c, speed = sine(point.angle), cosine(point.angle), length * point.velocity
     point.x, point.y, point.vx, point.vy = length * s, -length * c, speed * c, speed * s
 
 
 @formula
-def turn_to_place(point: Any) -> None:
+def turn_to_place(point: Point) -> None:
     """Write angle (unwrapped) and angular velocity of a ball from its position and velocity."""
     squared = point.x * point.x + point.y * point.y
     if squared == 0.0:  # at the pivot there is no angle: keep the last one
@@ -47,7 +47,7 @@ def turn_to_place(point: Any) -> None:
 
 
 @formula
-def radial_rate(point: Any) -> float:
+def radial_rate(point: Point) -> float:
     """Rate of the distance from the pivot [m/s]."""
     outward: float = point.x * point.vx + point.y * point.vy
     distance = math.hypot(point.x, point.y)
@@ -55,12 +55,12 @@ def radial_rate(point: Any) -> float:
 
 
 @formula
-def _nothing(run: Any, i: int, *rest: Any) -> None:
+def _nothing(run: Run, i: int, *rest: Any) -> None:
     """Do nothing."""
 
 
 @formula
-def _no_works(run: Any, i: int, *rest: Any) -> tuple[float, float]:
+def _no_works(run: Run, i: int, *rest: Any) -> tuple[float, float]:
     """Zeros."""
     return 0.0, 0.0
 
@@ -82,7 +82,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
     """
 
     @part
-    def step_by(run: Any, i: int, table: int, length: float, begin: Any, end: Any) -> None:
+    def step_by(run: Run, i: int, table: int, length: float, begin: Point, end: Point) -> None:
         """Take a step of any length [s], with its work and loss over the moment of inertia."""
         swing.prepare(run, i, table, length)
         b, gravity, t = run.bodies[i], run.settings.gravity, run.t
@@ -115,7 +115,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         turn_to_place(end)
 
     @part
-    def hang(run: Any, i: int, point: Any) -> None:
+    def hang(run: Run, i: int, point: Point) -> None:
         """Write the ball's position if its string is taut, and the forces on it."""
         if run.state.is_slack[i] == 0:
             place_taut(point, 1.0 / run.bodies[i].inverse_length)
@@ -124,7 +124,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         swing.write_pivot_motion(run, run.t, point)
 
     @part
-    def kick(run: Any, i: int, jump: float, kicked: float) -> tuple[float, float]:
+    def kick(run: Run, i: int, jump: float, kicked: float) -> tuple[float, float]:
         """Apply a jump of the pivot's velocity [m/s] and a kick [rad/s]; their works [J]."""
         point, mass = run.now[i], run.bodies[i].inertia * run.bodies[i].inverse_length ** 2
         worked = -mass * jump * (point.vy - 0.5 * jump)
@@ -137,7 +137,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         return worked, kick_work
 
     @part
-    def acceleration(run: Any, i: int, point: Any) -> tuple[float, float]:
+    def acceleration(run: Run, i: int, point: Point) -> tuple[float, float]:
         """Acceleration of a ball, slack or taut, in the frame of the pivot [m/s^2]."""
         b, gravity = run.bodies[i], run.settings.gravity
         if run.state.is_slack[i] == 0:
@@ -151,7 +151,7 @@ def make_slack_step(swing: TautStep, part: Part = as_it_stands) -> SlackStep:
         return ax, ay
 
     @part
-    def slopes(run: Any, i: int, point: Any) -> tuple[float, float, float]:
+    def slopes(run: Run, i: int, point: Point) -> tuple[float, float, float]:
         """Angular acceleration, energy and its rate, the last two over the moment of inertia."""
         b, gravity, (ax, ay) = run.bodies[i], run.settings.gravity, acceleration(run, i, point)
         squared = max(point.x * point.x + point.y * point.y, 1e-300)

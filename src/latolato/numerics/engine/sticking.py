@@ -6,13 +6,11 @@ The body is an equivalent pendulum of its own, see `latolato.physics.pair.joint_
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.modes import Mode
-from latolato.numerics.engine.record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.stiction import add_compression
 from latolato.numerics.engine.taut_step import (
@@ -24,6 +22,7 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import write_joint_matrix
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN, Point, Run
 from latolato.physics.pair import contact_torque, radial_push
 
 _TABLE = ANY_LENGTH + PAIR_ROW
@@ -33,25 +32,25 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
     """Make the mode of two balls in sticking contact."""
 
     @part
-    def body_of(run: Any) -> int:
+    def body_of(run: Run) -> int:
         """Number of the body that both balls form."""
         return 2 if run.state.side < 0.0 else 3
 
     @part
-    def gap_of(run: Any) -> float:
+    def gap_of(run: Run) -> float:
         """Separation of the balls in contact [rad]."""
         settings = run.settings
         return settings.low if run.state.side < 0.0 else settings.high
 
     @part
-    def join(run: Any, points: Any) -> None:
+    def join(run: Run, points: list[Point]) -> None:
         """Make the point of both as one from those of the balls."""
         settings, one = run.settings, points[PAIR_ROW]
         offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
         one.angle, one.velocity = points[1].angle + offset, points[1].velocity
 
     @part
-    def split(run: Any, points: Any) -> None:
+    def split(run: Run, points: list[Point]) -> None:
         """Make the points of the balls from that of both as one."""
         settings, one = run.settings, points[PAIR_ROW]
         offset = settings.offset_low if run.state.side < 0.0 else settings.offset_high
@@ -60,13 +59,13 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
         points[0].velocity = points[1].velocity = one.velocity
 
     @part
-    def swing_by(run: Any, length: float, points: Any) -> None:
+    def swing_by(run: Run, length: float, points: list[Point]) -> None:
         """Take a step of any length of both as one."""
         begin, end = run.now[PAIR_ROW], points[PAIR_ROW]
         swing.step_by(run, body_of(run), _TABLE, length, begin, end)
 
     @part
-    def find_tensions(run: Any, t: float, points: Any) -> None:
+    def find_tensions(run: Run, t: float, points: list[Point]) -> None:
         """Write both tensions, each over mass and length: the contact pushes along the rods."""
         _settings, gap = run.settings, gap_of(run)
         one, two = run.bodies[0], run.bodies[1]
@@ -88,7 +87,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
             point.tension = push + swing.tension(run, i, point)
 
     @part
-    def margin(run: Any, length: float) -> float:
+    def margin(run: Run, length: float) -> float:
         """Guard of the release, `length` seconds into the step; negative beyond it.
 
         It ends when the balls would part, when friction no longer holds both at once, or when a
@@ -114,7 +113,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
     find_lowest = make_lowest(margin, part)
 
     @part
-    def dip(run: Any, length: float, last: float) -> float:
+    def dip(run: Run, length: float, last: float) -> float:
         """Time at which the margin is negative though it is not at the ends, or the length [s].
 
         The parabola through both ends and the middle tells whether the bottom is worth a look.
@@ -129,7 +128,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
         return s if margin(run, s) < 0.0 else length
 
     @part
-    def parting_time(run: Any, end: float) -> float:
+    def parting_time(run: Run, end: float) -> float:
         """Time before `end` at which the balls part, by bisection [s]."""
         begin = 0.0
         for _ in range(MOST_TRIALS):
@@ -143,7 +142,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
         return end
 
     @part
-    def plan(run: Any) -> None:
+    def plan(run: Run) -> None:
         """Swing as one, up to the release, a turning point or the goal."""
         state = run.state
         balls.plan_length(run)
@@ -181,7 +180,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
             run.event = NOTHING
 
     @part
-    def evaluate_inside(run: Any, length: float) -> None:
+    def evaluate_inside(run: Run, length: float) -> None:
         """Swing a part of the step."""
         swing_by(run, length, run.inside)
         split(run, run.inside)
@@ -189,7 +188,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
         run.work_inside, run.loss_inside = inertia * one.work, inertia * one.loss
 
     @part
-    def note(run: Any, accumulators: Accumulators) -> None:
+    def note(run: Run, accumulators: Accumulators) -> None:
         """Add up compression, and report the step of each ball and the common tangent map."""
         body = body_of(run)
         begin, end = run.now[PAIR_ROW], run.end[PAIR_ROW]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.core.scalar import cosine, formula
 from latolato.numerics.contact_time import make_lowest
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.taut_step import TautStep
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import Run, State
 from latolato.physics.pendulum import swung
 
 # How much finer than the step the search for the end of rest looks at the drive.
@@ -35,7 +36,9 @@ def compression_share(left: float, right: float) -> float:
 
 
 @formula
-def add_compression(state: Any, ball: int, left: float, right: float, t: float, end: float) -> None:
+def add_compression(
+    state: State, ball: int, left: float, right: float, t: float, end: float
+) -> None:
     """Add the compression in an interval in which the tension is nearly linear."""
     share = compression_share(left, right)
     state.compression_time[ball] += share * (end - t)
@@ -48,7 +51,7 @@ def make_stiction(swing: TautStep, laws: Laws, part: Part = as_it_stands) -> Sti
     restoring, in_plane = laws.restoring, laws.plane is not None
 
     @part
-    def hold(run: Any, t: float, ball: int, side: float, angle: float) -> float:
+    def hold(run: Run, t: float, ball: int, side: float, angle: float) -> float:
         """Guard of the release: acceleration that holds the ball [rad/s^2], negative once it moves.
 
         `side` is that of the wall, or 0 where only friction holds the ball.
@@ -68,7 +71,7 @@ def make_stiction(swing: TautStep, laws: Laws, part: Part = as_it_stands) -> Sti
 
     @part
     def release_time(
-        run: Any, ball: int, side: float, angle: float, begin: float, goal: float
+        run: Run, ball: int, side: float, angle: float, begin: float, goal: float
     ) -> float:
         """First instant in [begin, goal] at which the ball is released, or infinity [s].
 
@@ -116,7 +119,7 @@ def make_stiction(swing: TautStep, laws: Laws, part: Part = as_it_stands) -> Sti
         return math.inf
 
     @part
-    def note_compression(run: Any, ball: int, angle: float) -> None:
+    def note_compression(run: Run, ball: int, angle: float) -> None:
         """Add the compression in a step without motion.
 
         On a wall and where friction holds the ball, the tension has the sign of

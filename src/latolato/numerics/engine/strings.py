@@ -13,9 +13,14 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls
-from latolato.numerics.engine.events import Event, Output
+from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
-from latolato.numerics.engine.record import (
+from latolato.numerics.engine.slack_step import place_taut, radial_rate
+from latolato.numerics.engine.tangent_map import TangentMap
+from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
+from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.records import C_BALL, C_RADIAL
+from latolato.numerics.run_record import (
     CONTACT,
     FLIGHT,
     GO_SLACK,
@@ -24,12 +29,10 @@ from latolato.numerics.engine.record import (
     RETENSION,
     SETTLE,
     SLACK,
+    Output,
+    Point,
+    Run,
 )
-from latolato.numerics.engine.slack_step import place_taut, radial_rate
-from latolato.numerics.engine.tangent_map import TangentMap
-from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
-from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.records import C_BALL, C_RADIAL
 from latolato.physics import contacts
 from latolato.physics.pair import runs_through
 
@@ -59,7 +62,7 @@ class Strings(NamedTuple):
 
 
 @formula
-def _nothing(run: Any, *rest: Any) -> None:
+def _nothing(run: Run, *rest: Any) -> None:
     """Do nothing."""
 
 
@@ -78,7 +81,7 @@ def make_strings(
     tension = balls.tension
 
     @part
-    def stop_at_once(run: Any, event: int, i: int) -> None:
+    def stop_at_once(run: Run, event: int, i: int) -> None:
         """End the step where it begins, with an event."""
         balls.shorten(run, 0.0)
         run.event, run.ball, run.keeps_touch = event, i, 1
@@ -87,13 +90,13 @@ def make_strings(
             run.end[ball].work = run.end[ball].loss = 0.0
 
     @part
-    def brink(run: Any, i: int) -> float:
+    def brink(run: Run, i: int) -> float:
         """Tension below which rounding decides its sign, over mass and length [1/s^2]."""
         result: float = _BRINK * (tension.margin(run, i) / run.settings.tension_dip)
         return result
 
     @part
-    def await_slack(run: Any, i: int) -> None:
+    def await_slack(run: Run, i: int) -> None:
         """End the step where a taut string would have to push."""
         is_over = run.length == 0.0 and run.event != SETTLE
         if is_over or run.t < run.state.taut_until[i]:
@@ -131,14 +134,14 @@ def make_strings(
         balls.fly_by(run, run.length, run.end)
 
     @part
-    def place_beside(run: Any, points: Any, i: int) -> tuple[float, float]:
+    def place_beside(run: Run, points: list[Point], i: int) -> tuple[float, float]:
         """Place of the other ball's centre along a string and across it [m]."""
         one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].inverse_length
         along = (one.x * other.x + one.y * other.y) / length
         return along, (one.x * other.y - one.y * other.x) / length
 
     @part
-    def runs_through_ball(run: Any, points: Any) -> bool:
+    def runs_through_ball(run: Run, points: list[Point]) -> bool:
         """Whether a taut string runs through the other ball."""
         for i in range(2):
             if run.state.is_slack[i] == 0:
@@ -149,7 +152,7 @@ def make_strings(
         return False
 
     @part
-    def clearance(run: Any, points: Any, i: int) -> tuple[float, float]:
+    def clearance(run: Run, points: list[Point], i: int) -> tuple[float, float]:
         """Distance of a taut string from the other ball [m], and a bound of its rate [m/s]."""
         one, other, length = points[i], points[1 - i], 1.0 / run.bodies[i].inverse_length
         along, tangential_part = place_beside(run, points, i)
@@ -158,7 +161,7 @@ def make_strings(
         return distance - run.settings.radius[1 - i], speed + math.hypot(other.vx, other.vy)
 
     @part
-    def string_may_touch_ball(run: Any) -> bool:
+    def string_may_touch_ball(run: Run) -> bool:
         """Whether a taut string may touch the other ball in the step: most are too far.
 
         The way there and back is not longer than the path, which is taken as twice what the speeds
@@ -173,7 +176,7 @@ def make_strings(
         return False
 
     @part
-    def await_string_contact(run: Any) -> None:
+    def await_string_contact(run: Run) -> None:
         """End the step where a taut string meets the other ball, which is not described.
 
         A ball that only brushes the string may be past it at the end of the step, so the step is
@@ -199,7 +202,7 @@ def make_strings(
         run.event, run.state.is_outside_model = NOTHING, 1
 
     @part
-    def write_row(run: Any, output: Output, kind: int, ball: int, before: Any) -> None:
+    def write_row(run: Run, output: Output, kind: int, ball: int, before: Any) -> None:
         """Write a row of the contact table; `before` has velocities around and along."""
         row, values = run.rows, output.contact_values
         output.contact_times[row], output.contact_kinds[row] = run.t, kind
@@ -212,7 +215,7 @@ def make_strings(
         run.rows += 1
 
     @part
-    def velocities(run: Any) -> tuple[float, float, float, float]:
+    def velocities(run: Run) -> tuple[float, float, float, float]:
         """Angular velocities [rad/s] and velocities along the strings [m/s], of both balls."""
         other = count - 1
         one_out = radial_rate(run.now[0]) if run.state.is_slack[0] != 0 else 0.0
@@ -220,14 +223,14 @@ def make_strings(
         return run.now[0].velocity, run.now[other].velocity, one_out, other_out
 
     @part
-    def release_string(run: Any, i: int) -> None:
+    def release_string(run: Run, i: int) -> None:
         """Make a taut string slack; its ball stays where it is."""
         tangent_map.begin(run)
         run.state.is_slack[i] = run.state.leaves[i] = 1
         place_taut(run.now[i], 1.0 / run.bodies[i].inverse_length)
 
     @part
-    def tighten(run: Any, output: Output, i: int, holds: bool) -> None:
+    def tighten(run: Run, output: Output, i: int, holds: bool) -> None:
         """Apply the impulse of a string that tightens.
 
         The velocity along the string is reversed times the string's restitution, that around the
@@ -257,7 +260,7 @@ def make_strings(
         write_row(run, output, contacts.TAUT, i + 1 if two else 0, before)
 
     @part
-    def collide_in_plane(run: Any, output: Output, closing: float, captures: bool) -> None:
+    def collide_in_plane(run: Run, output: Output, closing: float, captures: bool) -> None:
         """Apply the impulse of a collision that involves a slack string.
 
         A ball on a taut string that the impulse would push inwards loses its string at once and
@@ -306,7 +309,7 @@ def make_strings(
             write_row(run, output, contacts.SLACK, loosened + 1 if two else 0, velocities(run))
 
     @part
-    def still_presses(run: Any) -> bool:
+    def still_presses(run: Run) -> bool:
         """Whether balls after a capture press against each other."""
         length = 1e-3 * run.settings.step
         balls.fly_by(run, length, run.inside)
@@ -314,7 +317,7 @@ def make_strings(
         return gap < -ROUNDING / run.bodies[0].inverse_length
 
     @part
-    def is_simultaneous(run: Any) -> bool:
+    def is_simultaneous(run: Run) -> bool:
         """Whether balls meet just where a string tightens: rounding decides which is first."""
         gap, rate = gaps.gap(run, run.now)
         slow = -run.settings.rest_speed / run.bodies[0].inverse_length
@@ -328,7 +331,7 @@ def make_strings(
         return False
 
     @part
-    def resolve_instant(run: Any, output: Output) -> None:
+    def resolve_instant(run: Run, output: Output) -> None:
         """Do what happens where a string tightens or balls meet: strings first, then balls.
 
         What two balls on taut strings do that a push would only tighten is left to the rods' rule.
@@ -365,7 +368,7 @@ def make_strings(
         balls.settle(run)
 
     @part
-    def let_slack(run: Any, output: Output, i: int) -> None:
+    def let_slack(run: Run, output: Output, i: int) -> None:
         """Make the string of a ball slack in flight, with its row of the table."""
         before = velocities(run)
         release_string(run, i)
@@ -374,12 +377,12 @@ def make_strings(
         balls.settle(run)
 
     @part
-    def go_slack(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def go_slack(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: a string goes slack at the end of a step."""
         let_slack(run, output, run.ball)
 
     @part
-    def apply_impact_taut(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def apply_impact_taut(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Apply an impact as on rods, and keep the largest impulse that it pulls at the strings."""
         before = run.now[0].velocity
         apply_impact(run, output, accumulators)
@@ -394,7 +397,7 @@ def make_strings(
                 run.state.string_impulse = max(run.state.string_impulse, pulled)
 
     @part
-    def continue_as_on_rods(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def continue_as_on_rods(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Go on as on rods once all strings are taut, with an impact if the balls still touch."""
         state, settings = run.state, run.settings
         gap = balls.gap(run.now)
@@ -407,7 +410,7 @@ def make_strings(
             apply_impact_taut(run, output, accumulators)
 
     @part
-    def resolve_contacts(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def resolve_contacts(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Resolve all contacts of strings and balls that a change of velocities brings about."""
         state = run.state
         resolve_instant(run, output)
@@ -422,7 +425,7 @@ def make_strings(
             continue_as_on_rods(run, output, accumulators)
 
     @part
-    def retension(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def retension(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: a string reaches its full length, perhaps where its ball meets the other one."""
         balls.settle(run)
         tangent_map.reach_full_length(run)
@@ -432,7 +435,7 @@ def make_strings(
         resolve_contacts(run, output, accumulators)
 
     @part
-    def apply_impact_in_plane(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def apply_impact_in_plane(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: balls meet, as on rods if the impulse only pulls at taut strings."""
         balls.settle(run)
         taut = run.state.mode != SLACK and gaps.is_tensile(run, run.now)
@@ -447,7 +450,7 @@ def make_strings(
             run.state.is_outside_model = 1
 
     @part
-    def release_sticking(run: Any, output: Output, accumulators: Accumulators) -> None:
+    def release_sticking(run: Run, output: Output, accumulators: Accumulators) -> None:
         """End sticking contact. Where balls still press, a string let go: that is not described."""
         presses = run.settings.is_string != 0 and two
         if presses and balls.separation_acceleration(run, run.state.side, run.t, run.now) < -_PRESS:

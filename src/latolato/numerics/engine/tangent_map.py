@@ -20,16 +20,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.gaps import THERE, Gaps
-from latolato.numerics.engine.record import DELAY_ROWS, DRIFT_TIME, KICK
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut
 from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import DELAY_ROWS, DRIFT_TIME, KICK, Point, Run
 from latolato.physics.damping import drift_slopes_in_plane
 
 
@@ -49,7 +49,7 @@ class TangentMap(NamedTuple):
 
 
 @formula
-def _write_column(run: Any, i: int, column: int, x: float, y: float, vx: float, vy: float) -> None:
+def _write_column(run: Run, i: int, column: int, x: float, y: float, vx: float, vy: float) -> None:
     """Write the perturbation of one ball into a column [m, m/s]."""
     z, row = run.state.tangent_map, 4 * i
     z[row, column], z[row + 1, column] = x, y
@@ -57,7 +57,7 @@ def _write_column(run: Any, i: int, column: int, x: float, y: float, vx: float, 
 
 
 @formula
-def _write_taut(run: Any, i: int, column: int, point: Any, angle: float, velocity: float) -> None:
+def _write_taut(run: Run, i: int, column: int, point: Point, angle: float, velocity: float) -> None:
     """Write a perturbation of angle and angular velocity on a taut string as one in the plane.
 
     The derivative of ``l (sin, -cos)`` and of its rate ``l w (cos, sin)``: a turn by the angle also
@@ -72,7 +72,7 @@ def _write_taut(run: Any, i: int, column: int, point: Any, angle: float, velocit
 
 
 @formula
-def _taut_perturbation(run: Any, i: int, column: int, point: Any) -> tuple[float, float]:
+def _taut_perturbation(run: Run, i: int, column: int, point: Point) -> tuple[float, float]:
     """Perturbation of angle [rad] and angular velocity [rad/s] on a taut string, from a column."""
     z, row = run.state.tangent_map, 4 * i
     inverse_length, s, c = run.bodies[i].inverse_length, sine(point.angle), cosine(point.angle)
@@ -93,7 +93,7 @@ def make_tangent_map(
     two, size, acceleration = count == 2, 2 * count, fall.acceleration
 
     @part
-    def gap_perturbation(run: Any, column: int) -> float:
+    def gap_perturbation(run: Run, column: int) -> float:
         """Perturbation of the gap between the balls [m]."""
         z, (nx, ny, _) = run.state.tangent_map, gaps.line_of_centres(run.now)
         result: float = nx * z[0, column] + ny * z[1, column]
@@ -102,7 +102,7 @@ def make_tangent_map(
         return result
 
     @part
-    def begin(run: Any) -> None:
+    def begin(run: Run) -> None:
         """Begin with a unit perturbation of each angle and angular velocity, all strings taut.
 
         A string that an impact would make push goes slack at that impact. Its ball then falls from
@@ -135,7 +135,7 @@ def make_tangent_map(
                 state.tangent_map[4 * i + 3, column] += pushed * cosine(point.angle)
 
     @part
-    def follow_fall(run: Any, i: int) -> None:
+    def follow_fall(run: Run, i: int) -> None:
         """Follow the perturbation of a falling ball through a step.
 
         Gravity and pivot pull alike everywhere in the plane, so a kick leaves a perturbation as it
@@ -168,7 +168,7 @@ def make_tangent_map(
             wx, wy = run.inside[i].wind_x, run.inside[i].wind_y
 
     @part
-    def step(run: Any) -> None:
+    def step(run: Run) -> None:
         """Follow the perturbations through the planned step: fall or taut swing."""
         if run.state.has_tangent_map == 0:
             return
@@ -184,7 +184,7 @@ def make_tangent_map(
                 _write_taut(run, i, column, run.end[i], later, faster)
 
     @part
-    def move(run: Any, sign: float) -> None:
+    def move(run: Run, sign: float) -> None:
         """Shift all perturbations to the event (sign 1), or back from it (-1), by their delays."""
         z = run.state.tangent_map
         for i in range(count):
@@ -197,7 +197,7 @@ def make_tangent_map(
                 z[row + 3, column] += ay * delay
 
     @part
-    def reach_contact(run: Any) -> None:
+    def reach_contact(run: Run) -> None:
         """Find by how much each perturbation delays the balls' contact, and shift it there."""
         begin(run)
         _, rate = gaps.gap(run, run.now)
@@ -210,7 +210,7 @@ def make_tangent_map(
         move(run, 1.0)
 
     @part
-    def reach_full_length(run: Any) -> None:
+    def reach_full_length(run: Run) -> None:
         """Find the delays of strings that drift_time their full length, and shift there."""
         if run.state.has_tangent_map == 0:
             return
@@ -229,7 +229,7 @@ def make_tangent_map(
         move(run, 1.0)
 
     @part
-    def leave_event(run: Any) -> None:
+    def leave_event(run: Run) -> None:
         """Shift back from the event, with the velocities and accelerations after it."""
         if run.state.has_tangent_map == 0:
             return
@@ -239,7 +239,7 @@ def make_tangent_map(
                 run.state.tangent_map[DELAY_ROWS + i, column] = 0.0
 
     @part
-    def tighten(run: Any, i: int, restitution: float) -> None:
+    def tighten(run: Run, i: int, restitution: float) -> None:
         """Multiply by the derivative of a string's tightening, ``v+ = v - (1 + e_s) (r v) r``.
 
         r is the unit vector from the pivot to the ball; its perturbation is the ball's across r,
@@ -260,7 +260,7 @@ def make_tangent_map(
             z[row + 3, column] -= back * (faster * ry + outward * y)
 
     @part
-    def mobility_of(run: Any, i: int, nx: float, ny: float) -> float:
+    def mobility_of(run: Run, i: int, nx: float, ny: float) -> float:
         """Velocity along the line of centres per impulse along it [1/kg]: less on a taut string."""
         b, point, across = run.bodies[i], run.now[i], 1.0
         if run.state.is_slack[i] == 0:
@@ -270,7 +270,7 @@ def make_tangent_map(
 
     @part
     def tangential_part(
-        run: Any, i: int, column: int, nx: float, ny: float, x: float, y: float
+        run: Run, i: int, column: int, nx: float, ny: float, x: float, y: float
     ) -> tuple[float, float]:
         """Component of the line of centres around the pivot, and its perturbation."""
         angle, _ = _taut_perturbation(run, i, column, run.now[i])
@@ -278,7 +278,7 @@ def make_tangent_map(
         return nx * c + ny * s, x * c + y * s + (ny * c - nx * s) * angle
 
     @part
-    def collide(run: Any, restitution: float) -> None:
+    def collide(run: Run, restitution: float) -> None:
         """Multiply by the derivative of a collision.
 
         The impulse is ``(1 + e) c / m`` along the line of centres n, with the closing speed c and
@@ -328,7 +328,7 @@ def make_tangent_map(
                 z[row + 3, column] += per_mass * py
 
     @part
-    def kick(run: Any, i: int, kicked: float) -> None:
+    def kick(run: Run, i: int, kicked: float) -> None:
         """Multiply by the derivative of a kick of a slack ball around the pivot [rad/s]."""
         z, row = run.state.tangent_map, 4 * i
         for column in range(size):
@@ -336,13 +336,13 @@ def make_tangent_map(
             z[row + 3, column] += kicked * z[row, column]
 
     @part
-    def mark_undefined(run: Any) -> None:
+    def mark_undefined(run: Run) -> None:
         """Mark the tangent map as undefined (NaN): perturbations do not stay small here."""
         for column in range(size):
             run.state.tangent_map[0, column] = math.nan
 
     @part
-    def finish(run: Any, accumulators: Accumulators) -> None:
+    def finish(run: Run, accumulators: Accumulators) -> None:
         """Report the tangent map, now that all strings are taut.
 
         The logarithm of its determinant does not follow from the laws of motion alone: NaN.

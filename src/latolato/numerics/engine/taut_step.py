@@ -14,8 +14,9 @@ from latolato.core.scalar import formula
 from latolato.numerics.contact_time import MOST_TRIALS, is_located, next_trial
 from latolato.numerics.engine.forces import make_planar, make_upright
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.record import DRIFT_TIME, KICK, OFFSET
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.records import Body
+from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
 from latolato.physics.damping import drag, effective_time, viscous_drag
 
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
@@ -45,7 +46,7 @@ class TautStep(NamedTuple):
 
 
 @formula
-def acceleration_with_drag(point: Any, body: Any) -> float:
+def acceleration_with_drag(point: Point, body: Body) -> float:
     """Angular acceleration with all drag, from that of a kick [rad/s^2]."""
     if point.sign == 0.0:
         return 0.0
@@ -53,7 +54,7 @@ def acceleration_with_drag(point: Any, body: Any) -> float:
 
 
 @formula
-def acceleration_with_friction(free: float, velocity: float, body: Any) -> float:
+def acceleration_with_friction(free: float, velocity: float, body: Body) -> float:
     """Angular acceleration with drag and static friction, from that without [rad/s^2]."""
     if velocity == 0.0:
         if abs(free) <= body.coulomb:
@@ -74,7 +75,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
     )
 
     @part
-    def prepare(run: Any, body: int, table: int, length: float) -> None:
+    def prepare(run: Run, body: int, table: int, length: float) -> None:
         """Fill a table with what a step of this length needs [s]."""
         rate = run.bodies[body].damping_rate
         for i in range(run.stages):
@@ -84,13 +85,13 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         run.tables[table, KICK, run.stages] = run.kicks[run.stages] * length
 
     @part
-    def step_by(run: Any, body: int, table: int, length: float, begin: Any, end: Any) -> None:
+    def step_by(run: Run, body: int, table: int, length: float, begin: Point, end: Point) -> None:
         """Take a step of any length [s]."""
         prepare(run, body, table, length)
         step(run, body, table, begin, end)
 
     @part
-    def extend_step(run: Any, body: int, t: float, missing: float, point: Any) -> None:
+    def extend_step(run: Run, body: int, t: float, missing: float, point: Point) -> None:
         """Extend a step to the time t, by a time so short that trapezia are exact to rounding."""
         if point.sign == 0.0:
             return
@@ -106,7 +107,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         point.loss += 0.5 * missing * lost
 
     @part
-    def settle(run: Any, body: int, t: float, point: Any) -> None:
+    def settle(run: Run, body: int, t: float, point: Point) -> None:
         """Find the direction in which a point moves or begins to, and the forces on it."""
         friction = run.bodies[body].coulomb
         if friction > 0.0 and abs(point.velocity) < STILL:
@@ -120,7 +121,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         write_forces(run, body, t, point)
 
     @part
-    def turn(run: Any, body: int, table: int, length: float, begin: Any, end: Any) -> float:
+    def turn(run: Run, body: int, table: int, length: float, begin: Point, end: Point) -> float:
         """Time within a step at which a velocity that ends against its sign or as NaN is zero [s].
 
         The length itself if that cannot be seen. Bracketed Newton on the step, to rounding.

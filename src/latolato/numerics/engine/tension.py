@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS
 from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.run_record import Run
 from latolato.observables.hermite import quintic_terms
 
 # How well a root is located by what is seen, and by the steps then, whose last one leaves an error
@@ -27,13 +28,13 @@ def make_tension(swing: TautStep, part: Part = as_it_stands) -> Tension:
     """Make the functions of the tension within the step of a ball."""
 
     @part
-    def after(run: Any, i: int, length: float) -> float:
+    def after(run: Run, i: int, length: float) -> float:
         """Tension over mass and length, `length` seconds into the step [1/s^2]."""
         swing.step_by(run, i, ANY_LENGTH + i, length, run.now[i], run.inside[i])
         return swing.tension(run, i, run.inside[i])
 
     @part
-    def seen(run: Any, i: int, s: float) -> float:
+    def seen(run: Run, i: int, s: float) -> float:
         """Nearly the same without a step, from the quintic through both ends of the whole step."""
         b, begin, end, point = run.bodies[i], run.now[i], run.end[i], run.inside[i]
         h, x0, v0, a0 = run.length, begin.angle, begin.velocity, acceleration_with_drag(begin, b)
@@ -48,7 +49,7 @@ def make_tension(swing: TautStep, part: Part = as_it_stands) -> Tension:
         return swing.tension(run, i, point)
 
     @part
-    def zero(run: Any, i: int, low: float, high: float, left: float, right: float) -> float:
+    def zero(run: Run, i: int, low: float, high: float, left: float, right: float) -> float:
         """Time into the step at which the tension changes its sign [s].
 
         Regula falsi with kept ends halved (Illinois) on what is `seen`; then Newton on the step
@@ -80,7 +81,7 @@ def make_tension(swing: TautStep, part: Part = as_it_stands) -> Tension:
         return root
 
     @part
-    def margin(run: Any, i: int) -> float:
+    def margin(run: Run, i: int) -> float:
         """Bound of the dip of the tension below its values at both ends of the step [1/s^2]."""
         begin, end = run.now[i], run.end[i]
         strongest = (run.settings.gravity + run.settings.pivot_bound) * run.bodies[i].inverse_length

@@ -20,9 +20,9 @@ from latolato.core.errors import InputError, import_extra
 from latolato.core.registry import checked_count
 from latolato.numerics.batch import Points, Progress, Scratch, make_many, make_scratch
 from latolato.numerics.callbacks import formulas_of, make_callbacks
-from latolato.numerics.engine.record import STATE, as_objects, run_dtype, write_back
 from latolato.numerics.prepare import write_stepper
 from latolato.numerics.records import segment_dtype
+from latolato.numerics.run_record import STATE, as_objects, run_dtype, write_back
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.sweeps.chunk import Cancelled, Values, run_chunk
