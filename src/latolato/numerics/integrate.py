@@ -109,11 +109,18 @@ def choose_step(
     tolerance: float,
     law: ContactLaw = _EXACT,
     *,
+    duration: float = 0.0,
     compiled: bool = True,
 ) -> float:
-    """Return the step [s] for a tolerance; see `latolato.numerics.prepare`."""
-    case = _case_of(system, drive, start, 0.0, law, tolerance=tolerance)
-    runs, _ = prepared_runs(case, choose_stepper(system), compiled=compiled)
+    """Return the step [s] for a tolerance; see `latolato.numerics.prepare`.
+
+    Raises
+    ------
+    InputError
+        If a run of this duration [s] would take too many.
+    """
+    case = _case_of(system, drive, start, duration, law, tolerance=tolerance)
+    runs = prepared_runs(case, choose_stepper(system), compiled=compiled)
     return float(runs["settings"]["step"][0])
 
 
@@ -264,7 +271,7 @@ def integrate(
         angles, *motion_laws(system, drive, in_plane=in_plane), segment=segments.dtype,
         motion=law.motion, compiled=compiled, formulas=formulas,
     )  # fmt: skip
-    runs, _ = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
+    runs = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
     state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
         segments,

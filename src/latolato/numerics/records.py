@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from latolato.physics.drives import Drive, Segment
 from latolato.physics.pendulum import Ball
+from latolato.physics.problems import MOST_VALUES
 
 BODY = np.dtype(
     [
@@ -70,6 +71,10 @@ CASE = np.dtype(
     ],
     align=True,
 )
+
+
+# What is wrong with a case: one of `latolato.physics.problems`.
+PROBLEM = np.dtype([("number", "i8"), ("values", "f8", (MOST_VALUES,))], align=True)
 
 
 def segment_records(drive: Drive, duration: float) -> NDArray[Any]:
