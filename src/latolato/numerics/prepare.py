@@ -25,28 +25,11 @@ from latolato.numerics.engine.record import (
 )
 from latolato.numerics.records import BODY, CASE, PROBLEM, SETTINGS, ball_record, segment_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
+from latolato.physics import problems
 from latolato.physics.contacts import ContactLaw, half_width, meeting
 from latolato.physics.drives.segment import fastest_frequency, largest_acceleration
 from latolato.physics.pair import joint_inverse_length, runs_through
 from latolato.physics.pendulum import System
-from latolato.physics.problems import (
-    ANGLE,
-    DISTANCE,
-    FINE,
-    HALF_TURN,
-    NOT_MIRRORED,
-    OFFSET,
-    OUT_OF_RANGE,
-    OVERLAP,
-    RADIUS,
-    RIGHT_DISTANCE,
-    RIGHT_RADIUS,
-    SEPARATION,
-    STRING_HITS,
-    TOO_LONG,
-    TURN,
-    refusal,
-)
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
 # benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
@@ -183,9 +166,21 @@ def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
 
 
 @formula
-def _clamped(value: float, low: float, high: float) -> float:
-    """Return the value, moved into a range."""
-    return min(max(value, low), high)
+def _gap(angles: Any, count: int) -> float:
+    """Return the angle of one ball, or the separation of two [rad]."""
+    return float(angles[0] - angles[1] if count == 2 else angles[0])
+
+
+@formula
+def move_between(angles: Any, count: int, low: float, high: float) -> None:
+    """Move the angle of one ball between the walls, or the separation of two by both [rad]."""
+    gap = _gap(angles, count)
+    inside = min(max(gap, low), high)
+    if count == 1:
+        angles[0] = inside
+    else:
+        angles[0] += 0.5 * (inside - gap)
+        angles[1] -= 0.5 * (inside - gap)
 
 
 @formula
@@ -203,7 +198,7 @@ def _geometry(case: Any, problem: Any) -> tuple[float, float]:
     for i in range(case.angles):
         ball = case.balls[i]
         if not 0.0 <= ball.radius < ball.length:
-            number = RADIUS if case.angles == 1 else RIGHT_RADIUS + i
+            number = problems.RADIUS if case.angles == 1 else problems.RIGHT_RADIUS + i
             _report(problem, number, (ball.radius, ball.length))
             return 0.0, math.pi
     if case.angles == 1:
@@ -211,7 +206,7 @@ def _geometry(case: Any, problem: Any) -> tuple[float, float]:
         return low, math.pi - low
     l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
     separation, width, number = meeting(l1, l2, r1, r2)
-    if number != FINE:
+    if number != problems.FINE:
         _report(problem, number, (l1, l2, r1, r2, width, separation))
     return separation, math.tau - separation
 
@@ -230,35 +225,15 @@ def _place(case: Any, state: Any) -> None:
 
 
 @formula
-def _gap(case: Any, state: Any) -> float:
-    """Return the angle of one ball, or the separation of two [rad]."""
-    if case.angles == 1:
-        return float(state.angle[0])
-    return float(state.angle[0] - state.angle[1])
-
-
-@formula
-def _move_between(case: Any, low: float, high: float, state: Any) -> None:
-    """Move a start beyond a wall onto it, two balls by as much."""
-    gap = _gap(case, state)
-    inside = _clamped(gap, low, high)
-    if case.angles == 1:
-        state.angle[0] = inside
-    else:
-        state.angle[0] += 0.5 * (inside - gap)
-        state.angle[1] -= 0.5 * (inside - gap)
-
-
-@formula
 def _check_walls(case: Any, low: float, high: float, state: Any, problem: Any) -> None:
     """Move a start close to a wall onto it; report one beyond."""
-    gap = _gap(case, state)
+    gap = _gap(state.angle, case.angles)
     if not low - ON_WALL <= gap <= high + ON_WALL:
-        number, value, least, most = ANGLE, gap, low, high
+        number, value, least, most = problems.ANGLE, gap, low, high
         if case.angles == 2:
-            number = SEPARATION
+            number = problems.SEPARATION
         if not math.isnan(case.initial_offset):
-            number, value, least, most = OFFSET, case.initial_offset, 0.0, high - low
+            number, value, least, most = problems.OFFSET, case.initial_offset, 0.0, high - low
         radians = value * (math.pi / 180.0)
         # Each of these problems is followed by that of a value in degrees.
         if value > math.pi and least <= radians <= most:
@@ -282,9 +257,9 @@ def _check_apart(case: Any, state: Any, problem: Any) -> None:
     lie anywhere.
     """
     two = case.angles == 2
-    gap = _gap(case, state)
+    gap = _gap(state.angle, case.angles)
     if not 0.0 <= gap <= (math.tau if two else math.pi):
-        _report(problem, TURN if two else HALF_TURN, (gap,))
+        _report(problem, problems.TURN if two else problems.HALF_TURN, (gap,))
         return
     i, gap = (1, gap) if two else (0, 2.0 * gap)
     d0, d1 = case.balls[0].length, case.balls[i].length
@@ -296,12 +271,12 @@ def _check_apart(case: Any, state: Any, problem: Any) -> None:
     along, beside, half = cosine(gap), sine(gap), sine(0.5 * gap)
     apart = math.sqrt((d0 - d1) ** 2 + 4.0 * d0 * d1 * half * half)
     if apart < (r0 + r1) * (1.0 - ON_WALL):
-        _report(problem, OVERLAP, (r0 + r1, apart))
+        _report(problem, problems.OVERLAP, (r0 + r1, apart))
     elif two and (
         (state.is_slack[0] == 0 and runs_through(d0, d1 * along, d1 * beside, r1))
         or (state.is_slack[1] == 0 and runs_through(d1, d0 * along, d0 * beside, r0))
     ):
-        problem.number = STRING_HITS
+        problem.number = problems.STRING_HITS
 
 
 @formula
@@ -347,16 +322,16 @@ def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
 def _check_start(case: Any, low: float, high: float, state: Any, problem: Any) -> None:
     """Let balls begin on slack strings and on walls that they are close to; report the rest."""
     if case.clamps_start != 0:
-        _move_between(case, low, high, state)
+        move_between(state.angle, case.angles, low, high)
     for i in range(case.angles):
         distance, length = case.initial_distance[i], case.balls[i].length
         _hang(state, i, distance, length)
         if distance > length:
-            number = DISTANCE if case.angles == 1 else RIGHT_DISTANCE + i
+            number = problems.DISTANCE if case.angles == 1 else problems.RIGHT_DISTANCE + i
             _report(problem, number, (distance, length))
             return
         if distance <= 0.0:
-            problem.number = OUT_OF_RANGE
+            problem.number = problems.OUT_OF_RANGE
             return
     if case.is_exact == 0:
         if state.is_slack[0] == 0 and state.is_slack[1] == 0:
@@ -364,8 +339,8 @@ def _check_start(case: Any, low: float, high: float, state: Any, problem: Any) -
         elif case.collides != 0:
             _check_apart(case, state, problem)
     is_asked = case.angles == 2 and case.mirrored != 0
-    if is_asked and problem.number == FINE and not _is_mirrored(case, state):
-        problem.number = NOT_MIRRORED
+    if is_asked and problem.number == problems.FINE and not _is_mirrored(case, state):
+        problem.number = problems.NOT_MIRRORED
 
 
 @formula
@@ -387,7 +362,7 @@ def prepare(
     """Fill the settings, bodies and state of a case; report what is wrong with it."""
     _place(case, state)
     touch, high = _geometry(case, problem)
-    if problem.number != FINE:
+    if problem.number != problems.FINE:
         return
     for i in range(case.angles):
         _write_body(bodies[i], body_record(case.balls[i]))
@@ -419,10 +394,10 @@ def prepare(
     state.compression_start[0] = state.compression_start[1] = math.nan
     state.slack_start[0] = state.slack_start[1] = math.nan
     _check_start(case, settings.low, settings.high, state, problem)
-    if problem.number == FINE and not _is_computable(case, bodies, step):
-        problem.number = OUT_OF_RANGE
-    if problem.number == FINE and not case.duration <= MOST_STEPS * step:
-        _report(problem, TOO_LONG, (case.duration / step, step, MOST_STEPS))
+    if problem.number == problems.FINE and not _is_computable(case, bodies, step):
+        problem.number = problems.OUT_OF_RANGE
+    if problem.number == problems.FINE and not case.duration <= MOST_STEPS * step:
+        _report(problem, problems.TOO_LONG, (case.duration / step, step, MOST_STEPS))
 
 
 def cases_of(
@@ -497,17 +472,17 @@ def prepared_runs(
         With what is wrong with the case.
     """
     runs = np.zeros(1, dtype=run_dtype(segment))
-    none, problems = empty_cases(), np.zeros(1, dtype=PROBLEM)
+    none, reported = empty_cases(), np.zeros(1, dtype=PROBLEM)
     prepare_cases(
         Cases(
             cases, none.segments, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
-            runs["state"], problems,
+            runs["state"], reported,
         ),
         compiled=compiled,
     )  # fmt: skip
-    problem = problems[0]
-    if problem["number"] != FINE:
-        raise refusal(problem["number"], problem["values"])
+    problem = reported[0]
+    if problem["number"] != problems.FINE:
+        raise problems.refusal(problem["number"], problem["values"])
     write_stepper(runs, stepper)
     return runs
 
@@ -526,11 +501,11 @@ def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
     def prepare_all(work: Cases) -> None:
         for k in range(len(work.cases)):
             case, state, problem = work.cases[k], work.states[k], work.problems[k]
-            if problem.number == FINE:
+            if problem.number == problems.FINE:
                 segments = work.segments[work.firsts[k] : work.firsts[k + 1]]
                 prepare(case, segments, work.settings[k], work.bodies[k], state, problem)
             # In a continuation the next point begins where one that cannot run would.
-            if problem.number != FINE:
+            if problem.number != problems.FINE:
                 _place(case, state)
 
     return part(prepare_all)

@@ -10,15 +10,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, quantity_field
 from latolato.core.registry import Registry, check_fields
 from latolato.core.scalar import formula
-from latolato.physics.problems import (
-    FINE,
-    LEFT_ROD_HITS,
-    NEVER_MEET,
-    RADIUS,
-    RIGHT_ROD_HITS,
-    TOO_LARGE,
-    refusal,
-)
+from latolato.physics import problems
 
 contact_laws: Registry[type] = Registry("contact law")
 
@@ -118,7 +110,7 @@ class PassThrough(ContactLaw):
 def check_radius(radius: float, length: float) -> None:
     """Raise InputError unless 0 <= radius < length."""
     if not 0.0 <= radius < length:
-        raise refusal(RADIUS, (radius, length))
+        raise problems.refusal(problems.RADIUS, (radius, length))
 
 
 # Lengths that differ by the sum of the radii but for rounding; a share of their sum.
@@ -155,16 +147,16 @@ def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, float, i
     """
     reach = r1 + r2
     if l1 != l2 and reach - abs(l1 - l2) <= _ROUNDING * (l1 + l2):
-        return 0.0, 0.0, NEVER_MEET
+        return 0.0, 0.0, problems.NEVER_MEET
     sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
     if not sine < 1.0:
-        return 0.0, 0.0, TOO_LARGE
+        return 0.0, 0.0, problems.TOO_LARGE
     separation = 2.0 * math.asin(sine)
     if _is_hit(l1, r1, l2, separation):
-        return separation, half_width(l1, r1), LEFT_ROD_HITS
+        return separation, half_width(l1, r1), problems.LEFT_ROD_HITS
     if _is_hit(l2, r2, l1, separation):
-        return separation, half_width(l2, r2), RIGHT_ROD_HITS
-    return separation, 0.0, FINE
+        return separation, half_width(l2, r2), problems.RIGHT_ROD_HITS
+    return separation, 0.0, problems.FINE
 
 
 def contact_separation(right: Any, left: Any) -> float:
@@ -182,8 +174,8 @@ def contact_separation(right: Any, left: Any) -> float:
     """
     shape = right.length, left.length, right.radius, left.radius
     separation, width, problem = meeting(*shape)
-    if problem != FINE:
-        raise refusal(problem, (*shape, width, separation))
+    if problem != problems.FINE:
+        raise problems.refusal(problem, (*shape, width, separation))
     return separation
 
 

@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import checked_array, checked_number, in_unit
 from latolato.numerics.integrate import Floats, Start
-from latolato.numerics.prepare import cases_of, choose_stepper, prepared_runs
+from latolato.numerics.prepare import cases_of, choose_stepper, move_between, prepared_runs
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
@@ -116,12 +116,9 @@ def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
 
 def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) -> Floats:
     """Return the angles of one or two balls, moved to the nearest wall if they lie beyond it."""
-    low, high = walls
-    if len(angles) == 1:
-        return np.array([min(max(angles[0], low), high)])
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return np.array([angles[0] + shift, angles[1] - shift])
+    result = np.array(angles, dtype=np.float64)
+    move_between(result, len(result), *walls)
+    return result
 
 
 def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> tuple[float, ...]:
