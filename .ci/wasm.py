@@ -40,6 +40,7 @@ from latolato.numerics.integrate import LARGEST, STEPS_PER_CALL
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
 from latolato.observables.base import observables
 from latolato.physics.contacts import CONTACT_KINDS
+from latolato.physics.problems import PROBLEMS
 from latolato.simulation.record import LEDGER, ON_STRINGS
 from latolato.sweeps.plan import make_plan
 from latolato.sweeps.points import LAST_PERIOD
@@ -85,6 +86,7 @@ _RECORDS = {
     "segment": _USUAL,
     "ball": records.BALL,
     "case": records.CASE,
+    "problem": records.PROBLEM,
 }
 _BUNDLES = {
     "arguments": loop.empty_arguments(_USUAL),
@@ -333,7 +335,7 @@ def layout_of(modules: dict[str, dict[str, KernelSpec]]) -> dict[str, Any]:
         },
         "contact_kinds": CONTACT_KINDS,
         "statuses": records.STATUS_NAMES,
-        "problems": prepare.PROBLEMS,
+        "problems": [problem._asdict() for problem in PROBLEMS],
         "drives": list(host_entry.WRITTEN),
         "rotating_drives": [
             name for name, kind in host_entry.WRITTEN.items() if kind.rotation is not None

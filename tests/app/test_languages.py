@@ -20,6 +20,7 @@ from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as questions
 from latolato.app.analyse.forms import label_of
 from latolato.app.forms import registry
+from latolato.physics.problems import PROBLEMS
 
 NODE = Path(sys.executable).parent / "node"
 FILES = sorted((STATIC / "languages").glob("*.json"))
@@ -133,7 +134,10 @@ def texts_of_stories(part: Any) -> Iterator[str]:
 
 
 def texts_of_refusals() -> Iterator[str]:
-    """Yield what modules refuse input with, with something in each gap."""
+    """Yield what pages refuse input with, with something in each gap."""
+    for problem in PROBLEMS:
+        for text in (problem.rule, problem.way_out):
+            yield re.sub(r"\{\w+:[^}]*\}", FILLED, text)
     begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
     for folder in ("model", "map", "live", "story"):
         for path in sorted((STATIC / "js" / folder).glob("*.js")):

@@ -562,7 +562,7 @@ def test_a_text_that_is_no_number_is_told_beside_its_field_until_it_is_mended(pa
     [
         ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 and 1e+30 s"),
         ("each run lasts", 0, "-3", "Each run must last longer than 0 s, got -3 s."),
-        ("leave out", 0, "300", "The transient must be shorter than a run of 2 s"),
+        ("leave out", 0, "300", "The transient must be shorter than the duration 2 s"),
         ("from", 1, "1e300", "the end must lie above the start, got 1e+300 mm"),
         ("to", 1, "-1", "the end must lie above the start, got 0 mm to -1 mm"),
     ],

@@ -335,7 +335,7 @@ def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
     field = page.get_by_label("duration", exact=False).first
     field.fill("1e9")
     field.press("Enter")
-    page.locator(".form").get_by_text("shorten the duration").wait_for()
+    page.locator(".form").get_by_text("shorten it, loosen the tolerance").wait_for()
 
 
 def test_a_run_of_minutes_asks_first_and_stops_at_once(page):

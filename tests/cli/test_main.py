@@ -142,7 +142,7 @@ BAD_INPUT = [
     (but(PAIR, "--left-length", "0.5"), "the balls never meet: the lengths must differ by less"),
     (
         but(PAIR, "--left-length", "0.89", "--right-radius", "0.01", "--left-radius", "0.11"),
-        "the longer rod or string would hit the shorter ball before the balls meet",
+        "the right rod or string would hit the left ball before the balls meet",
     ),
     (
         but(PAIR, "--left-radius", "1"),

@@ -19,9 +19,10 @@ from latolato.numerics.host_entry import (
 )
 from latolato.numerics.integrate import prepared_runs
 from latolato.numerics.kernels import ALLOWED_ERROR, BEGIN, SHAKE, kernel_of
-from latolato.numerics.prepare import PROBLEMS, cases_of, choose_stepper
-from latolato.numerics.records import segment_dtype, segment_records
+from latolato.numerics.prepare import cases_of, choose_stepper
+from latolato.numerics.records import PROBLEM, segment_dtype, segment_records
 from latolato.physics.contacts import ExactContact
+from latolato.physics.problems import FINE
 
 BALL = ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.02)
 ROUGH = ll.Ball(length=0.95, mass=0.5, radius=0.08, quadratic_damping=0.1)
@@ -76,27 +77,31 @@ def test_a_run_begins_as_pythons_does(name):
     angles = (0.8, -0.5)[: system.angles]
     given = {"angles": angles, "velocities": (0.3, -0.2), "duration": 10.0, "tolerance": 1e-10}
     case = cases_of(system, ExactContact(), **given)
-    segments, problem = segment_records(drive, 10.0), np.zeros(1, dtype=np.int64)
-    run = np.zeros_like(prepared_runs(case, choose_stepper(system))[0])
+    segments, problem = segment_records(drive, 10.0), np.zeros(1, dtype=PROBLEM)
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    expected = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),
+                             choose_stepper(system))  # fmt: skip
+    run = np.zeros_like(expected)
     words = np.array(words_of(Beginning(case, segments, run, problem), empty_beginning()))
     kernel_of(BEGIN).call(words.ctypes.data)
-    bounds = drive.largest_acceleration, drive.fastest_frequency
-    expected, _ = prepared_runs(cases_of(system, ExactContact(), bounds=bounds, **given),
-                                choose_stepper(system))  # fmt: skip
-    assert PROBLEMS[problem[0]] == "fine"
+    assert problem["number"] == FINE
     assert run.tobytes() == expected.tobytes()
 
 
 @pytest.mark.parametrize("change, said", [
-    ({"radius": 1.0}, "radius"), ({"radius": 0.5}, "overlap"),
-    ({"damping": math.inf}, "out of range"), ({"damping": 1e12}, "too many steps"),
+    ({"radius": 1.0}, r"radius must lie in \[0, length\), got 1"),
+    ({"radius": 0.5}, r"initial_angle must lie between the contact angles \[0\.52.*, got 0\.4"),
+    ({"damping": math.inf}, "leave the range of floats"),
+    ({"damping": 1e12}, r"would take 4\.97e\+13 steps of 2\.01e-13 s"),
 ])  # fmt: skip
-def test_what_makes_no_sense_is_said_by_a_number(change, said):
+@pytest.mark.parametrize("compiled", [True, False])
+def test_what_makes_no_sense_is_refused(change, said, compiled):
     case = cases_of(SYSTEMS["toy"], ExactContact(), angles=(0.4,), duration=10.0, tolerance=1e-10,
                     bounds=(0.0, 0.0))  # fmt: skip
     for name, value in change.items():
         case["balls"][name][0, 0] = value
-    assert PROBLEMS[prepared_runs(case, choose_stepper(SYSTEMS["toy"]))[1]] == said
+    with pytest.raises(ll.InputError, match=said):
+        prepared_runs(case, choose_stepper(SYSTEMS["toy"]), compiled=compiled)
 
 
 def test_the_ledgers_allowance_is_that_of_a_run():

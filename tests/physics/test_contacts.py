@@ -154,19 +154,22 @@ class TestRefusals:
 
     def test_rod_that_hits_the_shorter_ball_first(self):
         # asin(0.3/0.7) = 0.443 > Theta = acos((1 + 0.49 - 0.16^... )/1.4) of these balls.
-        with pytest.raises(ValueError, match="longer rod or string would hit the shorter ball"):
+        with pytest.raises(ValueError, match="right rod or string would hit the left ball"):
             self.pair(1.0, 0.7, 0.01, 0.3)
 
     def test_shorter_rod_that_hits_the_longer_ball_first(self):
         # asin(0.5/1.05) = 0.4963 > Theta = 0.4903: the rod of length 1 reaches beyond the tangent
         # point at sqrt(1.05^2 - 0.5^2) = 0.923. One that ends before it is fine.
-        for lengths in ((1.0, 1.05, 0.0, 0.5), (1.05, 1.0, 0.5, 0.0)):
-            with pytest.raises(ValueError, match="shorter rod or string would hit the longer ball"):
+        for one, hit, lengths in (
+            ("right", "left", (1.0, 1.05, 0.0, 0.5)),
+            ("left", "right", (1.05, 1.0, 0.5, 0.0)),
+        ):
+            with pytest.raises(ValueError, match=f"{one} rod or string would hit the {hit} ball"):
                 self.pair(*lengths)
         assert self.pair(0.9, 1.05, 0.0, 0.5).contact_separation > 0.0
 
     def test_swapping_the_balls_changes_nothing(self):
-        with pytest.raises(ValueError, match="longer rod or string would hit the shorter ball"):
+        with pytest.raises(ValueError, match="left rod or string would hit the right ball"):
             self.pair(0.7, 1.0, 0.3, 0.01)
 
     def test_equal_balls_of_any_radius_below_the_length_are_fine(self):

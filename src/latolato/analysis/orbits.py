@@ -117,7 +117,7 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
                 way_out="give a start on the attractor, from a run",
             )
         angle = 0.0 if system.angles == 1 else (0.0, 0.0)
-    begun = checked_start(system, flow.walls, angle, velocity, offset)
+    begun = checked_start(system, flow.contact, angle, velocity, offset)
     return np.array([x for pair in zip(begun.angles, begun.velocities, strict=True) for x in pair])
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.numerics.integrate import Start
 from latolato.physics.pendulum import BallPair, LatoLato, System
-from latolato.simulation.start import checked_contact, checked_start, walls_of
+from latolato.simulation.start import checked_contact, checked_start
 
 
 def hanging_angles(system: System) -> tuple[float, ...]:
@@ -40,8 +40,7 @@ def single_start(
     system: System, angle: Any, velocity: Any, offset: Any, contact: Any = "exact"
 ) -> Start:
     """Return the checked start of one motion."""
-    walls = walls_of(system, checked_contact(contact, system))
-    return checked_start(system, walls, angle, velocity, offset)
+    return checked_start(system, checked_contact(contact, system), angle, velocity, offset)
 
 
 def start_columns(system: System, angles: Any, velocities: Any) -> dict[str, Any]:

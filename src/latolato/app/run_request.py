@@ -18,7 +18,7 @@ from latolato.core.registry import suggest
 from latolato.numerics.integrate import choose_step
 from latolato.scenario.options import changes, law_options
 from latolato.scenario.scenario import Scenario, changed_tables, shipped
-from latolato.simulation.start import checked_contact, checked_start, walls_of
+from latolato.simulation.start import checked_contact, checked_start
 
 # Numbers of one list: more are not typed into a form, nor stand in a URL.
 MOST_LISTED = 10_000
@@ -140,10 +140,9 @@ def check_size(scenario: Scenario) -> None:
             f"must not exceed {MOST_SECONDS:g} s here", parameter="duration", value=end
         )
     system, drive = scenario.system, scenario.drive
-    walls = walls_of(system, checked_contact(run.get("contact", "exact"), system))
     start = checked_start(
         system,
-        walls,
+        checked_contact(run.get("contact", "exact"), system),
         run.get("initial_angle"),
         run.get("initial_angular_velocity", 0.0),
         run.get("initial_offset"),

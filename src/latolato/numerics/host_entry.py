@@ -14,7 +14,7 @@ import numpy as np
 
 from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.prepare import has_nonsmooth_drag, prepare
-from latolato.numerics.records import CASE, Floats, Integers, Records, segment_dtype
+from latolato.numerics.records import CASE, PROBLEM, Floats, Integers, Records, segment_dtype
 from latolato.numerics.run_record import Run, run_dtype
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN
 from latolato.physics.drives import drives
@@ -59,7 +59,7 @@ class Beginning(NamedTuple):
     case: Records
     segments: Records  # shape (segment,)
     run: Records
-    problem: Integers  # one of `prepare.PROBLEMS`
+    problem: Records
 
 
 def empty_shaking() -> Shaking:
@@ -72,7 +72,7 @@ def empty_beginning() -> Beginning:
     """Return arrays of the kinds that beginning a run takes."""
     return Beginning(
         np.zeros(0, dtype=CASE), np.zeros(0, dtype=segment_dtype()), np.zeros(0, dtype=run_dtype()),
-        np.zeros(0, dtype=np.int64),
+        np.zeros(0, dtype=PROBLEM),
     )  # fmt: skip
 
 
@@ -119,7 +119,7 @@ def make_begin(part: Part = as_it_stands) -> Callable[[Any], None]:
     def begin(work: Beginning) -> None:
         case, run = work.case[0], work.run[0]
         case.is_nonsmooth = 1 if has_nonsmooth_drag(case.balls, case.angles) else 0
-        work.problem[0] = prepare(case, work.segments, run.settings, run.bodies, run.state)
+        prepare(case, work.segments, run.settings, run.bodies, run.state, work.problem[0])
         if case.is_nonsmooth != 0:
             write_weights(run, *rough)
         else:

@@ -49,6 +49,7 @@ from latolato.numerics.run_record import Output, State, as_objects, run_dtype, w
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
+from latolato.physics import problems
 from latolato.physics.contacts import ContactLaw, ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import (
@@ -124,11 +125,18 @@ def choose_step(
     tolerance: float,
     law: ContactLaw = _EXACT,
     *,
+    duration: float = 0.0,
     compiled: bool = True,
 ) -> float:
-    """Return the step [s] for a tolerance; see `latolato.numerics.prepare`."""
-    case = _case_of(system, drive, start, 0.0, law, tolerance=tolerance)
-    runs, _ = prepared_runs(case, choose_stepper(system), compiled=compiled)
+    """Return the step [s] for a tolerance; see `latolato.numerics.prepare`.
+
+    Raises
+    ------
+    InputError
+        If a run of this duration [s] would take too many.
+    """
+    case = _case_of(system, drive, start, duration, law, tolerance=tolerance)
+    runs = prepared_runs(case, choose_stepper(system), compiled=compiled)
     return float(runs["settings"]["step"][0])
 
 
@@ -217,8 +225,8 @@ def prepared_runs(
     segment: np.dtype[Any] | None = None,
     *,
     compiled: bool = True,
-) -> tuple[NDArray[Any], int]:
-    """Return the record of a run at time zero, of shape (1,), and what is wrong with its case.
+) -> NDArray[Any]:
+    """Return the record of a run at time zero, of shape (1,).
 
     Parameters
     ----------
@@ -226,18 +234,26 @@ def prepared_runs(
         With its drive's bounds.
     segment : dtype, optional
         The layout of the drive's segments, if it is not the usual one.
+
+    Raises
+    ------
+    InputError
+        With what is wrong with the case.
     """
     runs = np.zeros(1, dtype=run_dtype(segment))
-    none, problems = empty_cases(), np.zeros(1, dtype=np.int64)
+    none, reported = empty_cases(), np.zeros(1, dtype=records.PROBLEM)
     prepare_cases(
         Cases(
             cases, none.segments, np.zeros(2, dtype=np.int64), runs["settings"], runs["bodies"],
-            runs["state"], problems,
+            runs["state"], reported,
         ),
         compiled=compiled,
     )  # fmt: skip
+    problem = reported[0]
+    if problem["number"] != problems.FINE:
+        raise problems.refusal(problem["number"], problem["values"])
     write_stepper(runs, stepper)
-    return runs, int(problems[0])
+    return runs
 
 
 def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
@@ -246,12 +262,12 @@ def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
         words = np.array(words_of(work, empty_cases()))
         kernel_of(PREPARE).call(words.ctypes.data)
         return
-    records: tuple[NDArray[Any], ...] = work.settings, work.states
+    records: tuple[NDArray[Any], ...] = work.settings, work.states, work.problems
     objects = [as_objects(each) for each in records]
-    bodies = [as_objects(row) for row in work.bodies]
+    bodies: Any = [as_objects(row) for row in work.bodies]
     make_prepare()(work._replace(
         cases=as_objects(work.cases), segments=as_objects(work.segments),
-        settings=objects[0], bodies=bodies, states=objects[1],
+        settings=objects[0], bodies=bodies, states=objects[1], problems=objects[2],
     ))  # fmt: skip
     for item, record in zip((*objects, *bodies), (*records, *work.bodies), strict=True):
         write_back(item, record)
@@ -315,7 +331,7 @@ def integrate(
         angles, *motion_laws(system, drive, in_plane=in_plane), segment=segments.dtype,
         motion=law.motion, compiled=compiled, formulas=formulas,
     )  # fmt: skip
-    runs, _ = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
+    runs = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
     state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
         segments,

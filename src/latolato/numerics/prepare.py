@@ -16,16 +16,28 @@ from numpy.typing import NDArray
 
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.records import BODY, CASE, SETTINGS, ball_record, segment_dtype
-from latolato.numerics.run_record import (
-    STATE,
-    UNSETTLED,
+from latolato.numerics.records import (
+    BODY,
+    CASE,
+    PROBLEM,
+    SETTINGS,
+    Body,
+    Case,
+    Floats,
+    Integers,
+    Problem,
+    Records,
+    Settings,
+    ball_record,
+    segment_dtype,
 )
+from latolato.numerics.run_record import STATE, UNSETTLED, State
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
-from latolato.physics.contacts import FINE, ContactLaw, meeting
+from latolato.physics import problems
+from latolato.physics.contacts import ContactLaw, half_width, meeting
 from latolato.physics.drives.segment import fastest_frequency, largest_acceleration
 from latolato.physics.pair import joint_inverse_length, runs_through
-from latolato.physics.pendulum import System
+from latolato.physics.pendulum import Ball, System
 
 # Step in units of 1/(fastest angular rate) at tolerance 1; the error goes as step^6. Measured in
 # benchmarks/steps.py: of the regular, undamped 300 s runs over the paper's map 90 percent have an
@@ -45,13 +57,6 @@ ON_WALL = 1e-12  # rad
 # Hours of computing; beyond it the input is taken for a mistake.
 MOST_STEPS = 1e10
 
-# What can be wrong with a case, beside the problems of `physics.contacts`.
-RADIUS, OVERLAP, UNLIKE, TOO_LONG, OUT_OF_RANGE = 5, 6, 7, 8, 9
-PROBLEMS = (
-    "fine", "never meet", "too large", "left rod hits", "right rod hits", "radius", "overlap",
-    "not mirrored", "too many steps", "out of range",
-)  # fmt: skip
-
 
 class Cases(NamedTuple):
     """Cases to prepare, and what becomes of them; the first dimension is the case unless noted.
@@ -66,27 +71,26 @@ class Cases(NamedTuple):
     firsts : ndarray, shape (case + 1,)
     settings, bodies, states : ndarray
         Records of shapes (case,), (case, body) and (case,), zero before.
-    problems : ndarray of int
-        Numbers of `PROBLEMS`; a case with one is left out.
+    problems : ndarray
+        Records of `PROBLEM`; a case with one from before is left out.
     """
 
-    cases: Any
-    segments: Any
-    firsts: Any
-    settings: Any
-    bodies: Any
-    states: Any
-    problems: Any
+    cases: Records
+    segments: Records
+    firsts: Integers
+    settings: Records
+    bodies: Records
+    states: Records
+    problems: Records
 
 
 @functools.cache
 def empty_cases() -> Cases:
     """Return no cases, in arrays of the kinds that cases have."""
-    numbers = np.zeros(0, dtype=np.int64)
     return Cases(
-        np.zeros(0, dtype=CASE), np.zeros(0, dtype=segment_dtype()), numbers,
+        np.zeros(0, dtype=CASE), np.zeros(0, dtype=segment_dtype()), np.zeros(0, dtype=np.int64),
         np.zeros(0, dtype=SETTINGS), np.zeros((0, 4), dtype=BODY), np.zeros(0, dtype=STATE),
-        numbers,
+        np.zeros(0, dtype=PROBLEM),
     )  # fmt: skip
 
 
@@ -118,7 +122,7 @@ def step_for(rate: float, tolerance: float, is_nonsmooth: bool) -> float:
 
 
 @formula
-def has_nonsmooth_drag(balls: Any, count: int) -> bool:
+def has_nonsmooth_drag(balls: Sequence[Ball], count: int) -> bool:
     """Return whether the drag of any ball is not linear in its velocity."""
     for i in range(count):
         if balls[i].quadratic_damping > 0.0 or balls[i].coulomb_damping > 0.0:
@@ -127,7 +131,7 @@ def has_nonsmooth_drag(balls: Any, count: int) -> bool:
 
 
 @formula
-def body_record(ball: Any) -> tuple[float, float, float, float, float, float, float]:
+def body_record(ball: Ball) -> tuple[float, float, float, float, float, float, float]:
     """Return one ball's numbers in the order of `BODY`."""
     l, m = ball.length, ball.mass
     return (
@@ -142,14 +146,14 @@ def body_record(ball: Any) -> tuple[float, float, float, float, float, float, fl
 
 
 @formula
-def _write_body(body: Any, numbers: Any) -> None:
+def _write_body(body: Body, numbers: Any) -> None:
     """Write the numbers of a body in the order of `BODY`."""
     body.inverse_length, body.damping_rate, body.quadratic, body.coulomb = numbers[:4]
     body.inertia, body.wind_drag, body.wind_offset = numbers[4:]
 
 
 @formula
-def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
+def _write_joint(body: Body, right: Body, left: Body, separation: float) -> float:
     """Write the body that two balls form in sticking contact; return its angle offset [rad]."""
     one, other = right.inertia, left.inertia
     total = one + other
@@ -170,74 +174,121 @@ def _write_joint(body: Any, right: Any, left: Any, separation: float) -> float:
 
 
 @formula
-def _clamped(value: float, low: float, high: float) -> float:
-    """Return the value, moved into a range."""
-    return min(max(value, low), high)
+def _gap(angles: Floats, count: int) -> float:
+    """Return the angle of one ball, or the separation of two [rad]."""
+    return float(angles[0] - angles[1] if count == 2 else angles[0])
 
 
 @formula
-def _geometry(case: Any) -> tuple[float, float, int]:
-    """Return the two angles or separations of contact [rad] and the number of a problem."""
-    for i in range(case.angles):
-        if not 0.0 <= case.balls[i].radius < case.balls[i].length:
-            return 0.0, math.pi, RADIUS
+def move_between(angles: Floats, count: int, low: float, high: float) -> None:
+    """Move the angle of one ball between the walls, or the separation of two by both [rad]."""
+    gap = _gap(angles, count)
+    inside = min(max(gap, low), high)
+    if count == 1:
+        angles[0] = inside
+    else:
+        angles[0] += 0.5 * (inside - gap)
+        angles[1] -= 0.5 * (inside - gap)
+
+
+@formula
+def _report(problem: Problem, number: int, values: tuple[float, ...]) -> None:
+    """Write the number of a problem and the values that its rule names."""
+    problem.number = number
+    for i in range(len(values)):
+        problem.values[i] = values[i]
+
+
+@formula
+def _geometry(case: Case, problem: Problem) -> tuple[float, float]:
+    """Return the two angles or separations of contact [rad]; report what is wrong with them."""
     right, left = case.balls[0], case.balls[1]
-    if case.angles == 2:
-        separation, problem = meeting(right.length, left.length, right.radius, left.radius)
-        return separation, math.tau - separation, problem
-    low = math.asin(right.radius / right.length)
-    return low, math.pi - low, FINE
+    for i in range(case.angles):
+        ball = case.balls[i]
+        if not 0.0 <= ball.radius < ball.length:
+            number = problems.RADIUS if case.angles == 1 else problems.RIGHT_RADIUS + i
+            _report(problem, number, (ball.radius, ball.length))
+            return 0.0, math.pi
+    if case.angles == 1:
+        low = half_width(right.length, right.radius)
+        return low, math.pi - low
+    l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
+    separation, width, number = meeting(l1, l2, r1, r2)
+    if number != problems.FINE:
+        _report(problem, number, (l1, l2, r1, r2, width, separation))
+    return separation, math.tau - separation
 
 
 @formula
-def _start(case: Any, touch: float, low: float, high: float) -> tuple[float, float, int]:
-    """Return the angles at time zero [rad], and what is wrong with them.
-
-    `touch` is the low contact angle, `low` and `high` are the walls, if there are any.
-    """
-    right, left, two = case.initial_angle[0], case.initial_angle[1], case.angles == 2
+def _place(case: Case, state: State) -> None:
+    """Write the start as it is given, whatever may be wrong with it."""
+    ball, touch = case.balls[0], 0.0
+    for i in range(case.angles):
+        state.angle[i] = case.initial_angle[i]
+        state.velocity[i] = case.initial_angular_velocity[i]
     if not math.isnan(case.initial_offset):
-        right = touch + case.initial_offset
-    if case.is_exact != 0:
-        return right, left, FINE
-    gap = right - left if two else right
-    if case.clamps_start != 0:
-        inside = _clamped(gap, low, high)
-        right = right + 0.5 * (inside - gap) if two else inside
-        left = left - 0.5 * (inside - gap) if two else left
-        gap = right - left if two else right
+        if 0.0 <= ball.radius < ball.length:
+            touch = half_width(ball.length, ball.radius)
+        state.angle[0] = touch + case.initial_offset
+
+
+@formula
+def _check_walls(case: Case, low: float, high: float, state: State, problem: Problem) -> None:
+    """Move a start close to a wall onto it; report one beyond."""
+    gap = _gap(state.angle, case.angles)
     if not low - ON_WALL <= gap <= high + ON_WALL:
-        return right, left, OVERLAP
+        number, value, least, most = problems.ANGLE, gap, low, high
+        if case.angles == 2:
+            number = problems.SEPARATION
+        if not math.isnan(case.initial_offset):
+            number, value, least, most = problems.OFFSET, case.initial_offset, 0.0, high - low
+        radians = value * (math.pi / 180.0)
+        # Each of these problems is followed by that of a value in degrees.
+        if value > math.pi and least <= radians <= most:
+            number += 1
+        _report(problem, number, (value, least, most, radians))
+        return
     for wall in (low, high):
         if abs(gap - wall) <= ON_WALL:
-            right = right + (wall - gap) if two else wall
-            break
-    return right, left, FINE
+            if case.angles == 1:
+                state.angle[0] = wall
+            else:
+                state.angle[0] += wall - gap
+            return
 
 
 @formula
-def _is_apart(case: Any, state: Any) -> bool:
-    """Return whether no ball overlaps the other one or its taut string, where a string is slack."""
-    d0, d1 = case.balls[0].length, case.balls[1].length
+def _check_apart(case: Case, state: State, problem: Problem) -> None:
+    """Report balls that overlap each other or a taut string where a string is slack.
+
+    One ball has its mirror image beside it. How a slack string hangs is not described, so it may
+    lie anywhere.
+    """
+    two = case.angles == 2
+    gap = _gap(state.angle, case.angles)
+    if not 0.0 <= gap <= (math.tau if two else math.pi):
+        _report(problem, problems.TURN if two else problems.HALF_TURN, (gap,))
+        return
+    i, gap = (1, gap) if two else (0, 2.0 * gap)
+    d0, d1 = case.balls[0].length, case.balls[i].length
     if state.is_slack[0] != 0:
         d0 = case.initial_distance[0]
-    if state.is_slack[1] != 0:
-        d1 = case.initial_distance[1]
-    r0, r1, angle = case.balls[0].radius, case.balls[1].radius, state.angle[0]
-    if case.angles == 1:
-        return bool(0.0 <= angle <= math.pi and d0 * sine(angle) >= r0 * (1.0 - ON_WALL))
-    gap = angle - state.angle[1]
+    if state.is_slack[i] != 0:
+        d1 = case.initial_distance[i]
+    r0, r1 = case.balls[0].radius, case.balls[i].radius
     along, beside, half = cosine(gap), sine(gap), sine(0.5 * gap)
-    if state.is_slack[0] == 0 and runs_through(d0, d1 * along, d1 * beside, r1):
-        return False
-    if state.is_slack[1] == 0 and runs_through(d1, d0 * along, d0 * beside, r0):
-        return False
     apart = math.sqrt((d0 - d1) ** 2 + 4.0 * d0 * d1 * half * half)
-    return bool(0.0 <= gap <= math.tau and apart >= (r0 + r1) * (1.0 - ON_WALL))
+    if apart < (r0 + r1) * (1.0 - ON_WALL):
+        _report(problem, problems.OVERLAP, (r0 + r1, apart))
+    elif two and (
+        (state.is_slack[0] == 0 and runs_through(d0, d1 * along, d1 * beside, r1))
+        or (state.is_slack[1] == 0 and runs_through(d1, d0 * along, d0 * beside, r0))
+    ):
+        problem.number = problems.STRING_HITS
 
 
 @formula
-def _hang(state: Any, i: int, distance: float, length: float) -> None:
+def _hang(state: State, i: int, distance: float, length: float) -> None:
     """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
     if distance < length:
         s, c, speed = sine(state.angle[i]), cosine(state.angle[i]), distance * state.velocity[i]
@@ -247,11 +298,11 @@ def _hang(state: Any, i: int, distance: float, length: float) -> None:
 
 
 @formula
-def _is_mirrored(case: Any, right_angle: float, left_angle: float) -> bool:
+def _is_mirrored(case: Case, state: State) -> bool:
     """Return whether two equal balls begin as mirror images of each other."""
     right, left, velocity = case.balls[0], case.balls[1], case.initial_angular_velocity
     return bool(
-        right_angle == -left_angle
+        state.angle[0] == -state.angle[1]
         and velocity[0] == -velocity[1]
         and right.length == left.length
         and right.mass == left.mass
@@ -263,7 +314,7 @@ def _is_mirrored(case: Any, right_angle: float, left_angle: float) -> bool:
 
 
 @formula
-def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
+def _rate(case: Case, bodies: Records, bound: float, frequency: float) -> float:
     """Return the fastest angular rate that is known beforehand [rad/s]."""
     speed, rate = case.speed, case.law_rate
     for i in range(case.angles):
@@ -276,11 +327,56 @@ def _rate(case: Any, bodies: Any, bound: float, frequency: float) -> float:
 
 
 @formula
-def prepare(case: Any, segments: Any, settings: Any, bodies: Any, state: Any) -> int:
-    """Fill the settings, bodies and state of a case; return what is wrong with it."""
-    touch, high, problem = _geometry(case)
-    if problem != FINE:
-        return problem
+def _check_start(case: Case, low: float, high: float, state: State, problem: Problem) -> None:
+    """Let balls begin on slack strings and on walls that they are close to; report the rest."""
+    if case.clamps_start != 0:
+        move_between(state.angle, case.angles, low, high)
+    for i in range(case.angles):
+        distance, length = case.initial_distance[i], case.balls[i].length
+        _hang(state, i, distance, length)
+        if distance > length:
+            number = problems.DISTANCE if case.angles == 1 else problems.RIGHT_DISTANCE + i
+            _report(problem, number, (distance, length))
+            return
+        if distance <= 0.0:
+            problem.number = problems.OUT_OF_RANGE
+            return
+    if case.is_exact == 0:
+        if state.is_slack[0] == 0 and state.is_slack[1] == 0:
+            _check_walls(case, low, high, state, problem)
+        elif case.collides != 0:
+            _check_apart(case, state, problem)
+    is_asked = case.angles == 2 and case.mirrored != 0
+    if is_asked and problem.number == problems.FINE and not _is_mirrored(case, state):
+        problem.number = problems.NOT_MIRRORED
+
+
+@formula
+def _is_computable(case: Case, bodies: Records, step: float) -> bool:
+    """Return whether all numbers of a run are within the range of floats."""
+    for i in range(case.angles):
+        b = bodies[i]
+        if not math.isfinite(
+            b.inverse_length + b.damping_rate + b.quadratic + b.coulomb + b.inertia
+        ):
+            return False
+    return step > 0.0 and math.isfinite(step)
+
+
+@formula
+def prepare(
+    case: Case,
+    segments: Records,
+    settings: Settings,
+    bodies: Records,
+    state: State,
+    problem: Problem,
+) -> None:
+    """Fill the settings, bodies and state of a case; report what is wrong with it."""
+    _place(case, state)
+    touch, high = _geometry(case, problem)
+    if problem.number != problems.FINE:
+        return
     for i in range(case.angles):
         _write_body(bodies[i], body_record(case.balls[i]))
     if case.angles == 2:
@@ -305,36 +401,16 @@ def prepare(case: Any, segments: Any, settings: Any, bodies: Any, state: Any) ->
     settings.law[0], settings.law[1] = case.law[0], case.law[1]
     settings.is_string, settings.in_lab = case.is_string, case.in_lab
     settings.string_restitution = case.string_restitution
-    right, left, problem = _start(case, touch, settings.low, settings.high)
-    state.mode, state.angle[0] = UNSETTLED, right
-    state.compression_start[0] = state.compression_start[1] = math.nan
-    state.slack_start[0] = state.slack_start[1] = math.nan
-    state.velocity[0] = case.initial_angular_velocity[0]
-    if case.angles == 2:
-        state.angle[1], state.velocity[1] = left, case.initial_angular_velocity[1]
     for i in range(case.angles):
         settings.radius[i] = case.balls[i].radius
-        _hang(state, i, case.initial_distance[i], case.balls[i].length)
-        if not (math.isnan(case.initial_distance[i]) or case.initial_distance[i] > 0.0):
-            return OVERLAP
-        if case.initial_distance[i] > case.balls[i].length:
-            return OVERLAP
-    if case.is_exact == 0 and (state.is_slack[0] != 0 or state.is_slack[1] != 0):
-        problem = FINE if case.collides == 0 or _is_apart(case, state) else OVERLAP
-    is_asked = case.angles == 2 and problem == FINE and case.mirrored != 0
-    if is_asked and not _is_mirrored(case, right, left):
-        return UNLIKE
-    for i in range(case.angles):
-        b = bodies[i]
-        if not math.isfinite(
-            b.inverse_length + b.damping_rate + b.quadratic + b.coulomb + b.inertia
-        ):
-            return OUT_OF_RANGE
-    if not (step > 0.0 and math.isfinite(step)):
-        return OUT_OF_RANGE
-    if problem == FINE and not case.duration <= MOST_STEPS * step:
-        return TOO_LONG
-    return problem
+    state.mode = UNSETTLED
+    state.compression_start[0] = state.compression_start[1] = math.nan
+    state.slack_start[0] = state.slack_start[1] = math.nan
+    _check_start(case, settings.low, settings.high, state, problem)
+    if problem.number == problems.FINE and not _is_computable(case, bodies, step):
+        problem.number = problems.OUT_OF_RANGE
+    if problem.number == problems.FINE and not case.duration <= MOST_STEPS * step:
+        _report(problem, problems.TOO_LONG, (case.duration / step, step, MOST_STEPS))
 
 
 def cases_of(
@@ -400,10 +476,12 @@ def make_prepare(part: Part = as_it_stands) -> Callable[[Any], None]:
 
     def prepare_all(work: Cases) -> None:
         for k in range(len(work.cases)):
-            if work.problems[k] == FINE:
+            case, state, problem = work.cases[k], work.states[k], work.problems[k]
+            if problem.number == problems.FINE:
                 segments = work.segments[work.firsts[k] : work.firsts[k + 1]]
-                work.problems[k] = prepare(
-                    work.cases[k], segments, work.settings[k], work.bodies[k], work.states[k]
-                )
+                prepare(case, segments, work.settings[k], work.bodies[k], state, problem)
+            # In a continuation the next point begins where one that cannot run would.
+            if problem.number != problems.FINE:
+                _place(case, state)
 
     return part(prepare_all)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from latolato.physics.drives import Drive, Segment
 from latolato.physics.pendulum import Ball
+from latolato.physics.problems import MOST_VALUES
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -110,6 +111,16 @@ class Case(Protocol):
 
 
 CASE = layout_of(Case)
+
+
+class Problem(Protocol):
+    """What is wrong with a case: one of `latolato.physics.problems`, and what its rule names."""
+
+    number: int
+    values: Annotated[Floats, MOST_VALUES]
+
+
+PROBLEM = layout_of(Problem)
 
 
 def segment_records(drive: Drive, duration: float) -> NDArray[Any]:

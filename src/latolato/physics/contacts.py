@@ -10,6 +10,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, quantity_field
 from latolato.core.registry import Registry, check_fields
 from latolato.core.scalar import formula
+from latolato.physics import problems
 
 contact_laws: Registry[type] = Registry("contact law")
 
@@ -109,18 +110,20 @@ class PassThrough(ContactLaw):
 def check_radius(radius: float, length: float) -> None:
     """Raise InputError unless 0 <= radius < length."""
     if not 0.0 <= radius < length:
-        raise InputError(
-            "must lie in [0, length)",
-            parameter="radius",
-            value=radius,
-            way_out=f"give less than {length:g}",
-        )
+        raise problems.refusal(problems.RADIUS, (radius, length))
 
 
-# What can be wrong with two balls.
-FINE, NEVER_MEET, TOO_LARGE, LEFT_ROD_HITS, RIGHT_ROD_HITS = range(5)
 # Lengths that differ by the sum of the radii but for rounding; a share of their sum.
 _ROUNDING = 1e-15
+
+
+@formula
+def half_width(length: float, radius: float) -> float:
+    """Return half the angle that a ball fills as seen from the pivot [rad].
+
+    Two equal balls side by side touch where this is the angle of each.
+    """
+    return math.asin(radius / length)
 
 
 @formula
@@ -132,25 +135,28 @@ def _is_hit(length: float, radius: float, other_length: float, separation: float
     """
     tangent = math.sqrt((length - radius) * (length + radius))
     # Equal balls have a half width of separation/2: only truly unequal ones can be hit.
-    return bool(other_length >= tangent and math.asin(radius / length) > separation)
+    return bool(other_length >= tangent and half_width(length, radius) > separation)
 
 
 @formula
-def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, int]:
+def meeting(l1: float, l2: float, r1: float, r2: float) -> tuple[float, float, int]:
     """Return the angle between balls that touch at the bottom [rad], and what is wrong.
 
     Arguments are the lengths and radii of the right and the left ball. See `contact_separation`.
+    The second number is the half width [rad] of a ball that a rod or string hits.
     """
     reach = r1 + r2
     if l1 != l2 and reach - abs(l1 - l2) <= _ROUNDING * (l1 + l2):
-        return 0.0, NEVER_MEET
+        return 0.0, 0.0, problems.NEVER_MEET
     sine = math.sqrt((reach * reach - (l1 - l2) ** 2) / (4.0 * l1 * l2))
     if not sine < 1.0:
-        return 0.0, TOO_LARGE
+        return 0.0, 0.0, problems.TOO_LARGE
     separation = 2.0 * math.asin(sine)
     if _is_hit(l1, r1, l2, separation):
-        return separation, LEFT_ROD_HITS
-    return separation, RIGHT_ROD_HITS if _is_hit(l2, r2, l1, separation) else FINE
+        return separation, half_width(l1, r1), problems.LEFT_ROD_HITS
+    if _is_hit(l2, r2, l1, separation):
+        return separation, half_width(l2, r2), problems.RIGHT_ROD_HITS
+    return separation, 0.0, problems.FINE
 
 
 def contact_separation(right: Any, left: Any) -> float:
@@ -166,31 +172,10 @@ def contact_separation(right: Any, left: Any) -> float:
         or string at least ``sqrt(l^2 - r^2)`` long touches the other ball at the separation
         ``asin(r/l)``.
     """
-    l1, l2, r1, r2 = right.length, left.length, right.radius, left.radius
-    separation, problem = meeting(l1, l2, r1, r2)
-    if problem == NEVER_MEET:
-        raise InputError(
-            "the balls never meet: the lengths must differ by less than the sum of the radii, "
-            f"got lengths {l1:g} and {l2:g} with radii {r1:g} and {r2:g}"
-        )
-    if problem == TOO_LARGE:
-        raise InputError(
-            f"the balls are too large to hang side by side: radii {r1:g} and {r2:g} "
-            f"for lengths {l1:g} and {l2:g}"
-        )
-    if problem != FINE:
-        ball, other = (right, left) if problem == LEFT_ROD_HITS else (left, right)
-        one, hit = "smaller ball's", "larger"
-        if other.length != ball.length:
-            one, hit = "longer", "shorter"
-        if other.length < ball.length:
-            one, hit = hit, one
-        half_width = math.asin(ball.radius / ball.length)
-        raise InputError(
-            f"the {one} rod or string would hit the {hit} ball before the balls meet: "
-            f"asin(radius/length) = {half_width:g} rad of the {hit} one exceeds the contact "
-            f"separation {separation:g} rad; make the other ball larger"
-        )
+    shape = right.length, left.length, right.radius, left.radius
+    separation, width, problem = meeting(*shape)
+    if problem != problems.FINE:
+        raise problems.refusal(problem, (*shape, width, separation))
     return separation
 
 

@@ -246,7 +246,7 @@ class LatoLato(OneBall):
     @property
     def contact_angle_low(self) -> float:
         """Angle at which the balls touch at the bottom [rad], asin(radius/length)."""
-        return math.asin(self.radius / self.length)
+        return contacts.half_width(self.length, self.radius)
 
     @property
     def contact_angle_high(self) -> float:

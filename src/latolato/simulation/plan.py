@@ -12,7 +12,6 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.registry import check_increasing, checked_array, in_unit
 from latolato.numerics.integrate import Floats, Start, choose_step
-from latolato.numerics.prepare import MOST_STEPS
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
@@ -25,7 +24,6 @@ from latolato.simulation.start import (
     checked_start,
     checked_system,
     kicks_of,
-    walls_of,
     warn_of_degrees,
 )
 
@@ -93,7 +91,7 @@ def make_run_plan(
     instants, end = _checked_times(system, drive, times, duration)
     start = checked_start(
         system,
-        walls_of(system, law),
+        law,
         initial_angle,
         initial_angular_velocity,
         initial_offset,
@@ -108,12 +106,7 @@ def make_run_plan(
             value=law.fixed_step,
             way_out="a thousandth of a second is usual",
         )
-    step = choose_step(system, drive, start, tolerance, law)
-    if end / step > MOST_STEPS:
-        raise InputError(
-            f"the run would take {end / step:.3g} steps of {step:.3g} s, the limit is "
-            f"{MOST_STEPS:.0e}: shorten the duration, loosen the tolerance or slow the motion"
-        )
+    step = choose_step(system, drive, start, tolerance, law, duration=end)
     return RunPlan(
         system=system,
         drive=drive,

@@ -12,19 +12,16 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import checked_array, checked_number, in_unit
-from latolato.numerics.integrate import Floats, Start
-from latolato.numerics.prepare import ON_WALL
+from latolato.numerics.integrate import Floats, Start, prepared_runs
+from latolato.numerics.prepare import cases_of, choose_stepper, move_between
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
-from latolato.physics.pair import runs_through
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
 DEFAULT_REST_SPEED = 1e-7  # rad/s
 # More velocity kicks than this would fill the memory.
 MOST_KICKS = 20_000_000
-# How a refusal names what two balls share.
-_SEPARATION = "the separation {parameter}[0] - {parameter}[1]"
 
 
 def checked_system(system: Any) -> System:
@@ -119,12 +116,9 @@ def walls_of(system: System, law: ContactLaw) -> tuple[float, float]:
 
 def between_walls(angles: Sequence[float] | Floats, walls: tuple[float, float]) -> Floats:
     """Return the angles of one or two balls, moved to the nearest wall if they lie beyond it."""
-    low, high = walls
-    if len(angles) == 1:
-        return np.array([min(max(angles[0], low), high)])
-    gap = angles[0] - angles[1]
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return np.array([angles[0] + shift, angles[1] - shift])
+    result = np.array(angles, dtype=np.float64)
+    move_between(result, len(result), *walls)
+    return result
 
 
 def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> tuple[float, ...]:
@@ -187,59 +181,12 @@ def checked_distances(system: System, value: Any) -> tuple[float, ...]:
         return ()
     check_strings(system, "initial_distance")
     distances = checked_numbers("initial_distance", value, system.angles, POSITIVE)
-    lengths = tuple(ball.length for ball in system.balls)
-    for i, (distance, length) in enumerate(zip(distances, lengths, strict=True)):
-        if distance > length:
-            raise InputError(
-                "must not exceed the length of the string",
-                parameter="initial_distance" if system.angles == 1 else f"initial_distance[{i}]",
-                value=distance,
-                way_out=f"give at most {length:.9g} m, at which the string is taut",
-            )
-    return distances if distances != lengths else ()
-
-
-def check_apart(system: System, angles: Sequence[float], distances: Sequence[float]) -> None:
-    """Raise InputError if two balls overlap that are this far from the pivot, or have swapped.
-
-    The left ball of a `LatoLato` is the right one's mirror image. A taut string must not run
-    through the other ball, which ends a run as well. How a slack string hangs is not described,
-    so it may lie anywhere.
-    """
-    mirrored = system.angles == 1
-    gap = 2.0 * angles[0] if mirrored else angles[0] - angles[1]
-    if not 0.0 <= gap <= 2.0 * math.pi:
-        what, most = ("{parameter}", "pi") if mirrored else (_SEPARATION, "2 pi")
-        raise InputError(
-            f"{what} must lie in [0, {most}] rad",
-            parameter="initial_angle",
-            value=float(angles[0] if mirrored else gap),
-            way_out="give one at which the balls do not overlap",
-        )
-    right, left = distances[0], distances[-1]
-    apart = math.sqrt((right - left) ** 2 + 4.0 * right * left * math.sin(0.5 * gap) ** 2)
-    reach = system.balls[0].radius + system.balls[-1].radius
-    if apart < reach * (1.0 - ON_WALL):
-        raise InputError(
-            f"the balls overlap at this {{parameter}}: their centres must be at least {reach:.9g} "
-            f"m apart, but are {apart:.9g} m apart",
-            parameter="initial_distance",
-            way_out="give other distances or angles",
-        )
-    for one, other in () if mirrored else ((0, 1), (1, 0)):
-        length, ball = system.balls[one].length, system.balls[other]
-        along, beside = distances[other] * math.cos(gap), distances[other] * math.sin(gap)
-        if distances[one] == length and runs_through(length, along, beside, ball.radius):
-            raise InputError(
-                "at this {parameter} the taut string of one ball runs through the other ball",
-                parameter="initial_distance",
-                way_out="give other distances or angles",
-            )
+    return distances if distances != tuple(ball.length for ball in system.balls) else ()
 
 
 def checked_start(
     system: System,
-    walls: tuple[float, float],
+    law: ContactLaw,
     angle: Any,
     velocity: Any,
     offset: Any,
@@ -248,58 +195,38 @@ def checked_start(
     """Return the start, moved onto a wall that it is within 1e-12 rad of.
 
     With a `distance` below the length a ball starts on a slack string, without radial velocity.
+
+    Raises
+    ------
+    InputError
+        With what `latolato.numerics.prepare` reports: balls that overlap and the like.
     """
-    low, high = walls
     if angle is None and offset is None:
         raise InputError(
             "is needed [rad] (a LatoLato also accepts initial_offset)",
             parameter="initial_angle",
         )
+    numbers: dict[str, Any] = {}
     if offset is not None:
-        above = checked_offset(system, angle, offset)
-        assert isinstance(system, LatoLato)
-        angle = system.contact_angle_low + above
+        numbers["initial_offset"] = checked_offset(system, angle, offset)
+        angle = 0.0
     velocities = checked_numbers("initial_angular_velocity", velocity, system.angles)
     distances = checked_distances(system, distance)
-    if system.angles == 1:
-        (value,) = checked_numbers("initial_angle", angle, 1)
-        what, gap = "{parameter}", value
-    else:
-        if not hasattr(angle, "__len__"):  # not even 0: the balls would overlap
-            raise InputError(
-                "of a BallPair must be two numbers (right, left)",
-                parameter="initial_angle",
-                value=angle,
-            )
-        right, left = checked_numbers("initial_angle", angle, 2)
-        what, gap = _SEPARATION, right - left
     if distances:
-        angles = (gap,) if system.angles == 1 else (right, left)
-        if math.isfinite(low):
-            check_apart(system, angles, distances)
-        return Start(angles, velocities, distances)
-    if not low - ON_WALL <= gap <= high + ON_WALL:
-        name, value, least, most = "initial_angle", float(gap), low, high
-        if offset is not None:
-            name, value, least, most = "initial_offset", float(above), 0.0, high - low
-        way_out = "give one at which the balls do not overlap"
-        if least <= math.radians(value) <= most and value > math.pi:
-            way_out = f"angles are in rad: {value:g} degrees are {math.radians(value):.6g}"
+        numbers["initial_distance"] = (*distances, math.nan)[:2]
+    if system.angles == 2 and not hasattr(angle, "__len__"):  # not even 0: the balls would overlap
         raise InputError(
-            f"{what} must lie between the contact angles [{least:.9g}, {most:.9g}] rad",
-            parameter=name,
-            value=value,
-            way_out=way_out,
+            "of a BallPair must be two numbers (right, left)",
+            parameter="initial_angle",
+            value=angle,
         )
-    shift = 0.0
-    if abs(gap - low) <= ON_WALL:
-        shift = low - gap
-    elif abs(gap - high) <= ON_WALL:
-        shift = high - gap
-    if system.angles == 1:
-        on_wall = low if abs(gap - low) <= ON_WALL else high
-        return Start((on_wall if abs(gap - on_wall) <= ON_WALL else gap,), velocities)
-    return Start((right + shift, left), velocities)
+    angles = checked_numbers("initial_angle", angle, system.angles)
+    case = cases_of(
+        system, law, angles=angles, velocities=velocities, bounds=(0.0, 0.0), tolerance=1.0,
+        **numbers,
+    )  # fmt: skip
+    state = prepared_runs(case, choose_stepper(system))["state"][0]
+    return Start(tuple(state["angle"][: system.angles].tolist()), velocities, distances)
 
 
 def warn_of_degrees(name: str, angles: Iterable[float], stacklevel: int) -> None:

@@ -26,6 +26,7 @@ from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.noise import KEY, STREAMS, VelocityKicks
 from latolato.physics.pendulum import System, systems
+from latolato.physics.problems import TRANSIENT, refusal
 from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
@@ -272,11 +273,7 @@ def make_plan(
     transient = SWEEP_PARAMETERS["transient"].checked(transient)
     periods = SWEEP_PARAMETERS["transient_periods"].checked(transient_periods)
     if transient >= length:
-        raise InputError(
-            f"must be shorter than the duration {length:g} s",
-            parameter="transient",
-            value=transient,
-        )
+        raise refusal(TRANSIENT, (transient, length))
     law = checked_contact(contact, system)
     _check_observables(watched, system, drive, law)
     names = {axis.name for axis in dimensions}

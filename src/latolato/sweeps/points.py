@@ -1,8 +1,7 @@
 """Turns points of a plan into the arrays that kernels read.
 
 Parameters become columns, columns the fields of cases, and `latolato.numerics.prepare` does the
-rest, as for a single run. Objects are made for drives of several segments, for noise, and to
-explain invalid points.
+rest, as for a single run. Objects are made for drives of several segments and for noise.
 """
 
 from __future__ import annotations
@@ -19,28 +18,15 @@ from latolato.core.errors import InputError
 from latolato.core.registry import number_fields
 from latolato.numerics import records
 from latolato.numerics.batch import Points
-from latolato.numerics.integrate import (
-    Start,
-    motion_laws,
-    moves_in_plane,
-    prepare_cases,
-    prepared_runs,
-)
-from latolato.numerics.prepare import (
-    MOST_STEPS,
-    OUT_OF_RANGE,
-    Cases,
-    cases_of,
-    has_nonsmooth_drag,
-)
-from latolato.numerics.records import BALL, BODY, SETTINGS
+from latolato.numerics.integrate import motion_laws, moves_in_plane, prepare_cases
+from latolato.numerics.prepare import Cases, cases_of, has_nonsmooth_drag
+from latolato.numerics.records import BALL, BODY, PROBLEM, SETTINGS
 from latolato.numerics.run_record import STATE
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL, BLANES_MOAN_RKN, Stepper
-from latolato.physics.contacts import FINE
-from latolato.physics.drives import Drive
 from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System
-from latolato.simulation.start import between_walls, checked_start, kicks_of, walls_of
+from latolato.physics.problems import FINE, OUT_OF_RANGE, TRANSIENT, refusal
+from latolato.simulation.start import kicks_of
 from latolato.sweeps.axes import DERIVED, parameters_of, replaced
 from latolato.sweeps.plan import Plan
 
@@ -49,7 +35,6 @@ Columns = dict[str, Floats]
 
 # A last drive period counts as complete if it ends this little after the run (relative).
 LAST_PERIOD = 1e-14
-_OUT_OF_RANGE = "the numbers of this point leave the range of floats"
 
 
 @dataclass(frozen=True)
@@ -155,23 +140,20 @@ def make_batch(
         columns["drive_phase"] = previous.phase
     count = len(index)
     valid = _are_in_range(plan, columns)
-    stops, sensible = _stops(plan, columns)
-    valid &= sensible
+    stops, problems = _stops(plan, columns)
     cases = _cases(plan, columns, previous)
     segments, firsts = _stretches(plan, columns, cases, valid)
     settings = np.zeros(count, dtype=SETTINGS)
     bodies = np.zeros((count, 1 if plan.system.angles == 1 else 4), dtype=BODY)
-    states, problems = np.zeros(count, dtype=STATE), np.where(valid, FINE, OUT_OF_RANGE)
+    states = np.zeros(count, dtype=STATE)
+    problems["number"][~valid] = OUT_OF_RANGE
     # Drives with numbers of their own have given their bounds.
     has_forms = segments.dtype == records.segment_dtype()
     prepare_cases(Cases(
         cases, segments if has_forms else np.zeros(0, dtype=records.segment_dtype()),
         firsts, settings, bodies, states, problems,
     ))  # fmt: skip
-    valid = problems == FINE
-    # An invalid point passes its start on to its neighbour in a continuation.
-    states["angle"][~valid] = _given_angles(cases[~valid])
-    states["velocity"][~valid] = cases["initial_angular_velocity"][~valid]
+    valid = problems["number"] == FINE
     kick_times, kick_sizes, kick_firsts = _kicks(plan, columns, valid)
     points = Points(
         settings, bodies, segments, firsts, kick_times, kick_sizes, kick_firsts,
@@ -179,7 +161,8 @@ def make_batch(
     )  # fmt: skip
     reason = ""
     if not valid.all():
-        reason = _reason(plan, columns, int(np.argmin(valid)), previous)
+        first = int(np.argmin(valid))
+        reason = _reason(plan, columns, first, problems[first])
     return Batch(columns, points, states, valid, reason)
 
 
@@ -219,16 +202,6 @@ def _cases(plan: Plan, columns: Columns, previous: Previous | None) -> NDArray[A
             cases["initial_angle"][:, i] = previous.angles[i]
             cases["initial_angular_velocity"][:, i] = previous.velocities[i]
     return cases
-
-
-def _given_angles(cases: NDArray[Any]) -> Floats:
-    """Return the angles at which points would start, whatever is wrong with them."""
-    angles, offset = cases["initial_angle"].copy(), cases["initial_offset"]
-    with np.errstate(all="ignore"):
-        share = cases["balls"]["radius"][:, 0] / cases["balls"]["length"][:, 0]
-        touch = np.arcsin(np.where((share >= 0.0) & (share < 1.0), share, 0.0))
-    angles[:, 0] = np.where(np.isnan(offset), angles[:, 0], touch + offset)
-    return angles
 
 
 def _stretches(
@@ -317,8 +290,8 @@ def _drive_period(columns: Columns) -> Floats:
     return period
 
 
-def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return the instants at which steps end, (point, 2 + mark), and where they make sense."""
+def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[Any]]:
+    """Return the instants at which steps end, (point, 2 + mark), and points' problems with them."""
     transient = transient_of(plan, columns)
     marks = max((o.marks for o in plan.observables), default=0)
     stops = np.full((len(transient), 2 + marks), np.nan)
@@ -331,18 +304,23 @@ def _stops(plan: Plan, columns: Columns) -> tuple[Floats, NDArray[np.bool_]]:
             instants = np.minimum(numbers * period[:, None], plan.duration)
         inside = np.isfinite(instants) & (numbers >= 0.0) & (instants >= transient[:, None])
         stops[:, 1:-1] = np.where(inside, instants, np.nan)
-    return stops, transient < plan.duration
+    problems = np.zeros(len(transient), dtype=PROBLEM)
+    problems["number"] = np.where(transient < plan.duration, FINE, TRANSIENT)
+    problems["values"][:, 0], problems["values"][:, 1] = transient, plan.duration
+    return stops, problems
 
 
-def _reason(plan: Plan, columns: Columns, k: int, previous: Previous | None) -> str:
+def _reason(plan: Plan, columns: Columns, k: int, problem: Any) -> str:
     """Return the reason why a point is invalid, with the error of a single run."""
-    try:
-        _objects(plan, columns, k, previous)
-    except InputError as error:
-        return str(error)
-    except ArithmeticError:
-        pass
-    return _OUT_OF_RANGE
+    if problem["number"] == OUT_OF_RANGE:  # a law may have its own words
+        try:
+            for owner in ("system", "drive"):
+                _law_at(plan, columns, k, owner)
+        except InputError as error:
+            return str(error)
+        except ArithmeticError:
+            pass
+    return str(refusal(problem["number"], problem["values"]))
 
 
 def _follows_tension(plan: Plan) -> bool:
@@ -367,57 +345,6 @@ def _law_at(plan: Plan, columns: Columns, k: int, owner: str) -> Any:
     return replaced(getattr(plan, owner), changed)
 
 
-def _objects(
-    plan: Plan, columns: Columns, k: int, previous: Previous | None
-) -> tuple[System, Drive, Start]:
-    """Return system, drive and start of one point, built like those of a run.
-
-    Raises
-    ------
-    InputError
-        If the point's parameters contradict each other.
-    """
-    system, drive = (_law_at(plan, columns, k, owner) for owner in ("system", "drive"))
-    walls = walls_of(system, plan.contact)
-    sides = ("",) if system.angles == 1 else ("_right", "_left")
-    offset = None
-    angle: tuple[float, ...] = ()
-    if previous is not None:
-        angle = tuple(between_walls([float(a[k]) for a in previous.angles], walls).tolist())
-        velocity = tuple(float(v[k]) for v in previous.velocities)
-    else:
-        velocity = tuple(float(columns[f"initial_angular_velocity{s}"][k]) for s in sides)
-        if "initial_offset" in columns:
-            offset = float(columns["initial_offset"][k])
-        else:
-            angle = tuple(float(columns[f"initial_angle{s}"][k]) for s in sides)
-    one = system.angles == 1
-    values: Any = None if offset is not None else (angle[0] if one else angle)
-    distance = _distances(system, columns, k) if previous is None else None
-    start = checked_start(system, walls, values, velocity[0] if one else velocity, offset, distance)
-    transient = float(transient_of(plan, {name: c[k : k + 1] for name, c in columns.items()})[0])
-    if not transient < plan.duration:
-        raise InputError(
-            f"the {{parameter}} must be shorter than the duration {plan.duration:g} s",
-            parameter="transient",
-            value=transient,
-        )
-    if any(o.mirrored for o in plan.observables):
-        _check_mirrored(system, start)
-    case = cases_of(
-        system, plan.contact, angles=start.angles, velocities=start.velocities, is_exact=1,
-        bounds=(drive.largest_acceleration, drive.fastest_frequency), tolerance=plan.tolerance,
-        is_nonsmooth=not is_smooth(plan),
-    )  # fmt: skip
-    step = float(prepared_runs(case, stepper_of(plan))[0]["settings"]["step"][0])
-    if not plan.duration <= MOST_STEPS * step:
-        raise InputError(
-            f"this point would take more than {MOST_STEPS:.0e} steps of {step:.3g} s: shorten the "
-            "duration, loosen the tolerance or slow the motion"
-        )
-    return system, drive, start
-
-
 def _distances(system: System, columns: Columns, k: int) -> Any:
     """Return the distances at which the balls of a point start [m], None for taut strings."""
     sides = ("",) if system.angles == 1 else ("_right", "_left")
@@ -437,21 +364,27 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the point's parameters contradict each other, or if it goes on from another point.
+        If the point is invalid, or if it goes on from another point.
     """
     if plan.continuation:
         raise InputError(
             f"a point of this map continues from its neighbour along {plan.continuation}: it "
             "cannot run alone"
         )
-    columns = columns_of(plan, np.array([number]))
-    system, drive, start = _objects(plan, columns, 0, None)
+    batch = make_batch(plan, np.array([number]), stepper_of(plan))
+    if batch.reason:
+        raise InputError(batch.reason)
+    columns = batch.columns
+    system, drive = (_law_at(plan, columns, 0, owner) for owner in ("system", "drive"))
+    angles, velocities = (
+        tuple(batch.states[name][0, : system.angles].tolist()) for name in ("angle", "velocity")
+    )
     one = system.angles == 1
     result = {
         "system": system,
         "drive": drive,
-        "initial_angle": start.angles[0] if one else start.angles,
-        "initial_angular_velocity": start.velocities[0] if one else start.velocities,
+        "initial_angle": angles[0] if one else angles,
+        "initial_angular_velocity": velocities[0] if one else velocities,
         "initial_distance": _distances(system, columns, 0),
         "duration": plan.duration,
         "tolerance": plan.tolerance,
@@ -461,15 +394,3 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
         "noise": _noise(plan, columns, 0),
     }
     return {name: value for name, value in result.items() if value is not None}
-
-
-def _check_mirrored(system: System, start: Start) -> None:
-    """Raise InputError unless two equal balls begin as mirror images of each other."""
-    right, left = system.balls
-    images = all(a == -b for a, b in (start.angles, start.velocities))
-    if right != left or not images:
-        raise InputError(
-            "belongs to two equal balls that begin as mirror images: give both the same "
-            "properties, and the left one the opposite angle and angular velocity",
-            parameter="transverse_exponent",
-        )

@@ -16,7 +16,7 @@ from latolato.experiment.fits.sight import SEEN, Sight
 from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.start import walls_of
+from latolato.simulation.start import between_walls, walls_of
 
 # Samples to either side from which the state at the start of a window is guessed.
 _NEAR = 4
@@ -209,12 +209,7 @@ def _within_walls(system: System, angles: Floats) -> Floats:
     """Return angles that noise has put beyond a wall, moved onto it."""
     if not system.has_contacts:
         return angles
-    low, high = walls_of(system, ExactContact())
-    if len(angles) == 1:
-        return np.clip(angles, low, high)
-    gap = float(angles[0] - angles[1])
-    shift = 0.5 * (min(max(gap, low), high) - gap)
-    return np.array([angles[0] + shift, angles[1] - shift])
+    return between_walls(angles, walls_of(system, ExactContact()))
 
 
 def window_starts(data: Data, length: float, angles: int) -> Floats:

@@ -3,6 +3,9 @@
 /**
  * @typedef {import("./memory.js").Held} Held
  * @typedef {import("./memory.js").Kernels} Kernels
+ *
+ * A problem and the values that its rule names.
+ * @typedef {import("./memory.js").Problem & {reported: number[]}} Reported
  */
 
 // Fields of a case that are no number where they are not given.
@@ -74,7 +77,7 @@ export function shakeAll(kernels, kind, parameters, count) {
 
 /**
  * Return the record of a run at time zero, the fastest angular frequency of its drive [rad/s], and
- * what is wrong with its parameters: one of the layout's problems, "fine" if nothing is.
+ * what is wrong with its parameters, null if nothing is.
  * @param {Kernels} kernels of a module that runs so many balls
  * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
  *   such as `balls.0.mass`; others are zero, an offset, distances and bounds of the drive not given
@@ -82,12 +85,38 @@ export function shakeAll(kernels, kind, parameters, count) {
  */
 export function begin(kernels, parameters, segments) {
   const run = kernels.take("run", 1);
-  const number = kernels.take("i8", 1);
+  const held = kernels.take("problem", 1);
   const record = kernels.take("case", 1);
   for (const [path, value] of Object.entries({ ...ABSENT, ...parameters })) {
     kernels.set(record, path, ...[value].flat());
   }
-  kernels.call("begin", "beginning", { case: record, segments, run, problem: number });
-  const problem = kernels.layout.problems[Number(kernels.numbers(number)[0])];
-  return { run, problem, driveRate: kernels.get(run, "settings.drive_rate") };
+  kernels.call("begin", "beginning", { case: record, segments, run, problem: held });
+  return { run, problem: problemAt(kernels, held, 0), driveRate: kernels.get(run, "settings.drive_rate") };
+}
+
+/**
+ * Return what a record says is wrong, null if nothing is.
+ * @param {Kernels} kernels
+ * @param {Held} records
+ * @param {number} index
+ * @returns {Reported | null}
+ */
+export function problemAt(kernels, records, index) {
+  const number = kernels.get(records, "number", index);
+  if (number === 0) return null;
+  return { ...kernels.layout.problems[number],
+    reported: [...kernels.numbers(kernels.field(records, "values", index))] };
+}
+
+/**
+ * Return a problem that pages find themselves.
+ * @param {import("./memory.js").Layout} layout
+ * @param {string} name
+ * @param {number[]} reported
+ * @returns {Reported}
+ */
+export function problemOf({ problems }, name, reported) {
+  const found = problems.find((problem) => problem.name === name);
+  if (!found) throw new Error(`no problem is called ${name}`);
+  return { ...found, reported };
 }

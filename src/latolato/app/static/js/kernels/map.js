@@ -1,6 +1,6 @@
 /** Maps from parameters to observables, as `latolato.sweeps.chunk` and `.points`. */
 
-import { ABSENT, shakeAll } from "./begin.js";
+import { ABSENT, problemAt, shakeAll } from "./begin.js";
 import { moduleFor } from "./load.js";
 import { drawKicks } from "./noise.js";
 import { runPoints } from "./points.js";
@@ -70,18 +70,18 @@ export function computeMap(kernels, question) {
 
 /**
  * Return how many steps each point takes at least, NaN where its parameters make no sense, what is
- * wrong with those, and whether points run in lanes; see `computeMap`.
+ * wrong with the first, and whether points run in lanes; see `computeMap`.
  * @param {Kernels} kernels
  * @param {Question} question
- * @returns {{steps: Float64Array, problems: string[], in_lanes: boolean}}
+ * @returns {{steps: Float64Array, problem: import("./begin.js").Reported | null, in_lanes: boolean}}
  */
 export function countSteps(kernels, question) {
   return cleared(kernels, () => {
-    const { points, problems, in_lanes } = prepared(kernels, question);
+    const { points, problems, held, in_lanes } = prepared(kernels, question);
     const { numbers, step } = kernels.column(points.settings, "step");
     const steps = Float64Array.from(problems, (problem, k) =>
       (problem ? NaN : question.duration / numbers[k * step]));
-    return { steps, problems: Array.from(problems, (problem) => kernels.layout.problems[problem]), in_lanes };
+    return { steps, problem: problemAt(kernels, held, 0), in_lanes };
   });
 }
 
@@ -125,18 +125,22 @@ function prepared(kernels, question) {
   const bodies = kernels.take("body", count, angles === 1 ? 1 : BODIES_OF_PAIR);
   const stops = kernels.take("f8", count, 2 + marks);
   const states = kernels.take("state", count);
-  const held = kernels.take("i8", count);
-  const impossible = BigInt(layout.problems.indexOf("out of range"));
-  const refuse = (/** @type {number} */ k) => { kernels.numbers(held)[k] = impossible; };
-  writeStops(kernels, question, marks, stops, refuse);
-  question.impossible?.forEach((flag, k) => flag && refuse(k));
+  const held = kernels.take("problem", count);
+  const report = (/** @type {number} */ k, /** @type {string} */ name, /** @type {number[]} */ values = []) => {
+    const number = layout.problems.findIndex((problem) => problem.name === name);
+    kernels.numbers(kernels.field(held, "number", k))[0] = BigInt(number);
+    kernels.numbers(kernels.field(held, "values", k)).set(values);
+  };
+  writeStops(kernels, question, marks, stops, (k, transient) => report(k, "transient", [transient, duration]));
+  question.impossible?.forEach((flag, k) => { if (flag) report(k, "out of range"); });
   kernels.call("prepare", "cases", { cases, segments, firsts, settings, bodies, states,
     problems: held });
-  const problems = Uint8Array.from(kernels.numbers(held), Number);
+  const { numbers, step } = kernels.column(held, "number");
+  const problems = Uint8Array.from({ length: count }, (_, k) => Number(numbers[k * step]));
   const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isNonsmooth && contact !== "clamp"
     && layout.rotating_drives.includes(drive.kind) && !needs.has("compression");
   const points = { settings, bodies, segments, firsts, stops, contact_limit };
-  return { points, states, problems, observers, slots, needs, isNonsmooth, in_lanes };
+  return { points, states, problems, held, observers, slots, needs, isNonsmooth, in_lanes };
 }
 
 /**
@@ -307,7 +311,8 @@ function fill(kernels, records, path, column) {
  * @param {Question} question
  * @param {number} marks
  * @param {Held} stops
- * @param {(k: number) => void} refuse called for points whose transient does not end before the run
+ * @param {(k: number, transient: number) => void} refuse called for points whose transient does not end
+ *   before the run
  */
 function writeStops(kernels, question, marks, stops, refuse) {
   const { count, duration, transient = 0, period = NaN } = question;
@@ -324,7 +329,7 @@ function writeStops(kernels, question, marks, stops, refuse) {
     }
     row[0] = begin;
     row[1 + marks] = duration;
-    if (!(begin < duration)) refuse(k);
+    if (!(begin < duration)) refuse(k, begin);
   }
 }
 

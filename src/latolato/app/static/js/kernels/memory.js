@@ -18,11 +18,15 @@
  *   observables: Record<string, Observable>, occasions: string[], shared_needs: string[],
  *   sample_rows: Record<string, number>, rows: {upright: Rows, plane: Rows},
  *   string_rows: Record<string, number>, contact_rows: {count: number, radial: number, ball: number},
- *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: string[],
+ *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: Problem[],
  *   drives: string[], rotating_drives: string[], steppers: Record<string, Weights>,
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
  *   contact_limit: number, last_period: number,
  *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
+ *
+ * What can be wrong with a run; see `latolato.physics.problems`. The first one is that nothing is.
+ * @typedef {{name: string, rule: string, way_out: string, values: string[], parameter: string | null,
+ *   value: string}} Problem
  *
  * How many rows the samples of a module have, how many contacts an event may need, and what the
  * rows of the pivot are. Rows of what is known of strings are those of the right ball.

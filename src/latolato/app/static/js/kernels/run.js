@@ -112,7 +112,7 @@ export function simulate(kernels, parameters, inputs, how) {
   let step = Number(parameters.step ?? 0);
   for (let halvings = 0; ; halvings += 1) {
     const { run, problem } = begin(kernels, { ...parameters, step }, inputs.segments);
-    if (problem !== "fine") throw new Error(problem);
+    if (problem) throw new Error(problem.name);
     const end = integrate(kernels, { ...inputs, run }, how);
     const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
     const closes = kernels.get(run, "state.ledger_error") <= allowed;

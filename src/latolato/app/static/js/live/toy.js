@@ -2,7 +2,8 @@
 
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
-import { LEDGER, PER_STRING, recordOf, OUTSIDE_MODEL } from "../model/simulate.js";
+import { recordOf } from "../model/case.js";
+import { LEDGER, OUTSIDE_MODEL, PER_STRING } from "../model/simulate.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Recording } from "./recording.js";
 

@@ -1,8 +1,9 @@
 /** One map on its way: computed by the workers of the page, or stored and opened by the server. */
 
+import { problemOf } from "../kernels/begin.js";
 import { loadLayout } from "../kernels/load.js";
 import { specify } from "../model/case.js";
-import { general, InputError } from "../model/rules.js";
+import { InputError, refusal } from "../model/rules.js";
 import { doJob } from "../shared/jobs.js";
 import { beginOf, choicesOf, optionsAt, optionsOfCell } from "./about.js";
 import { questionOf } from "./question.js";
@@ -60,8 +61,8 @@ export class PageJob {
     const estimate = await this.pool.estimate(question.plan);
     if (estimate.problem) await refusePoint(question, estimate.problem);
     if (estimate.longest > MOST_STEPS)
-      throw new InputError(`a point of this map would take ${general(estimate.longest, 2)} steps, the limit is `
-        + `${general(MOST_STEPS)}: shorten the duration, loosen the tolerance or slow the drive`, { fields: ["duration"] });
+      throw refusal(problemOf(question.layout, "too many steps",
+        [estimate.longest, question.duration / estimate.longest, MOST_STEPS]));
     if (this.ended) return;
     this.question = question;
     this.estimate = estimate;
@@ -100,17 +101,12 @@ export class PageJob {
 /**
  * Throw what is wrong with the first point of a map, as Python says it of its run.
  * @param {Question} question
- * @param {string} problem
+ * @param {import("../kernels/begin.js").Reported} problem
  */
 async function refusePoint(question, problem) {
-  const { registry, duration } = question;
-  await specify(registry, { options: optionsOfCell(question, 0) });
-  if (problem === "too many steps")
-    throw new InputError("this point would take more than 1e+09 steps: shorten the duration, loosen the "
-      + "tolerance or slow the motion", { fields: ["duration"] });
-  if (question.periods)
-    throw new InputError(`the transient must be shorter than the duration ${general(duration)} s`, { fields: ["transient", "duration"] });
-  throw new InputError("the numbers of this point leave the range of floats");
+  // A law may have its own words.
+  if (problem.name === "out of range") await specify(question.registry, { options: optionsOfCell(question, 0) });
+  throw refusal(problem, problem.name === "transient" ? ["transient", "duration"] : undefined);
 }
 
 /** A stored map, which the server opens. */

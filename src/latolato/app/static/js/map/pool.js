@@ -145,12 +145,12 @@ export class Pool {
     const places = (/** @type {number} */ size) => [...new Set(Array.from({ length: PROBES },
       (_, i) => Math.round((i * (size - 1)) / (PROBES - 1))))];
     const cells = places(height).flatMap((row) => places(width).map((column) => row * width + column));
-    const { steps, problems, in_lanes } = countSteps(kernels, pointsOf(kernels.layout, plan, cells));
+    const { steps, problem, in_lanes } = countSteps(kernels, pointsOf(kernels.layout, plan, cells));
     const valid = steps.filter((each) => !Number.isNaN(each));
     const total = (valid.reduce((sum, each) => sum + each, 0) / steps.length) * width * height;
     const seconds = (total * this.step[in_lanes ? "lanes" : "single"]) / this.size;
     return { steps: total, longest: Math.max(0, ...valid), seconds, in_lanes,
-      problem: valid.length ? null : problems[0] };
+      problem: valid.length ? null : problem };
   }
 
   /**

@@ -1,11 +1,12 @@
 /** From what a page asks of a map to the map itself, checked as `latolato.sweep` checks it. */
 
+import { problemOf } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/block.js";
-import { checkDeviations, checkStrings, contactOf, noiseOf, numbersFor } from "../model/case.js";
+import { checkDeviations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
-import { checkedNumber, general, InputError, suggest } from "../model/rules.js";
+import { checkedNumber, general, InputError, refusal, suggest } from "../model/rules.js";
 import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
@@ -69,7 +70,7 @@ export async function questionOf(registry, layout, request) {
   const law = contactOf(registry, system, parts.run);
   const noise = noiseOf(registry, parts.noise);
   const options = resolvedOf(/** @type {any} */ ({ registry, options: named, system, drive }));
-  const { duration, transient, periods } = timesOf(registry, request, options, sweep);
+  const { duration, transient, periods } = timesOf(registry, layout, request, options, sweep);
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
   const [x, y] = spansOf(registry, origin, [askedX, askedY]);
@@ -157,11 +158,12 @@ function checkVaried(registry, system, drive, axes) {
 /**
  * Return how long runs last and how much of their beginning is left out [s].
  * @param {Registry} registry
+ * @param {Layout} layout
  * @param {Request} request
  * @param {Record<string, any>} options
  * @param {any} sweep
  */
-function timesOf(registry, request, options, sweep) {
+function timesOf(registry, layout, request, options, sweep) {
   const { duration: own, times } = options;
   const duration = request.duration ?? own ?? times?.at(-1) ?? USUAL_DURATION;
   const transient = request.transient ?? sweep?.transient ?? 0;
@@ -170,8 +172,7 @@ function timesOf(registry, request, options, sweep) {
   if (!(transient >= 0))
     throw new InputError(`the transient must be at least 0 s, got ${general(transient)} s`, { fields: ["transient"] });
   if (transient >= duration)
-    throw new InputError(`the transient must be shorter than a run of ${general(duration)} s, got `
-      + `${general(transient)} s`, { fields: ["transient", "duration"] });
+    throw refusal(problemOf(layout, "transient", [transient, duration]), ["transient", "duration"]);
   checkedNumber(registry.options.duration, "duration", duration);
   return { duration, transient,
     periods: request.transient === null ? sweep?.transient_periods ?? 0 : 0 };
@@ -185,18 +186,11 @@ function timesOf(registry, request, options, sweep) {
  * @param {string[]} varied
  */
 function startOf(registry, system, options, varied) {
-  const { initial_angle: angle = null, initial_offset: offset = null } = options;
   const sides = system.angles === 1 ? [""] : SIDES;
   /** @type {Record<string, number>} */
   const start = {};
-  if (offset !== null) {
-    if (system.kind !== "latolato")
-      throw new InputError("counts from the low contact angle of a LatoLato",
-        { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
-    if (angle !== null)
-      throw new InputError("give only one of {parameter} and initial_offset", { parameter: "initial_angle" });
-    start.initial_offset = checkedNumber(registry.options.initial_offset, "initial_offset", offset);
-  }
+  const offset = offsetOf(registry, system, options);
+  if (offset !== null) start.initial_offset = offset;
   for (const name of START) {
     const value = options[name] ?? (name === "initial_angular_velocity" ? 0 : null);
     if (value === null) continue;

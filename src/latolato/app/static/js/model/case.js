@@ -1,9 +1,10 @@
 /** What is to be run, from its parameters, checked as `latolato.simulate` checks it. */
 
+import { begin, shake } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
-import { checkAcross, checkedList, checkIncreasing, driveOf, planarOption, systemOf } from "./laws.js";
+import { checkAcross, checkedList, checkIncreasing, driveOf, fieldsOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, suggest } from "./rules.js";
+import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, refusal, suggest } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -20,12 +21,6 @@ import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, sug
  * @typedef {{noise_strength: number, noise_seed?: number, noise_stream?: number,
  *   noise_interval?: number}} Noise
  */
-
-// A start this close to a wall is on it [rad].
-const ON_WALL = 1e-12;
-const SEPARATION = "the separation {parameter}[0] - {parameter}[1]";
-const SPAN_OF_ONE = "{parameter} must lie in [0, pi] rad";
-const SPAN_OF_TWO = `${SEPARATION} must lie in [0, 2 pi] rad`;
 
 /**
  * Return what a request asks for, checked.
@@ -135,14 +130,45 @@ function checkedRun(registry, kernels, options, system, drive, law, run) {
   const contactLimit = number("contact_limit");
   const frame = checkedChoice(registry.options.frame, "frame", usual("frame"));
   const { times, duration } = instantsOf(registry, run);
-  const meets = system.contacts && law.contact !== "none";
-  const start = startOf(registry, system, meets, run);
+  const each = { registry, kernels, options, system, drive, ...law, tolerance, restSpeed, contactLimit, frame,
+    ...startOf(registry, system, run), times, duration };
+  checkStart(each);
   if (law.clampStep > duration)
     throw new InputError(
       `must not exceed the duration ${general(duration)} s, got ${general(law.clampStep)}`,
       { parameter: "clamp_step", wayOut: "a thousandth of a second is usual" });
-  return { registry, kernels, options, system, drive, ...law, tolerance, restSpeed, contactLimit, frame,
-    ...start, times, duration };
+  return each;
+}
+
+/**
+ * Return the fields of the kernel's record of a case.
+ * @param {Omit<Case, "noise">} each
+ * @param {number} step 0 for the one that the tolerance asks for
+ */
+export function recordOf(each, step) {
+  const { system } = each;
+  const pair = (/** @type {number[]} */ numbers) => [numbers[0], numbers[1] ?? 0];
+  return {
+    ...fieldsOf(system), initial_angle: pair(each.angles), initial_angular_velocity: pair(each.velocities),
+    // The step is that of the whole drive, however long the run is.
+    duration: Infinity, tolerance: each.tolerance, rest_speed: each.restSpeed, step: each.clampStep || step,
+    collides: Number(system.contacts && each.contact !== "none"), follows_ledger: 1,
+    follows_tension: Number(!system.linear),
+    ...Object.fromEntries(each.distances.map((distance, i) => [`initial_distance.${i}`, distance])),
+  };
+}
+
+/**
+ * Throw unless a run can begin as it is to.
+ * @param {Omit<Case, "noise">} each
+ */
+function checkStart(each) {
+  const { kernels, drive, offset } = each;
+  const segments = shake(kernels, drive.kind, drive.parameters);
+  const { problem } = begin(kernels,
+    { ...recordOf(each, 0), initial_offset: offset ?? NaN, duration: 0 }, segments);
+  kernels.release(segments);
+  if (problem) throw refusal(problem);
 }
 
 /**
@@ -216,25 +242,33 @@ export function numbersFor(registry, parameter, value, count) {
 }
 
 /**
+ * Return the offset that replaces an angle [rad], null for none.
+ * @param {Registry} registry
+ * @param {System} system
+ * @param {Record<string, any>} run
+ */
+export function offsetOf(registry, system, { initial_angle: angle = null, initial_offset: offset = null }) {
+  if (offset === null) return null;
+  if (system.kind !== "latolato")
+    throw new InputError("counts from the low contact angle of a LatoLato",
+      { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
+  if (angle !== null)
+    throw new InputError("give only one of {parameter} and initial_offset", { parameter: "initial_angle" });
+  return checkedNumber(registry.options.initial_offset, "initial_offset", offset);
+}
+
+/**
  * Return how a run begins; the kernel moves a start that is close to a wall onto it.
  * @param {Registry} registry
  * @param {System} system
- * @param {boolean} meets whether there are walls
  * @param {Record<string, any>} run
  */
-function startOf(registry, system, meets, run) {
-  const { initial_angle: angle = null, initial_offset: offset = null } = run;
+function startOf(registry, system, run) {
+  const { initial_angle: angle = null } = run;
   const parameter = "initial_angle";
-  if (angle === null && offset === null)
+  if (angle === null && (run.initial_offset ?? null) === null)
     throw new InputError("is needed [rad] (a LatoLato also accepts initial_offset)", { parameter });
-  if (offset !== null) {
-    if (system.kind !== "latolato")
-      throw new InputError("counts from the low contact angle of a LatoLato",
-        { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
-    if (angle !== null)
-      throw new InputError("give only one of {parameter} and initial_offset", { parameter });
-    checkedNumber(registry.options.initial_offset, "initial_offset", offset);
-  }
+  const offset = offsetOf(registry, system, run);
   const velocities = numbersFor(registry, "initial_angular_velocity",
     run.initial_angular_velocity ?? 0, system.angles);
   if (system.angles === 2 && !Array.isArray(angle))
@@ -242,25 +276,6 @@ function startOf(registry, system, meets, run) {
   const angles = numbersFor(registry, parameter, offset === null ? angle : system.low + offset,
     system.angles);
   const distances = distancesOf(registry, system, run.initial_distance ?? null);
-  if (distances.length) {
-    if (meets) checkApart(system, angles, distances);
-    return { angles, velocities, distances, offset };
-  }
-  const [gap, name] = system.angles === 2
-    ? [angles[0] - angles[1], SEPARATION] : [angles[0], "{parameter}"];
-  const { low, high } = system;
-  if (meets && !(low - ON_WALL <= gap && gap <= high + ON_WALL)) {
-    const given = offset === null ? { parameter, value: gap, least: low, most: high }
-      : { parameter: "initial_offset", value: offset, least: 0, most: high - low };
-    const { value, least, most } = given;
-    const radians = (value * Math.PI) / 180;
-    const wayOut = least <= radians && radians <= most && value > Math.PI
-      ? `angles are in rad: ${general(value)} degrees are ${general(radians)}`
-      : "give one at which the balls do not overlap";
-    throw new InputError(
-      `${name} must lie between the contact angles [${general(least, 9)}, ${general(most, 9)}] rad`,
-      { parameter: given.parameter, value, wayOut });
-  }
   return { angles, velocities, distances, offset };
 }
 
@@ -298,40 +313,5 @@ function distancesOf(registry, { suspension, angles, balls }, given) {
   if (given === null) return [];
   checkStrings(suspension, parameter);
   const distances = numbersFor(registry, parameter, given, angles);
-  const i = distances.findIndex((distance, k) => distance > balls[k].length);
-  if (i >= 0)
-    throw new InputError("must not exceed the length of the string",
-      { parameter: angles === 1 ? parameter : `${parameter}[${i}]`, value: distances[i],
-        wayOut: `give at most ${general(balls[i].length, 9)} m, at which the string is taut` });
   return distances.every((distance, k) => distance === balls[k].length) ? [] : distances;
-}
-
-/**
- * Throw if two balls overlap that are this far from the pivot or have swapped, or if a taut string runs
- * through the other ball.
- * @param {System} system
- * @param {number[]} angles
- * @param {number[]} distances
- */
-function checkApart({ balls }, angles, distances) {
-  const mirrored = angles.length === 1;
-  const gap = mirrored ? 2 * angles[0] : angles[0] - angles[1];
-  if (!(gap >= 0 && gap <= 2 * Math.PI))
-    throw new InputError(mirrored ? SPAN_OF_ONE : SPAN_OF_TWO, { parameter: "initial_angle",
-      value: mirrored ? angles[0] : gap, wayOut: "give one at which the balls do not overlap" });
-  const [right, left] = [distances[0], distances[distances.length - 1]];
-  const apart = Math.sqrt((right - left) ** 2 + 4 * right * left * Math.sin(0.5 * gap) ** 2);
-  const reach = balls[0].radius + balls[balls.length - 1].radius;
-  if (apart < reach * (1 - ON_WALL))
-    throw new InputError("the balls overlap at this {parameter}: their centres must be at least "
-      + `${general(reach, 9)} m apart, but are ${general(apart, 9)} m apart`,
-    { parameter: "initial_distance", wayOut: "give other distances or angles" });
-  for (const [one, other] of mirrored ? [] : [[0, 1], [1, 0]]) {
-    const { length } = balls[one];
-    const along = distances[other] * Math.cos(gap);
-    if (distances[one] === length && along > 0 && along < length
-      && Math.abs(distances[other] * Math.sin(gap)) < balls[other].radius)
-      throw new InputError("at this {parameter} the taut string of one ball runs through the other ball",
-        { parameter: "initial_distance", wayOut: "give other distances or angles" });
-  }
 }

@@ -1,7 +1,7 @@
 /** Systems, drives and contact laws from their parameters, checked as Python checks them. */
 
 import { begin, shake } from "../kernels/begin.js";
-import { checkedChoice, checkedNumber, general, InputError, noList } from "./rules.js";
+import { checkedChoice, checkedNumber, general, InputError, noList, refusal } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -113,14 +113,8 @@ export function systemOf(registry, kernels, kind, input) {
   const { angles, contacts } = registry.systems[kind];
   const values = numbersOf(registry, "system", kind, input);
   const prefixes = angles === 2 ? SIDES.map((side) => `${side}_`) : [""];
-  const balls = prefixes.map((prefix) => {
-    const ball = /** @type {Ball} */ (Object.fromEntries(PARTS.map((part) =>
-      [part, values[prefix + part] ?? 0])));
-    if (!(ball.radius < ball.length))
-      throw new InputError("must lie in [0, length)", { parameter: `${prefix}radius`, value: ball.radius,
-        wayOut: `give less than ${general(ball.length)}` });
-    return ball;
-  });
+  const balls = prefixes.map((prefix) => /** @type {Ball} */ (Object.fromEntries(PARTS.map((part) =>
+    [part, values[prefix + part] ?? 0]))));
   const { gravity, restitution = 1, suspension = "rod", string_restitution = 0, drag_frame = "pivot" } = values;
   const system = { kind, angles, contacts, linear: kind === "mathieu", gravity, restitution, suspension,
     string_restitution, drag_frame, balls, naturalFrequency: Math.sqrt(gravity / balls[0].length),
@@ -192,42 +186,11 @@ export function fieldsOf({ gravity, restitution, angles, linear, balls, ...hangi
  */
 function wallsOf(kernels, system) {
   const segments = shake(kernels, "fixed_pivot", {});
-  const { run, problem } = begin(kernels,
-    { ...fieldsOf(system), collides: 1, is_exact: 1, tolerance: 1, duration: 1 }, segments);
+  const { run, problem } = begin(kernels, { ...fieldsOf(system), collides: 1, is_exact: 1, tolerance: 1 }, segments);
   const walls = { low: kernels.get(run, "settings.low"), high: kernels.get(run, "settings.high") };
   kernels.release(segments);
-  const [right, left] = system.balls;
-  const radii = (/** @type {string} */ name) =>
-    system.balls.map((ball) => general(/** @type {any} */ (ball)[name])).join(" and ");
-  if (problem === "never meet")
-    throw new InputError(
-      "the balls never meet: the lengths must differ by less than the sum of the radii, got "
-      + `lengths ${radii("length")} with radii ${radii("radius")}`);
-  if (problem === "too large")
-    throw new InputError("the balls are too large to hang side by side: radii "
-      + `${radii("radius")} for lengths ${radii("length")}`);
-  if (problem === "left rod hits") throw hitBy(right, left);
-  if (problem === "right rod hits") throw hitBy(left, right);
+  if (problem) throw refusal(problem);
   return walls;
-}
-
-/**
- * Return the error of a ball that the other one's rod or string would hit.
- * @param {Ball} ball
- * @param {Ball} other
- */
-function hitBy(ball, other) {
-  let [one, hit] = ["smaller ball's", "larger"];
-  if (other.length !== ball.length) [one, hit] = ["longer", "shorter"];
-  if (other.length < ball.length) [one, hit] = [hit, one];
-  const half = Math.asin(ball.radius / ball.length);
-  const reach = ball.radius + other.radius;
-  const separation = 2 * Math.asin(Math.sqrt(
-    (reach * reach - (ball.length - other.length) ** 2) / (4 * ball.length * other.length)));
-  return new InputError(
-    `the ${one} rod or string would hit the ${hit} ball before the balls meet: `
-    + `asin(radius/length) = ${general(half)} rad of the ${hit} one exceeds the contact separation ${general(separation)} `
-    + "rad; make the other ball larger");
 }
 
 /**

@@ -40,6 +40,19 @@ export class BeyondPageError extends InputError {
 }
 
 /**
+ * Return the error that says what is wrong and how to mend it, as `latolato.physics.problems.refusal`.
+ * @param {import("../kernels/begin.js").Reported} problem
+ * @param {string[]} [fields] those of a map that hold what is wrong
+ */
+export function refusal({ rule, way_out: wayOut, values, reported, parameter, value }, fields) {
+  const named = Object.fromEntries(values.map((name, i) => [name, reported[i]]));
+  const filled = (/** @type {string} */ text) => text.replace(/\{(\w+):(?:\.(\d+))?g\}/g,
+    (_, name, digits) => general(named[name], Number(digits ?? 6)));
+  return new InputError(filled(rule), { ...(parameter ? { parameter } : {}), ...(value ? { value: named[value] } : {}),
+    ...(wayOut ? { wayOut: filled(wayOut) } : {}), ...(fields ? { fields } : {}) });
+}
+
+/**
  * @param {string} rule
  * @param {{parameter?: string, value?: any, wayOut?: string}} about
  * @param {string} [name]

@@ -1,11 +1,10 @@
 /** One run from its parameters to its columns, as `latolato.simulate`. */
 
-import { begin, shake } from "../kernels/begin.js";
+import { begin, problemOf, shake } from "../kernels/begin.js";
 import { drawKicks } from "../kernels/noise.js";
 import { integrate, observe } from "../kernels/run.js";
-import { evenly } from "./case.js";
-import { fieldsOf } from "./laws.js";
-import { general, InputError } from "./rules.js";
+import { evenly, recordOf } from "./case.js";
+import { general, InputError, refusal } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./case.js").Case} Case */
@@ -37,24 +36,6 @@ export const OUTSIDE_MODEL = "a string ran into a ball, or balls rested on each 
 const MOST_STROBES = 20_000;
 // Forms of segments that have a phase: cosine, swept cosine, crank; see `physics.drives.segment`.
 const PHASED = [1, 2, 3];
-
-/**
- * Return the fields of the kernel's record of a case.
- * @param {Case} each
- * @param {number} step 0 for the one that the tolerance asks for
- */
-export function recordOf(each, step) {
-  const { system } = each;
-  const pair = (/** @type {number[]} */ numbers) => [numbers[0], numbers[1] ?? 0];
-  return {
-    ...fieldsOf(system), initial_angle: pair(each.angles), initial_angular_velocity: pair(each.velocities),
-    // The step is that of the whole drive, however long the run is.
-    duration: Infinity, tolerance: each.tolerance, rest_speed: each.restSpeed, step: each.clampStep || step,
-    collides: Number(system.contacts && each.contact !== "none"), follows_ledger: 1,
-    follows_tension: Number(!system.linear),
-    ...Object.fromEntries(each.distances.map((distance, i) => [`initial_distance.${i}`, distance])),
-  };
-}
 
 /**
  * Return what comes of a case.
@@ -117,13 +98,10 @@ function carried(each, mostSamples) {
     engine: each.clampStep ? "clamp" : "engine" };
   let step = 0;
   for (let halvings = 0; ; halvings += 1) {
-    const { run: record, problem } = begin(kernels, recordOf(each, step), segments);
-    if (!["fine", "too many steps"].includes(problem)) throw new InputError(problem);
+    const { run: record } = begin(kernels, recordOf(each, step), segments);
     step = kernels.get(record, "settings.step");
     if (duration / step > MOST_STEPS)
-      throw new InputError(`the run would take ${general(duration / step, 3)} steps of `
-        + `${general(step, 3)} s, the limit is ${general(MOST_STEPS, 1)}: shorten the duration, loosen the `
-        + "tolerance or slow the motion");
+      throw refusal(problemOf(layout, "too many steps", [duration / step, step, MOST_STEPS]));
     const result = integrate(kernels, { run: record, ...inputs }, how);
     const closes = kernels.get(record, "state.ledger_error") <= kernels.exports.allowed(record.at, tolerance);
     const repeats = !closes && !each.clampStep && result.status === "complete";
