@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
+from typer.models import ArgumentInfo
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
@@ -216,7 +217,7 @@ def option_of(parameter: Parameter, panel: str | None = None, note: str = "") ->
     about = typer.Option(
         f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
         help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
-        rich_help_panel=panel or parameter.owner.title() or None,
+        rich_help_panel=parameter.owner.title() or panel,
         metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
     )
     return inspect.Parameter(
@@ -227,25 +228,38 @@ def option_of(parameter: Parameter, panel: str | None = None, note: str = "") ->
     )
 
 
+def with_options(
+    options: Iterable[Parameter], panel: str | None = None
+) -> Callable[[Command], Command]:
+    """Return the decorator that gives a command the options of a function, before its own ones.
+
+    `panel` is the heading in the help of those that no law or run owns.
+    """
+    ordered = sorted(options, key=lambda option: option.owner == "run")
+    return _adding([option_of(each, panel, note_of(each)) for each in ordered], first=True)
+
+
 def with_law_options(
     without: Container[str] = (), further: Iterable[Parameter] = ()
 ) -> Callable[[Command], Command]:
     """Return the decorator that gives a command an option for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)
-    return with_options((*further, *own), has_defaults=False)
+    return _adding([option_of(each) for each in (*further, *own)])
 
 
-def with_options(
-    options: Iterable[Parameter], *, has_defaults: bool = True
-) -> Callable[[Command], Command]:
+def _adding(options: list[inspect.Parameter], *, first: bool = False) -> Callable[..., Command]:
     """Return the decorator that spells out the keyword arguments of a command as options."""
 
     def spell_out(command: Command) -> Command:
         signature = inspect.signature(command, eval_str=True)
-        parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        parameters += [
-            option_of(each, note=note_of(each) if has_defaults else "") for each in options
+        declared = [
+            parameter.replace(kind=parameter.KEYWORD_ONLY)
+            for parameter in signature.parameters.values()
+            if parameter.kind is not parameter.VAR_KEYWORD
         ]
+        words = sum(isinstance(p.annotation.__metadata__[0], ArgumentInfo) for p in declared)
+        place = words if first else len(declared)
+        parameters = [*declared[:place], *options, *declared[place:]]
         command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
         return command
 

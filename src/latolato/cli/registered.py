@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from typer.core import TyperGroup
 
-from latolato.cli.options import command_from, note_of, option_of, with_law_options
+from latolato.cli.options import command_from, with_law_options, with_options
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.registry import suggest
@@ -67,7 +67,7 @@ def command_of(
     function : callable
         Its docstring becomes the help.
     run : callable
-        Does the work: takes an argument, options of its own, and all others as keywords.
+        Does the work: takes arguments, options of its own, and all others as keywords.
     own : mapping of str to Parameter
         The options of the function.
     panel : str, optional
@@ -77,25 +77,7 @@ def command_of(
     """
     from latolato.scenario.analysis_options import plain_text, summary_of
 
-    signature = inspect.signature(run, eval_str=True)
-    first, *others, rest = signature.parameters.values()
-    options = [
-        option_of(option, "Start and run" if option.owner == "run" else panel, note_of(option))
-        for option in sorted(own.values(), key=lambda option: option.owner)
-    ]
-
-    def command(**values: Any) -> None:
-        several = {name: values[name] for name in own if isinstance(values[name], list)}
-        run(**values | {name: ",".join(texts) for name, texts in several.items()})
-
-    command.__signature__ = signature.replace(  # type: ignore[attr-defined]
-        parameters=[
-            first.replace(kind=first.KEYWORD_ONLY),
-            *options,
-            *(each.replace(kind=each.KEYWORD_ONLY) for each in others),
-            rest,
-        ]
-    )
     source = (inspect.getdoc(function) or "").partition("\nParameters\n---")[0].split("\n\n")[1:2]
     text = "\n\n".join([summary_of(function), *map(plain_text, source)])
-    return command_from(with_law_options(without)(command), name.replace("_", "-"), text)
+    run = with_law_options(without)(with_options(own.values(), panel)(run))
+    return command_from(run, name.replace("_", "-"), text)

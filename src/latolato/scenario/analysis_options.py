@@ -50,7 +50,10 @@ def read_value(option: Parameter, value: Any, unit: str | None = None) -> Any:
     """Return the argument for the text of an option; a number without a unit is in its own."""
     unit = unit or option.unit
     if option.kind in (bool, str):
-        return [part.strip() for part in value.split(",")] if option.several else value
+        if not option.several:
+            return value
+        texts = value if isinstance(value, list) else [value]  # the option's, given several times
+        return [part.strip() for text in texts for part in text.split(",")]
     if not option.several or (option.or_one and not set(",:") & set(str(value))):
         if option.kind is int and isinstance(value, str):
             return _whole(option.name, value)
