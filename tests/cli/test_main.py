@@ -5,6 +5,7 @@ import inspect
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -20,10 +21,15 @@ from latolato.cli import main as cli
 from latolato.cli.main import app, main
 from latolato.cli.simulate import scenario_of
 from latolato.cli.simulate import simulate as simulate_command
+from latolato.experiment.comparison.motion import compare_motion
+from latolato.experiment.importing import import_table
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.trials import collect_trials
 from latolato.io import progress
 from latolato.numerics import shipped
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import systems
+from latolato.scenario.analysis_options import LAWS, options_of
 from latolato.scenario.options import law_options
 from latolato.scenario.scenario import scenarios
 
@@ -472,6 +478,31 @@ def test_a_warning_is_one_line_on_standard_error(capsys):
     assert printed.err.startswith("latolato: warning: the run ")
     assert printed.err.count("\n") == 1
     assert json.loads(printed.out)["status"] != "complete"
+
+
+@pytest.mark.parametrize(
+    "typed, answer",
+    [("trails", "did you mean 'trials'?"), ("quux", "known are app, site, simulate")],
+)
+def test_an_unknown_command_is_answered_with_the_closest_one(capsys, typed, answer):
+    assert answer in refused(capsys, typed)
+
+
+@pytest.mark.parametrize(
+    "command, function",
+    [
+        ("trials", collect_trials),
+        ("import", import_table),
+        ("compare", compare_motion),
+        ("synthesise", synthesise_video),
+    ],
+)
+def test_options_of_measuring_commands_are_those_of_the_functions_they_call(command, function):
+    printed = run(command, "--help").stdout
+    options = options_of(function, without=(*LAWS, "sources", "path", "run"))
+    # How often a comparison computes depends on its kind.
+    for name in options.keys() - ({"draws", "seed"} if command == "compare" else set()):
+        assert re.search(rf"{options[name].flag} +VALUE", printed), name
 
 
 def test_all_shipped_scenarios_are_listed_and_printed():

@@ -247,10 +247,12 @@ def test_a_broken_sidecar_is_refused(swing, tmp_path, capsys, text, reason):
         (("--pivot", "12"), "a column and a row"),
         (("--balls", "3"), "must be 1 or 2"),
         (("--balls", "2", "--ball", "1,2"), "--balls 2 needs --ball 2 times"),
-        (("--length", "3 kg"), "--length must be given in m"),
+        (("--length", "3 kg"), "length must be given in m"),
         (("--length", "-1 m", *CLICKS[:4]), "length must lie in (0, inf) m, got -1"),
         (("--slow-motion", "0", *CLICKS[:4]), "slow_motion must lie in (0, inf)"),
         (("--limit", "pixel=3"), "did you mean 'pixels'"),
+        (("--limit", "pixels=many"), "pixels must be a whole number, got 'many'"),
+        (("--limit", "duration=0 s"), "duration must be positive"),
     ],
 )
 def test_options_that_make_no_sense_are_refused(swing, tmp_path, capsys, arguments, reason):

@@ -23,7 +23,7 @@ class AnalysisGroup(RegistryGroup):
         """Return the analyses."""
         from latolato.analysis import analyses
 
-        return analyses
+        return dict(sorted(analyses.items()))
 
     def make_command(self, name: str) -> Any:
         """Return the command of an analysis."""

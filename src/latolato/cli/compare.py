@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,22 +10,26 @@ import typer
 
 from latolato.cli.law_options import laws_of
 from latolato.cli.options import (
-    EndOption,
     JsonOption,
     OutputOption,
     PlotOption,
-    StartOption,
-    named_values,
+    values_of,
     with_law_options,
+    with_options,
 )
 from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.experiment.compare import compare as compare_with
+from latolato.experiment.comparison.motion import compare_motion
+from latolato.experiment.comparison.response import compare_response
+from latolato.scenario.analysis_options import LAWS, arguments_of, options_of
 from latolato.scenario.options import law_options
 
 if TYPE_CHECKING:
     import xarray as xr
 
+OF_MOTION = options_of(compare_motion, without=(*LAWS, "draws", "seed"))
+OF_RESPONSE = {"transient": options_of(compare_response, without=("trials", "system"))["transient"]}
 # What a computed response curve takes of a run.
 _START = ("initial_angle", "initial_offset", "duration")
 _UNFIT = {
@@ -36,6 +40,7 @@ _UNFIT = {
 
 
 @with_law_options(without=_UNFIT)
+@with_options((*OF_MOTION.values(), *OF_RESPONSE.values()))
 def compare(
     table: Annotated[
         Path | None, typer.Argument(help="Track table, or a trial table, as with --trials.")
@@ -55,19 +60,6 @@ def compare(
     draws: Annotated[
         int | None, typer.Option(help="Number of computations with varied parameters.")
     ] = None,
-    match: Annotated[
-        str | None,
-        typer.Option(
-            help="Time over which the computed motion is fitted to the measured one, in s; 4 "
-            "natural periods by default."
-        ),
-    ] = None,
-    transient: Annotated[
-        str | None, typer.Option(help="Transient of computed response curves, in s.")
-    ] = None,
-    ball: Annotated[int | None, typer.Option(help="Ball of the table.")] = None,
-    start: StartOption = None,
-    end: EndOption = None,
     output: OutputOption = None,
     plot: PlotOption = None,
     as_json: JsonOption = False,
@@ -79,7 +71,6 @@ def compare(
     measured drive. Trials with --map give the agreement of their classes; with a system, a
     scenario or a fit the response curves and their peaks.
     """
-    from latolato.experiment.compare import compare as find
     from latolato.experiment.importing import read_measured
     from latolato.experiment.trial_table import read_trials
 
@@ -90,17 +81,15 @@ def compare(
     if draws is not None:
         options["draws"] = draws
     if sigma:
-        options["sigmas"] = sigmas_of(sigma)
-    of_motion = {"match": match, "ball": ball, "start": start, "end": end}
-    of_trials = {"transient": transient}
-    own: Mapping[str, Any] = of_motion if trials is None else of_trials
-    unfit: Mapping[str, Any] = of_trials if trials is None else of_motion
-    if any(value is not None for value in unfit.values()):
-        names = ", ".join(f"--{name}" for name, value in unfit.items() if value is not None)
+        numbers = {name: option for name, option in law_options().items() if option.is_number}
+        options["sigmas"] = values_of("--sigma", sigma, numbers)
+    own, unfit = (OF_MOTION, OF_RESPONSE) if trials is None else (OF_RESPONSE, OF_MOTION)
+    names = ", ".join(one.flag for name, one in unfit.items() if values[name] is not None)
+    if names:
         raise InputError(f"{names} does not belong to this comparison")
-    options |= {name: _si(name, value) for name, value in own.items() if value is not None}
+    options |= arguments_of(own, values)
     measured = read_measured(table) if table is not None else read_trials(Path(str(trials)))
-    dataset = find(measured, computed, drive, **options)
+    dataset = compare_with(measured, computed, drive, **options)
     files = [str(path) for path in targets.write(dataset)]
     print_summary(summarise(dataset) | {"files": files}, lines_of(dataset), as_json=as_json)
 
@@ -152,20 +141,7 @@ def _computed(
     system, drive, run = laws_of(values, scenario, missing=missing)
     if not of_trials:
         return system, drive, {}
-    return system, None, {k: _si(k, run[k]) for k in _START if run.get(k) is not None}
-
-
-def sigmas_of(texts: Sequence[str]) -> dict[str, float]:
-    """Return the standard deviations that options give, in SI units."""
-    from latolato.core.quantities import QUANTITIES
-    from latolato.scenario.units import to_si
-
-    sigmas = {}
-    for name, value in named_values("--sigma", texts, "NAME=VALUE, as in 'length = 1 mm'").items():
-        if name not in QUANTITIES:
-            raise InputError(f"--sigma does not know '{name}': {suggest(name, list(QUANTITIES))}")
-        sigmas[name] = float(to_si(name, value, QUANTITIES[name].unit))
-    return sigmas
+    return system, None, arguments_of({name: law_options()[name] for name in _START}, run)
 
 
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
@@ -196,13 +172,3 @@ def lines_of(dataset: xr.Dataset) -> dict[str, str]:
         value = "unknown" if number["value"] is None else f"{number['value']:.5g}{unit}"
         lines[name] = f"{value} ({number['meaning']})"
     return lines
-
-
-def _si(name: str, value: Any) -> Any:
-    """Return the value of an option in SI units; numbers of a ball have none."""
-    from latolato.core.quantities import QUANTITIES
-    from latolato.scenario.units import to_si
-
-    if name == "ball":
-        return value
-    return to_si(name, value, QUANTITIES[name].unit if name in QUANTITIES else "s")

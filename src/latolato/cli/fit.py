@@ -31,7 +31,7 @@ class FitGroup(RegistryGroup):
         """Return the fits."""
         from latolato.experiment.fits import fits
 
-        return fits
+        return dict(sorted(fits.items()))
 
     def make_command(self, name: str) -> Any:
         """Return the command of a fit."""
@@ -73,13 +73,9 @@ def arguments_of(
     kind: FitKind, own: Mapping[str, Parameter], values: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the arguments of a fit that options give."""
-    from latolato.scenario.analysis_options import read_value
+    from latolato.scenario import analysis_options
 
-    arguments = {
-        name: read_value(option, values[name])
-        for name, option in own.items()
-        if values.get(name) is not None
-    }
+    arguments = analysis_options.arguments_of(own, values)
     for name, option in own.items():
         if option.several and option.kind is str and name in arguments:
             # Names of parameters, which options spell with dashes.

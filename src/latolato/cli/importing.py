@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import json
 import re
+from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import ColumnOption, JsonOption, columns_of
+from latolato.cli.options import ColumnOption, JsonOption, columns_of, with_options
 from latolato.cli.output import print_summary
 from latolato.core.errors import InputError
+from latolato.experiment.importing import import_table
+from latolato.experiment.track_table import balls_of, read_table, write_table
+from latolato.io.tables.source import read_source
+from latolato.scenario.analysis_options import arguments_of, options_of
+from latolato.scenario.units import to_si_list
+from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,70 +26,40 @@ if TYPE_CHECKING:
     from latolato.io.tables.source import SourceTable
 
 
+OPTIONS = options_of(import_table, without=("path",))
+
+
+@with_options(OPTIONS.values())
 def import_(
     file: Annotated[
         Path, typer.Argument(help="Another program's table: text, spreadsheet, .zip or .gz.")
     ],
     column: ColumnOption = None,
-    section: Annotated[
-        str | None,
-        typer.Option(help="Section, run, sheet or member, if the file holds several."),
-    ] = None,
-    decimal: Annotated[
-        str | None, typer.Option(help='Decimal sign, "." or ",", where the file leaves it open.')
-    ] = None,
-    frame_rate: Annotated[
-        str | None,
-        typer.Option(help="Frames per second, in Hz, if rows are frames or count them."),
-    ] = None,
-    length: Annotated[str | None, typer.Option(help="Pivot to ball centre, in m.")] = None,
-    radius: Annotated[str | None, typer.Option(help="Radius of the ball, in m.")] = None,
-    pivot: Annotated[
-        str | None,
-        typer.Option(help='Where the pivot is in the file: "x, y", in m, or "x px, y px".'),
-    ] = None,
-    angle_from: Annotated[
-        str, typer.Option(help="Direction of zero angle: down, or right (the x axis).")
-    ] = "down",
-    y_axis: Annotated[str, typer.Option(help="Direction of positive y: up or down.")] = "up",
-    angle_sigma: Annotated[
-        str | None, typer.Option(help="Uncertainty of the angles, in rad.")
-    ] = None,
     output: Annotated[
-        Path | None, typer.Option(help="Track table. Default: next to the file, as .track.csv.")
+        Path | None,
+        typer.Option(
+            help="Track table. Default: next to the file, as .track.csv.", rich_help_panel="Output"
+        ),
     ] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="Show what was recognised and write nothing.")
     ] = False,
     as_json: JsonOption = False,
+    **values: Any,
 ) -> None:
     """Convert another program's table into a track table: Tracker exports, phone sensors."""
-    from latolato.experiment.importing import import_table
-    from latolato.experiment.track_table import write_table
-    from latolato.io.tables.source import read_source
-    from latolato.scenario.units import to_si
-
     if preview:
-        source = read_source(file, decimal=decimal)
+        source = read_source(file, decimal=values["decimal"])
         print(json.dumps(source.to_dict()) if as_json else preview_of(source))
         return
     if file.is_dir():
         raise IsADirectoryError(f"'{file}' is a folder; name a file in it")
-    target = output or default_target(file, section)
+    target = output or default_target(file, values["section"])
     check_replaces_no_source(file, target)
-    table = import_table(
-        file,
-        columns_of(column),
-        section=section,
-        decimal=decimal,
-        frame_rate=frame_rate_of(frame_rate),
-        length=to_si("length", length, "m"),
-        radius=to_si("radius", radius, "m"),
-        pivot=None if pivot is None else pivot_of(pivot),
-        angle_from=angle_from,
-        y_axis=y_axis,
-        angle_sigma=to_si("angle_sigma", angle_sigma, "rad"),
-    )
+    for name, read in (("frame_rate", frame_rate_of), ("pivot", pivot_of)):
+        if values[name] is not None:
+            values[name] = read(values[name])
+    table = import_table(file, columns_of(column), **arguments_of(OPTIONS, values))
     if output is None:
         check_replaces_no_other(table, target)
     write_table(table, target)
@@ -113,8 +90,6 @@ def check_replaces_no_source(file: Path, target: Path) -> None:
 
 def check_replaces_no_other(table: xr.Dataset, target: Path) -> None:
     """Raise InputError if a table of other columns, or of something else, would be replaced."""
-    from latolato.experiment.track_table import read_table
-
     if not target.exists():
         return
     if target.is_dir():
@@ -133,26 +108,20 @@ def check_replaces_no_other(table: xr.Dataset, target: Path) -> None:
         )
 
 
-def frame_rate_of(text: str | None) -> float | None:
-    """Return a number of frames per second; a bare number is one.
+def frame_rate_of(text: str) -> float:
+    """The number of frames per second [1/s]; a bare number is one.
 
     Examples
     --------
     >>> frame_rate_of("240"), frame_rate_of("29.97 fps"), frame_rate_of("60 Hz")
     (240.0, 29.97, 60.0)
     """
-    if text is None:
-        return None
-    match = re.fullmatch(r"\s*([\d.]+)\s*(?:fps|Hz|1/s|/s)?\s*", text)
-    try:
-        return float(match[1]) if match else _refuse_rate(text)
-    except ValueError:
-        return _refuse_rate(text)
-
-
-def _refuse_rate(text: str) -> float:
-    """Raise the error for a text that is no frame rate."""
-    raise InputError("must be a number of frames per second", parameter="--frame-rate", value=text)
+    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(?:fps|Hz|1/s|/s)?\s*", text)
+    if match is None:
+        raise InputError(
+            "must be a number of frames per second", parameter="--frame-rate", value=text
+        )
+    return float(match[1])
 
 
 def pivot_of(text: str) -> Any:
@@ -163,14 +132,12 @@ def pivot_of(text: str) -> Any:
     >>> pivot_of("36 cm, 0 m"), pivot_of("320 px, 75 px")
     ([0.36, 0.0], [320.0, 75.0])
     """
-    from latolato.scenario.units import to_si_list
-
     in_pixels = re.sub(r"(?<![a-z])(?:px|pixels?)\b", "pixel", text)
     return to_si_list("pivot", in_pixels, "pixel" if "pixel" in in_pixels else "m")
 
 
 def preview_of(source: SourceTable) -> str:
-    """Return what was recognised in a file, with the first rows of each section."""
+    """The recognised format and columns of a file, with the first rows of each section."""
     lines = [source.about, f"{source.encoding}, {source.delimiter}"]
     lines += [f"note: {note}" for note in source.notes]
     for section in source.sections:
@@ -187,9 +154,7 @@ def preview_of(source: SourceTable) -> str:
 
 
 def summarise(table: xr.Dataset) -> dict[str, Any]:
-    """Return what an imported table holds, as JSON knows it."""
-    from latolato.simulation.summary import plain
-
+    """The number of rows and the attributes of an imported table, as JSON knows them."""
     return {
         "rows": table.sizes["frame"],
         "attributes": {str(name): plain(value) for name, value in table.attrs.items()},
@@ -197,11 +162,7 @@ def summarise(table: xr.Dataset) -> dict[str, Any]:
 
 
 def lines_of(table: xr.Dataset) -> dict[str, str]:
-    """Return what an imported table holds, as texts that show a wrong unit or column."""
-    from math import degrees
-
-    from latolato.experiment.track_table import balls_of
-
+    """Columns and ranges of an imported table, as texts that show a wrong unit or column."""
     time = table["time"].values
     lines = {
         "recognised": table.attrs["recognised"],

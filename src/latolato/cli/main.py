@@ -7,59 +7,66 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib import import_module
 from inspect import getdoc
 from typing import Annotated, Any
 
 import typer
 
 from latolato.cli.analyse import AnalysisGroup
-from latolato.cli.app import app as open_app
-from latolato.cli.compare import compare
 from latolato.cli.fit import FitGroup
-from latolato.cli.importing import import_
-from latolato.cli.options import EachOptionOnce, UsageError
-from latolato.cli.plot import plot
-from latolato.cli.reproduce import reproduce
-from latolato.cli.simulate import simulate
-from latolato.cli.site import site
-from latolato.cli.sweep import sweep
-from latolato.cli.synthesise import synthesise
-from latolato.cli.track import track
-from latolato.cli.trials import trials
+from latolato.cli.options import UsageError, command_from
+from latolato.cli.registered import RegistryGroup
 from latolato.core.faults import refusal_of, report_of
 from latolato.scenario.scenario import find, load_scenario, scenarios
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
 _FAULT = 70
 
+# Panels of the help, in the order in which they are read.
+_PLAY, _SIMULATE, _MEASURE, _PAPER = "Play and show", "Simulate", "Measure", "The paper"
+# Panel of the commands, none for another spelling, module and function.
+_COMMANDS = {
+    "app": (_PLAY, "app", "app"),
+    "site": (_PLAY, "site", "site"),
+    "simulate": (_SIMULATE, "simulate", "simulate"),
+    "sweep": (_SIMULATE, "sweep", "sweep"),
+    "plot": (_SIMULATE, "plot", "plot"),
+    "track": (_MEASURE, "track", "track"),
+    "import": (_MEASURE, "importing", "import_"),
+    "trials": (_MEASURE, "trials", "trials"),
+    "compare": (_MEASURE, "compare", "compare"),
+    "synthesise": (_MEASURE, "synthesise", "synthesise"),
+    "synthesize": (None, "synthesise", "synthesise"),
+    "reproduce": (_PAPER, "reproduce", "reproduce"),
+}
+
+
+class Commands(RegistryGroup):
+    """The commands, each imported when it is asked for: its options come from what it calls."""
+
+    kind = "command"
+
+    def entries(self) -> Mapping[str, Any]:
+        """Panel, module and function of each command."""
+        return _COMMANDS
+
+    def make_command(self, name: str) -> Any:
+        """Return a command."""
+        panel, module, function = _COMMANDS[name]
+        run = getattr(import_module(f"latolato.cli.{module}"), function)
+        return command_from(run, name, getdoc(run) or "", panel=panel, hidden=panel is None)
+
+
 app = typer.Typer(
+    cls=Commands,
     name="latolato",
     help="Driven and colliding pendula: play, simulate, measure, reproduce the paper.",
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-# Panels of the help, in the order in which they are read.
-_PLAY, _SIMULATE, _MEASURE, _PAPER = "Play and show", "Simulate", "Measure", "The paper"
-
-for _panel, _name, _command in (
-    (_PLAY, "app", open_app),
-    (_PLAY, "site", site),
-    (_SIMULATE, "simulate", simulate),
-    (_SIMULATE, "sweep", sweep),
-    (_SIMULATE, "plot", plot),
-    (_MEASURE, "track", track),
-    (_MEASURE, "import", import_),
-    (_MEASURE, "trials", trials),
-    (_MEASURE, "compare", compare),
-    (_MEASURE, "synthesise", synthesise),
-    (_PAPER, "reproduce", reproduce),
-):
-    # Typer keeps the ends of a docstring's lines; the terminal's width shall decide.
-    _text = "\n\n".join(" ".join(part.split()) for part in (getdoc(_command) or "").split("\n\n"))
-    app.command(_name, cls=EachOptionOnce, help=_text, rich_help_panel=_panel)(_command)
-app.command("synthesize", cls=EachOptionOnce, hidden=True)(synthesise)
 scenarios_app = typer.Typer(help="List the scenarios that come with latolato, or show one.")
 app.add_typer(scenarios_app, name="scenarios", rich_help_panel=_SIMULATE)
 analyse_app = typer.Typer(
@@ -179,7 +186,6 @@ def _refuse(message: str, code: int = 2) -> int:
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning as one line."""
     print(f"latolato: warning: {' '.join(str(message).split())}", file=sys.stderr)
 
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
+from typer.models import ArgumentInfo
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
+from latolato.core.registry import suggest
 from latolato.scenario.options import law_options
 
 if TYPE_CHECKING:
-    from latolato.experiment.sidecar import Pivot
+    from latolato.experiment.sidecar import Pivot, Place
 
 # What typer raises for wrong options; its name has moved between versions.
 UsageError: Any = typer.BadParameter.__mro__[1]
@@ -39,9 +41,15 @@ ColumnOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
-StartOption = Annotated[str | None, typer.Option(help="First instant to use, in s.")]
-EndOption = Annotated[str | None, typer.Option(help="Last instant to use, in s.")]
-Command = Callable[..., None]
+BallOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="U,V",
+        help="Column and row of a ball's centre in the same frame; give it twice for two balls. "
+        "Without it, the video is searched for balls.",
+    ),
+]
+Command = Callable[..., Any]
 # Options that choose the samples of a single run.
 SAMPLE_OPTIONS = ("times", "samples", "frame")
 
@@ -58,6 +66,17 @@ class EachOptionOnce(TyperCommand):
                 flag = max(parameter.opts, key=len)
                 raise UsageError(f"option {flag} must be given once, it was given {count} times")
         return super().parse_args(ctx, args)
+
+
+def command_from(
+    run: Command, name: str, text: str, *, panel: str | None = None, hidden: bool = False
+) -> Any:
+    """Return the command that runs a function; `text` is its help."""
+    app = typer.Typer(add_completion=False)
+    # Typer keeps the ends of a docstring's lines; the terminal's width shall decide.
+    text = "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
+    app.command(name, cls=EachOptionOnce, help=text, rich_help_panel=panel, hidden=hidden)(run)
+    return typer.main.get_command(app)
 
 
 def named_values(flag: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
@@ -115,6 +134,24 @@ def pixels_of(flag: str, text: str, example: str) -> list[float]:
     return numbers
 
 
+def balls_of(count: int | None, texts: Sequence[str] | None) -> tuple[Place, ...] | int | None:
+    """Return the places of the balls that `--ball` points at, or how many `--balls` says there are.
+
+    Raises
+    ------
+    InputError
+        For more than two, or another number of places than of balls.
+    """
+    places = tuple(place_of("--ball", text) for text in texts or ())
+    if count is not None and count not in (1, 2):
+        raise InputError("must be 1 or 2", parameter="--balls", value=count)
+    if count is not None and places and len(places) != count:
+        raise InputError(f"--balls {count} needs --ball {count} times", value=len(places))
+    if len(places) > 2:
+        raise InputError("may be given twice at most", parameter="--ball", value=len(places))
+    return places or count
+
+
 def pivots_of(texts: Sequence[str] | None) -> Pivot | tuple[Pivot, ...] | None:
     """Return the pivot that `--pivot` points at, or both; a place or ``"outside"`` each.
 
@@ -135,7 +172,41 @@ def pivots_of(texts: Sequence[str] | None) -> Pivot | tuple[Pivot, ...] | None:
     return pivots[0] if len(pivots) == 1 else pivots
 
 
-def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspect.Parameter:
+def values_of(
+    flag: str, texts: Sequence[str] | None, known: Mapping[str, Parameter]
+) -> dict[str, Any]:
+    """Return the values of known parameters that an option gives as NAME=VALUE, in SI units.
+
+    Raises
+    ------
+    InputError
+        As `named_values`, for an unknown name and a value of another kind.
+    """
+    from latolato.scenario.analysis_options import read_value
+
+    values = {}
+    for name, text in named_values(flag, texts, "NAME=VALUE").items():
+        if name not in known:
+            raise InputError(f"{flag} has no '{name}': {suggest(name, list(known))}")
+        values[name] = read_value(known[name], text)
+    return values
+
+
+def note_of(option: Parameter) -> str:
+    """Return the description of an option's default."""
+    if option.is_required:
+        has_law = option.name in law_options() and not option.several
+        return "; by default the scenario's" if has_law else "; needed"
+    if option.default is None or option.kind is bool:
+        return ""
+    several = isinstance(option.default, (list, tuple))
+    values = option.default if several else [option.default]
+    text = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values)
+    of_run = "the scenario's, else " if option.owner == "run" else ""
+    return f"; by default {of_run}{text}"
+
+
+def option_of(parameter: Parameter, panel: str | None = None, note: str = "") -> inspect.Parameter:
     """Return the argument from which typer makes an option; quantities come as texts."""
     typed: Any = str
     if parameter.several and parameter.kind is str:
@@ -146,7 +217,7 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
     about = typer.Option(
         f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
         help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
-        rich_help_panel=panel,
+        rich_help_panel=parameter.owner.title() or panel,
         metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
     )
     return inspect.Parameter(
@@ -157,21 +228,38 @@ def option_of(parameter: Parameter, panel: str | None, note: str = "") -> inspec
     )
 
 
+def with_options(
+    options: Iterable[Parameter], panel: str | None = None
+) -> Callable[[Command], Command]:
+    """Return the decorator that gives a command the options of a function, before its own ones.
+
+    `panel` is the heading in the help of those that no law or run owns.
+    """
+    ordered = sorted(options, key=lambda option: option.owner == "run")
+    return _adding([option_of(each, panel, note_of(each)) for each in ordered], first=True)
+
+
 def with_law_options(
     without: Container[str] = (), further: Iterable[Parameter] = ()
 ) -> Callable[[Command], Command]:
     """Return the decorator that gives a command an option for each parameter of a law or a run."""
     own = (option for option in law_options().values() if option.name not in without)
-    return with_options((*further, *own))
+    return _adding([option_of(each) for each in (*further, *own)])
 
 
-def with_options(options: Iterable[Parameter]) -> Callable[[Command], Command]:
+def _adding(options: list[inspect.Parameter], *, first: bool = False) -> Callable[..., Command]:
     """Return the decorator that spells out the keyword arguments of a command as options."""
 
     def spell_out(command: Command) -> Command:
         signature = inspect.signature(command, eval_str=True)
-        parameters = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        parameters += [option_of(option, option.owner.title() or None) for option in options]
+        declared = [
+            parameter.replace(kind=parameter.KEYWORD_ONLY)
+            for parameter in signature.parameters.values()
+            if parameter.kind is not parameter.VAR_KEYWORD
+        ]
+        words = sum(isinstance(p.annotation.__metadata__[0], ArgumentInfo) for p in declared)
+        place = words if first else len(declared)
+        parameters = [*declared[:place], *options, *declared[place:]]
         command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
         return command
 

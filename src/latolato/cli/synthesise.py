@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,13 +16,18 @@ from latolato.cli.options import (
     SAMPLE_OPTIONS,
     JsonOption,
     ScenarioArgument,
-    named_values,
+    values_of,
     with_law_options,
+    with_options,
 )
 from latolato.cli.output import elapsed_since, print_summary
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.core.parameters import Parameter, law_parameters
+from latolato.experiment.synthetic.conditions import conditions
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
 from latolato.io.progress import bar
+from latolato.scenario.analysis_options import arguments_of, options_of
 from latolato.scenario.tables import ForeignParameterError
 
 if TYPE_CHECKING:
@@ -31,8 +35,11 @@ if TYPE_CHECKING:
 
     from latolato.scenario.scenario import Scenario
 
+OPTIONS = options_of(synthesise_video, without=("run", "path"))
+
 
 @with_law_options(without=SAMPLE_OPTIONS)
+@with_options(OPTIONS.values())
 def synthesise(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
@@ -48,9 +55,7 @@ def synthesise(
     condition: Annotated[
         str,
         typer.Option(
-            help="Filming condition: clean, texture, wood, variable, rotated, tilted, blur, "
-            "lowlight, compressed, steel, occluded, rolling or lens.",
-            rich_help_panel="Filming",
+            help=f"Filming condition: one of {', '.join(conditions)}.", rich_help_panel="Filming"
         ),
     ] = "clean",
     scene: Annotated[
@@ -68,9 +73,6 @@ def synthesise(
             rich_help_panel="Filming",
         ),
     ] = None,
-    seed: Annotated[
-        int, typer.Option(help="Seed of texture, noise and time stamps.", rich_help_panel="Filming")
-    ] = 0,
     as_json: JsonOption = False,
     **values: Any,
 ) -> None:
@@ -78,23 +80,21 @@ def synthesise(
 
     Options replace what the scenario says. Existing files are replaced.
     """
-    from latolato.experiment.synthetic.conditions import conditions
-    from latolato.experiment.synthetic.scene import Camera, Scene
-    from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
-
     begun = time.perf_counter()
     ready = scenario_of(scenario, rerun, values)
     if output is None:
         raise InputError("name the video: --output clip.mp4")
     setting = conditions[condition].make(
-        values_of("--scene", scene or (), Scene), values_of("--camera", camera or (), Camera)
+        values_of("--scene", scene, parameters_of(Scene)),
+        values_of("--camera", camera, parameters_of(Camera)),
     )
+    arguments = arguments_of(OPTIONS, values)
     check_target(output, truth)
     with bar("simulating") as progress:
         motion = ready.simulate(progress=progress)
     with bar("filming") as progress:
         table = synthesise_video(
-            motion, output, *setting, seed=seed, truth=truth, progress=progress
+            motion, output, *setting, truth=truth, progress=progress, **arguments
         )
     summary = {
         "condition": condition,
@@ -105,6 +105,11 @@ def synthesise(
     print_summary(summary, lines_of(summary), as_json=as_json)
 
 
+def parameters_of(law: type) -> dict[str, Parameter]:
+    """Return the parameters of a scene or a camera by name."""
+    return {parameter.name: parameter for parameter in law_parameters(law, "")}
+
+
 def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any]) -> Scenario:
     """Return the scenario to film as the command line names it."""
     try:
@@ -113,35 +118,6 @@ def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any
         if error.parameter == "radius":
             error.way_out = f'draw the ball with --scene "ball_radius = {values["radius"]}"'
         raise
-
-
-def values_of(flag: str, texts: Sequence[str], kind: type) -> dict[str, Any]:
-    """Return the fields of `Scene` or `Camera` that options name, in SI units.
-
-    Raises
-    ------
-    InputError
-        For a text without ``=``, an unknown name and a value of another kind.
-    """
-    from latolato.scenario.units import to_si
-
-    known = {field.name: field for field in fields(kind)}
-    values: dict[str, Any] = {}
-    for name, value in named_values(flag, texts, "NAME=VALUE").items():
-        if name not in known:
-            raise InputError(f"{flag} has no '{name}': {suggest(name, list(known))}")
-        quantity = known[name].metadata.get("quantity")
-        if quantity is not None:
-            unit = "1" if quantity.unit == "pixel" else quantity.unit
-            values[name] = to_si(name, value, unit)
-        elif known[name].type == "int":
-            try:
-                values[name] = int(value)
-            except ValueError:
-                raise InputError("must be a whole number", parameter=name, value=value) from None
-        else:
-            values[name] = value
-    return values
 
 
 def summarise(table: xr.Dataset) -> dict[str, Any]:

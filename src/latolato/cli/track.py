@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from latolato.cli.options import JsonOption, pivots_of, pixels_of, place_of, with_options
+from latolato.cli.options import (
+    BallOption,
+    JsonOption,
+    balls_of,
+    pivots_of,
+    pixels_of,
+    place_of,
+    values_of,
+    with_options,
+)
 from latolato.cli.track_jobs import Job, run
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     checked_correction,
     checked_region,
     checked_stick,
 )
+from latolato.experiment.video import Limits
+from latolato.scenario.analysis_options import arguments_of, options_of
 
 
 @with_options(VIDEO_PARAMETERS.values())
@@ -34,14 +45,7 @@ def track(
             metavar="U,V",
         ),
     ] = None,
-    ball: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="The same for a ball's centre; give it twice for two balls. Without it, the video "
-            "is searched for balls.",
-            metavar="U,V",
-        ),
-    ] = None,
+    ball: BallOption = None,
     region: Annotated[
         str | None,
         typer.Option(
@@ -108,14 +112,13 @@ def track(
     Quantities may carry a unit: "24.5 cm". The set-up is written beside the table, from which the
     same table is made again. Existing files are replaced.
     """
-    places = tuple(place_of("--ball", text) for text in ball or ())
-    _check_places(balls, places)
+    places = balls_of(balls, ball)
     if sidecar is not None:
-        _check_sidecar(sidecar, videos, bool(pivot or places))
+        _check_sidecar(sidecar, videos, bool(pivot or ball))
     common: dict[str, Any] = {
         "pivot": pivots_of(pivot),
-        "balls": places or balls,
-        "values": _in_si(values, limit or []) | _places(region, stick, correct or []),
+        "balls": places,
+        "values": _settings(values, limit) | _places(region, stick, correct or []),
         "sidecar": sidecar,
         "propose": propose,
     }
@@ -135,16 +138,6 @@ def track(
     code = run(jobs, workers, as_json=as_json)
     if code:
         raise typer.Exit(code)
-
-
-def _check_places(count: int | None, places: Sequence[tuple[float, float]]) -> None:
-    """Raise unless so many balls can be at these places."""
-    if count is not None and count not in (1, 2):
-        raise InputError("must be 1 or 2", parameter="--balls", value=count)
-    if count is not None and places and len(places) != count:
-        raise InputError(f"--balls {count} needs --ball {count} times", value=len(places))
-    if len(places) > 2:
-        raise InputError("may be given twice at most", parameter="--ball", value=len(places))
 
 
 def _check_sidecar(sidecar: Path, videos: Sequence[Path], is_pointed_at: bool) -> None:
@@ -184,40 +177,15 @@ def _correction(text: str) -> tuple[int, int, float, float]:
     return checked_correction((int(frame), int(ball), *place_of("--correct", place)))
 
 
-def _in_si(values: Mapping[str, str | None], limits: Sequence[str]) -> dict[str, Any]:
+def _settings(values: Mapping[str, Any], limits: Sequence[str] | None) -> dict[str, Any]:
     """Return length, radius, gravity, optics, slow motion and limits in SI units."""
-    from latolato.experiment.calibration.lens import Optics
-    from latolato.experiment.video import Limits
-    from latolato.scenario.units import to_si
-
-    arguments: dict[str, Any] = {
-        name: to_si(option.flag, values[name], option.unit) if option.unit else values[name]
-        for name, option in VIDEO_PARAMETERS.items()
-        if values.get(name) is not None
-    }
-    optics = {
-        name: arguments.pop(name)
-        for name in ("row_time", "lens_k1", "lens_k2")
-        if name in arguments
-    }
+    settings = arguments_of(VIDEO_PARAMETERS, values)
+    optics = {f.name: settings.pop(f.name) for f in fields(Optics) if f.name in settings}
     if optics:
-        arguments["optics"] = Optics(**optics)
-    of_limits = {"duration": "s", "pixels": "1", "frames": "1", "memory": "1"}
-    bounds: dict[str, Any] = {}
-    for text in limits:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if name not in of_limits:
-            raise InputError(f"--limit has no '{name}': {suggest(name, list(of_limits))}")
-        if not equals:
-            raise InputError("must be NAME=VALUE", parameter="--limit", value=text)
-        number = to_si(f"--limit {name}", value, of_limits[name])
-        if not number > 0.0:
-            raise InputError("must be positive", parameter=f"--limit {name}", value=number)
-        kinds = {field.name: field.type for field in fields(Limits)}
-        bounds[name] = int(number) if kinds[name] == "int" else number
-    if bounds:
-        arguments["limits"] = replace(Limits(), **bounds)
-    return arguments
+        settings["optics"] = Optics(**optics)
+    if limits:
+        settings["limits"] = Limits(**values_of("--limit", limits, options_of(Limits)))
+    return settings
 
 
 def _target(target: Path | None, video: Path, ending: str, several: bool) -> Path | None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from html import escape
 from types import SimpleNamespace, UnionType
@@ -207,7 +208,7 @@ class UnitOf:
 
 
 def function_parameters(
-    function: Callable[..., Any], without: Sequence[str] = ()
+    function: Callable[..., Any], without: Container[str] = ()
 ) -> dict[str, Parameter]:
     """Return the parameters of a function that can be typed, by name.
 
@@ -264,7 +265,7 @@ def _hint(annotation: Any, function: Any) -> Any:
     holder = SimpleNamespace(__annotations__={"it": annotation})
     scope = {"Sequence": Sequence, "Mapping": Mapping, "Callable": Callable, "Any": Any}
     try:
-        known = inspect.unwrap(function).__globals__
+        known = vars(sys.modules[inspect.unwrap(function).__module__])
         return get_type_hints(holder, known, scope, include_extras=True)["it"]
     except NameError:
         return None

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,9 +79,9 @@ def import_table(
     length: float | None = None,
     radius: float | None = None,
     pivot: Sequence[float] | None = None,
-    angle_from: str = "down",
-    y_axis: str = "up",
-    angle_sigma: float | None = None,
+    angle_from: Literal["down", "right"] = "down",
+    y_axis: Literal["up", "down"] = "up",
+    angle_sigma: Annotated[float | None, "rad"] = None,
 ) -> xr.Dataset:
     """Return a track table from a file of another program.
 
@@ -102,16 +102,18 @@ def import_table(
         Which table of the file, if it holds several: the title of the section, the sheet, the
         member of the archive, or a run beside others.
     decimal : {".", ","}, optional
-        The decimal sign, needed only where the file leaves it open.
+        The decimal sign, "." or ",", needed only where the file leaves it open.
     frame_rate : float, optional
         Frames per second [1/s], if the column for the time holds frame numbers, or times such as
         ``0:00:03:12``. Missing numbers stay gaps. A table without frame numbers and without times
         has one row for each frame.
-    length, radius : float, optional
-        Pivot to ball centre and the ball's radius [m], kept with the table.
+    length : float, optional
+        Pivot to ball centre [m], kept with the table.
+    radius : float, optional
+        Radius of the ball [m], kept with the table.
     pivot : pair of float, optional
         Position of the pivot in the file's coordinates, if angles come from positions and the
-        file has no pivot: in m, or in pixels if the positions are in pixels.
+        file has no pivot: in m, or in pixels (px) if the positions are in pixels.
     angle_from : {"down", "right"}
         Direction from which the file counts angles, counter-clockwise: "right" is the x axis.
     y_axis : {"up", "down"}

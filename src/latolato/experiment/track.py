@@ -419,7 +419,6 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
 
 
 def _some_frames(count: int, one: str, many: str) -> str:
-    """Return how many frames do something, in words."""
     return f"{count} frame {one}" if count == 1 else f"{count} frames {many}"
 
 
@@ -497,7 +496,6 @@ def _checked(setup: Setup, video: Video) -> Setup:
 
 
 def _is_inside(place: Place, video: Video) -> bool:
-    """Return whether a place lies in the picture."""
     return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from pathlib import Path
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
@@ -167,12 +167,12 @@ def collect_trials(
     length: float | None = None,
     radius: float | None = None,
     gravity: float = GRAVITY,
-    transient: float | None = None,
-    start: float | None = None,
-    end: float | None = None,
+    transient: Annotated[float | None, "s"] = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
     pivot: Sequence[float] | None = None,
     balls: int | Sequence[Sequence[float]] | None = None,
-    sets: str = "auto",
+    sets: Literal["auto", "folder", "amplitude"] = "auto",
     workers: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
@@ -183,16 +183,29 @@ def collect_trials(
     sources : path, track table, or several
         Folders (with their folders), track tables and videos. A video is tracked first; one whose
         table lies in the same folder is not tracked again.
-    length, radius, pivot, balls : optional
-        For `latolato.track`, the same for all videos; without positions, pivot and balls are found
-        in each video.
-    gravity, transient, start, end
-        As for `trial_of`.
+    length : float, optional
+        Pivot to ball centre [m], by default each table's.
+    radius : float, optional
+        Radius of a ball [m] in all videos.
+    gravity : float
+        Gravitational acceleration [m/s^2].
+    transient : float, optional
+        Time after the start at which the last part begins, whose largest angle is the settled one
+        [s]; by default two thirds of the record.
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
+    pivot : sequence of float, optional
+        Column and row of the pivot in the first frame of all videos [pixels].
+    balls : int or sequence of sequence of float, optional
+        How many balls swing, or column and row of each in the first frame of all videos [pixels].
+        What is not pointed at is found in each video.
     sets : {"auto", "folder", "amplitude"}
         What defines a set: its folder, or amplitudes close to each other; by default folders if
         there are several.
     workers : int
-        Processes.
+        Number of processes.
     progress : callable, optional
         Called with the fraction done.
 

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from itertools import chain
 from pathlib import Path
@@ -73,6 +73,11 @@ class Limits:
     pixels: int = 4096 * 2304
     frames: int = 250_000
     memory: float = 6e9
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not value > 0.0:
+                raise InputError("must be positive", parameter=name, value=value)
 
     def check(self, name: str, value: float, words: str) -> None:
         """Raise if a value exceeds one of the limits; `words` describe the value."""

@@ -377,5 +377,4 @@ def _difference(new: Pixels, last: Pixels) -> tuple[Pixels, tuple[int, int]]:
 
 
 def _av() -> Any:
-    """Return PyAV."""
     return import_extra("av", "video", "an MP4", way_out="write a .gif")

@@ -130,7 +130,6 @@ def _row_of(claim: Claim) -> dict[str, Any]:
 
 
 def _anchor(claim: Claim) -> str:
-    """Return the identifier of a claim's row."""
     return "claim-" + re.sub(r"[^a-z0-9]+", "-", claim.name.lower())
 
 

@@ -343,7 +343,6 @@ def _png(figure: Figure) -> str:
 
 
 def _base64(content: bytes) -> str:
-    """Return bytes as text."""
     return base64.b64encode(content).decode("ascii")
 
 

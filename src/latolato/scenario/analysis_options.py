@@ -1,10 +1,11 @@
-"""Options of an analysis or a fit, made from its function."""
+"""Options of an analysis, a fit or a measurement, made from its function."""
 
 from __future__ import annotations
 
 import inspect
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,10 +21,12 @@ from latolato.scenario.variation import read_axes
 LAWS = ("system", "drive", "table")
 
 
-def options_of(function: Callable[..., Any]) -> dict[str, Parameter]:
-    """Return the options of an analysis or a fit by name; the owner `run` marks those of runs."""
+def options_of(
+    function: Callable[..., Any], without: Collection[str] = LAWS
+) -> dict[str, Parameter]:
+    """Return the options of a function by name; the owner `run` marks those of runs."""
     result = {}
-    for name, parameter in function_parameters(function, without=LAWS).items():
+    for name, parameter in function_parameters(function, without).items():
         text = plain_text(parameter.description).rstrip(".")
         if text[1:2].islower() or text[1:2] == " ":
             text = text[0].lower() + text[1:]
@@ -34,13 +37,27 @@ def options_of(function: Callable[..., Any]) -> dict[str, Parameter]:
     return result
 
 
+def arguments_of(options: Mapping[str, Parameter], values: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of a function for the options that are given, in SI units."""
+    return {
+        name: read_value(option, values[name])
+        for name, option in options.items()
+        if values.get(name) is not None
+    }
+
+
 def read_value(option: Parameter, value: Any, unit: str | None = None) -> Any:
     """Return the argument for the text of an option; a number without a unit is in its own."""
     unit = unit or option.unit
     if option.kind in (bool, str):
-        return [part.strip() for part in value.split(",")] if option.several else value
+        if not option.several:
+            return value
+        texts = value if isinstance(value, list) else [value]  # the option's, given several times
+        return [part.strip() for text in texts for part in text.split(",")]
     if not option.several or (option.or_one and not set(",:") & set(str(value))):
-        return value if option.kind is int else to_si(option.name, value, unit)
+        if option.kind is int and isinstance(value, str):
+            return _whole(option.name, value)
+        return to_si(option.name, value, unit)
     known = {option.name: Quantity(unit, "", option.name)}
     values = read_axes({option.name: value}, known, Path())[option.name]
     if option.kind is not int:
@@ -48,6 +65,17 @@ def read_value(option: Parameter, value: Any, unit: str | None = None) -> Any:
     if any(number != int(number) for number in values):
         raise InputError("must be whole numbers", parameter=option.name, value=value)
     return [int(number) for number in values]
+
+
+def _whole(name: str, text: str) -> int:
+    """Return the whole number that a text is, which may be written as 2e7."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not number.is_integer():
+        raise InputError("must be a whole number", parameter=name, value=text)
+    return int(number)
 
 
 def summary_of(function: Callable[..., Any]) -> str:

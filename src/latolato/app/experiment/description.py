@@ -70,7 +70,6 @@ _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name
 
 
 def _frame(value: Any) -> int:
-    """Return the number of a frame."""
     return checked_count("frame", value, NON_NEGATIVE)
 
 

@@ -122,7 +122,6 @@ def answer_of(
 
 
 def _number(name: str, value: float, sigma: float, units: str, **more: Any) -> dict[str, Any]:
-    """Return a number of the answer."""
     return {"name": name, "value": value, "sigma": sigma, "units": units, **more}
 
 

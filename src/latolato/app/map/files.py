@@ -104,7 +104,6 @@ def scenario_of(body: Mapping[str, Any]) -> Scenario:
 
 
 def _are_numbers(value: Any) -> bool:
-    """Return whether a value is a list of numbers."""
     return isinstance(value, list) and all(isinstance(each, (int, float)) for each in value)
 
 

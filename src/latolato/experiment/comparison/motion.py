@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -46,9 +46,9 @@ def compare_motion(
     drive: Drive | str | None = None,
     *,
     ball: int | None = None,
-    start: float | None = None,
-    end: float | None = None,
-    match: float | None = None,
+    start: Annotated[float | None, "s"] = None,
+    end: Annotated[float | None, "s"] = None,
+    match: Annotated[float | None, "s"] = None,
     sigmas: Mapping[str, float] | None = None,
     draws: int = 12,
     seed: int = 0,
@@ -63,8 +63,12 @@ def compare_motion(
         What is computed.
     drive : Drive or "measured", optional
         How the pivot moves; by default as measured, as in `latolato.fit_model`.
-    ball, start, end : optional
-        As for `latolato.fit_model`.
+    ball : int, optional
+        Which ball of the table a system of one angle describes, as for `latolato.fit_model`.
+    start : float, optional
+        First instant used [s].
+    end : float, optional
+        Last instant used [s].
     match : float, optional
         Time after the start during which the computed motion is fitted to the measured one [s],
         by its initial angle and velocity only; by default 4 natural periods. After that it is

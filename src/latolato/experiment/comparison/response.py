@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
@@ -52,7 +52,7 @@ def compare_response(
     system: System,
     *,
     duration: float = 90.0,
-    transient: float = 60.0,
+    transient: Annotated[float, "s"] = 60.0,
     initial_angle: float | None = None,
     initial_offset: float | None = None,
     points: int = 121,
@@ -69,8 +69,10 @@ def compare_response(
         A trial table with settled angles.
     system : Pendulum or LatoLato
         What is computed.
-    duration, transient : float
-        Of the computed runs [s].
+    duration : float
+        Duration of the computed runs [s].
+    transient : float
+        Time after which a computed motion counts as settled [s].
     initial_angle, initial_offset : float, optional
         Their start [rad], as for `latolato.sweep`; some motions depend on it.
     points : int

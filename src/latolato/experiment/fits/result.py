@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Registry, rebuild, suggest
+from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -208,15 +209,15 @@ class Fit:
             "describes": self.describes,
             "values": {
                 name: {
-                    "value": _plain(estimate.value),
-                    "sigma": _plain(estimate.sigma),
-                    "low": _plain(estimate.low),
-                    "high": _plain(estimate.high),
+                    "value": plain(estimate.value),
+                    "sigma": plain(estimate.sigma),
+                    "low": plain(estimate.low),
+                    "high": plain(estimate.high),
                     "units": estimate.unit,
                 }
                 for name, estimate in self.estimates.items()
             },
-            "attributes": {str(key): _plain(value) for key, value in self.dataset.attrs.items()},
+            "attributes": {str(key): plain(value) for key, value in self.dataset.attrs.items()},
         }
 
     def save(self, path: str | Path) -> Path:
@@ -322,9 +323,3 @@ def size_question(name: str, value: float) -> str:
         return ""
     quantity = quantity_of(name)
     return f" A {name.replace('_', ' ')} of {value:.4g} {quantity.unit} is unusual: {cause}?"
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON knows it."""
-    plain = value.tolist() if hasattr(value, "tolist") else value
-    return None if isinstance(plain, float) and not math.isfinite(plain) else plain

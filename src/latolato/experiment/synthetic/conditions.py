@@ -47,7 +47,6 @@ conditions: Registry[Condition] = Registry("condition")
 
 
 def _add(name: str, description: str, **changes: Mapping[str, Any]) -> None:
-    """Register a condition."""
     conditions.register(name)(Condition(description=description, **changes))
 
 

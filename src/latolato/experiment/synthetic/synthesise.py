@@ -97,7 +97,7 @@ def synthesise_video(
     scene, camera : Scene, Camera, optional
         What is seen and how.
     seed : int
-        Of texture, noise and time stamps; the same seed gives the same frames.
+        Seed of texture, noise and time stamps; the same seed gives the same frames.
     truth : str or Path, optional
         Where to write the table: ``.csv``, ``.parquet`` or ``.nc``.
     progress : callable, optional

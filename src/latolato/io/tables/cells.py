@@ -47,7 +47,7 @@ _COMMENT = re.compile(r"\s*(?:#|%|//)")
 
 @lru_cache(maxsize=100_000)
 def kind_of(cell: str) -> str:
-    """Return what a cell's shape is: a kind of number, "quantity", "missing", "empty" or "text".
+    """The kind of a cell's shape: a kind of number, "quantity", "missing", "empty" or "text".
 
     Examples
     --------

@@ -141,7 +141,7 @@ def _name_and_unit(text: str) -> tuple[str, str, str]:
 def header_of(
     lines: list[HeaderLine], width: int, delimiter: str, unnamed: frozenset[int] = frozenset()
 ) -> Header:
-    """Return what the lines above the rows say about the columns.
+    """Names, units and tracks of the columns by the lines above the rows.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def header_of(
 def later_header(
     lines: list[HeaderLine], width: int, delimiter: str, unnamed: frozenset[int], first: Header
 ) -> Header:
-    """Return what the lines above a later section say; a comment may be its title only."""
+    """The heading of a later section; a comment may be its title only."""
     header = header_of(lines, width, delimiter, unnamed)
     known = {each.name for each in first.headings if each.name}
     if all(line.is_comment for line in lines) and not known & {h.name for h in header.headings}:

@@ -66,7 +66,7 @@ KINDS = (
 
 
 def kind_of_file(header: Sequence[str], names: Sequence[str]) -> tuple[str, Units]:
-    """Return what exported a file, "table" if it is not known, and the units that follow."""
+    """The program that exported a file, "table" if it is not known, and the units that follow."""
     text = "\n".join(header)
     for kind in KINDS:
         if kind.fits(text, set(names)):

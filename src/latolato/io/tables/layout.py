@@ -460,7 +460,7 @@ def _looks_like_names(line: str, delimiter: str, width: int) -> bool:
 def _columns(
     lines: Lines, rows: NDArray[np.int64], kinds: list[list[str]], width: int, delimiter: str
 ) -> list[Column]:
-    """Return what the rows hold in each column."""
+    """The kinds of cells in each column, counted over the rows."""
     columns = [Column() for _ in range(width)]
     present, first, counts = np.unique(lines.shape_of[rows], return_index=True, return_counts=True)
     for shape, at, count in zip(present.tolist(), rows[first].tolist(), counts, strict=True):

@@ -369,7 +369,7 @@ def _parsed(layout: Layout, block: Block, places: Sequence[int], signs: Signs) -
 
 
 def _exact(version: str) -> dict[str, Any]:
-    """Return what lets a version of pandas read the nearest float to every decimal number."""
+    """Options with which a version of pandas reads the nearest float to every decimal number."""
     major, minor = (int(part) for part in version.split(".")[:2])
     # From 3.1 on it always does, and warns about the option.
     return {} if (major, minor) >= (3, 1) else {"float_precision": "round_trip"}

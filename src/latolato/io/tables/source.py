@@ -361,7 +361,7 @@ class SourceTable:
 
 
 def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
-    """Return what a file of another program holds.
+    """The tables in a file of another program, with units and notes.
 
     Delimiter, header, units and sections are found from all lines of the file.
 
@@ -396,7 +396,7 @@ def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
 
 
 def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> SourceTable:
-    r"""Return what the bytes of a file hold; see `read_source`.
+    r"""The tables in the bytes of a file; see `read_source`.
 
     Examples
     --------
@@ -643,7 +643,7 @@ def _column_of(
 
 
 def _base_and_unit(text: str) -> tuple[str, str]:
-    """Return what a caller calls a column, and the unit in brackets after it."""
+    """The name that a caller gives a column, and the unit in brackets after it."""
     match = re.fullmatch(r"(.*?)\s*(?:\[([^\[\]]*)\]|\(([^()]*)\))", text.strip())
     if not match or not match[1]:
         return text.strip(), ""

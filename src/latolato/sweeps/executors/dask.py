@@ -225,5 +225,4 @@ def _lost(client: Any) -> ConnectionError:
 
 
 def _address(client: Any) -> str:
-    """Return the scheduler's address."""
     return str(client.scheduler.address) if client.scheduler else "an unknown address"
