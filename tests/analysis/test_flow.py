@@ -1,4 +1,4 @@
-"""The matrix of small deviations is that of the motion itself, through all events."""
+"""The matrix of small perturbations is that of the motion itself, through all events."""
 
 import math
 

@@ -17,13 +17,13 @@ from latolato.core.registry import checked_number, suggest
 from latolato.numerics.integrate import Start, Trajectory, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
-from latolato.observables.deviations import Deviations
+from latolato.observables.perturbations import FundamentalMatrix
 from latolato.physics.contacts import REST, SLACK
 from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
 from latolato.physics.pendulum import System
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
-    check_deviations,
+    check_perturbations,
     checked_contact,
     checked_system,
     walls_of,
@@ -39,7 +39,7 @@ SLOWEST_RATIO = 0.01
 # A motion with more contacts is given up.
 _MOST_CONTACTS = 100_000
 # One list for all analyses, so that a kernel is compiled once.
-_WATCHED: tuple[Observable, ...] = (Deviations(), LargestAngle())
+_WATCHED: tuple[Observable, ...] = (FundamentalMatrix(), LargestAngle())
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,12 @@ class Flow:
         if law.fixed_step is not None:
             raise InputError(
                 "must be exact or none here: a clamped motion depends on its step, so small "
-                "deviations have no meaning",
+                "perturbations have no meaning",
                 parameter="contact",
             )
         object.__setattr__(self, "contact", law)
         if self.through_slack:
-            check_deviations(self.system, "orbits")
+            check_perturbations(self.system, "orbits")
 
     @property
     def is_string(self) -> bool:

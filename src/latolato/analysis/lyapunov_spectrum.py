@@ -11,7 +11,7 @@ import numpy as np
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.core.quantities import NON_NEGATIVE, Quantity
-from latolato.observables.deviations import LyapunovExponent, LyapunovSpectrum, SumRuleResidual
+from latolato.observables.perturbations import LyapunovExponent, LyapunovSpectrum, SumRuleResidual
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_system

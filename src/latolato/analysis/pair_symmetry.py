@@ -13,7 +13,7 @@ from latolato.analysis.starts import single_start
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.observables import LargestAngleAfterTransient
-from latolato.observables.deviations import TransverseExponent
+from latolato.observables.perturbations import TransverseExponent
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import BallPair, LatoLato
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive

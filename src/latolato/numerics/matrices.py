@@ -21,7 +21,7 @@ def write_matrix(jacobian: Floats, ball: int, matrix: Matrix) -> None:
 def write_joint_matrix(jacobian: Floats, share: float, matrix: Matrix) -> None:
     """Write the matrix of two balls that move as one; `share` is the first one's of the inertia.
 
-    Deviations from moving as one are lost; the common one is the mean that impacts keep.
+    Perturbations that part them are lost; the common one is the mean that impacts keep.
     """
     for ball in range(2):
         for other in range(2):

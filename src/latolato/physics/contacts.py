@@ -205,7 +205,7 @@ def pair_impact(
 def wall_saltation(
     before: float, after: float, pull_before: float, pull_after: float
 ) -> tuple[float, float, float, float]:
-    """Return how deviations of angle and velocity change at an impact, row by row.
+    """Return how perturbations of angle and velocity change at an impact, row by row.
 
     Aizerman & Gantmacher (1958): later impacts of neighbours give ``[[-e, 0], [(a+ + e a-)/v-,
     -e]]`` with ``e = -after/before`` and the accelerations a- and a+ just before and after.

@@ -73,7 +73,7 @@ def write_pair_saltation(
     pulls_before: tuple[float, float],
     pulls_after: tuple[float, float],
 ) -> None:
-    """Write how deviations of both angles and angular velocities change at an impact.
+    """Write how perturbations of both angles and angular velocities change at an impact.
 
     ``S = R + (f+ - R f-) n/(n f-)`` (Aizerman & Gantmacher, 1958) for the state
     ``(angle_1, velocity_1, angle_2, velocity_2)``: R is the impact itself, f the rates of the

@@ -165,8 +165,8 @@ def check_strings(system: System, parameter: str) -> None:
         )
 
 
-def check_deviations(system: System, what: str) -> None:
-    """Raise InputError for a result on small deviations where it is not known."""
+def check_perturbations(system: System, what: str) -> None:
+    """Raise InputError for a result on small perturbations where it is not known."""
     if system.suspension == "string" and any(ball.coulomb_damping > 0.0 for ball in system.balls):
         raise InputError(
             f"must be 0 for {what} on strings: dry friction ends at once where a string goes slack",

@@ -30,7 +30,7 @@ from latolato.physics.problems import TRANSIENT, refusal
 from latolato.simulation.parameters import RUN_PARAMETERS, SWEEP_PARAMETERS
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
-    check_deviations,
+    check_perturbations,
     check_strings,
     checked_contact,
     checked_drive,
@@ -404,7 +404,7 @@ def _check_laws(
             if name.endswith("quadratic_damping"):
                 replaced(system, {known[name].path: max(values)})
             if name.endswith("coulomb_damping") and exponents:
-                check_deviations(replaced(system, {known[name].path: max(values)}), exponents[0])
+                check_perturbations(replaced(system, {known[name].path: max(values)}), exponents[0])
             if name == "horizontal_amplitude":
                 checked_drive(replaced(drive, {known[name].path: max(values)}), system)
 
@@ -469,11 +469,11 @@ def _check_observables(
                 way_out="ask for slack_fraction, or give suspension='rod'",
             )
         if observable.tangent is not None:
-            check_deviations(system, name)
+            check_perturbations(system, name)
         if observable.tangent is not None and law.fixed_step is not None:
             raise InputError(
                 f"{name} needs exact contact: a clamped motion depends on its step, so small "
-                "deviations have no meaning there"
+                "perturbations have no meaning there"
             )
 
 

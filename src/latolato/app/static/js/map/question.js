@@ -3,7 +3,7 @@
 import { problemOf } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/block.js";
-import { checkDeviations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
+import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
 import { checkedNumber, general, InputError, refusal, suggest } from "../model/rules.js";
@@ -78,7 +78,7 @@ export async function questionOf(registry, layout, request) {
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
   for (const { name } of watched)
     if ("tangent" in layout.observables[name].callbacks)
-      checkDeviations(system.suspension,
+      checkPerturbations(system.suspension,
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
   if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
@@ -219,7 +219,7 @@ function checkWatched(registry, layout, watched, drive, contact) {
       throw new InputError(`a ${drive} drive has no single period that a stroboscope could follow`);
     if ("jacobian_report" in callbacks && contact === "clamp")
       throw new InputError(`${Object.keys(widths)[0]} needs exact contact: a clamped motion depends on its `
-        + "step, so small deviations have no meaning there");
+        + "step, so small perturbations have no meaning there");
   }
 }
 

@@ -291,12 +291,12 @@ export function checkStrings(suspension, parameter) {
 }
 
 /**
- * Throw for a result on small deviations where it is not known: on strings with dry friction.
+ * Throw for a result on small perturbations where it is not known: on strings with dry friction.
  * @param {string} suspension
  * @param {number} friction  the largest coulomb_damping [N]
  * @param {string} what
  */
-export function checkDeviations(suspension, friction, what) {
+export function checkPerturbations(suspension, friction, what) {
   if (suspension === "string" && friction > 0)
     throw new InputError(`must be 0 for ${what} on strings: dry friction ends at once where a string goes slack`,
       { parameter: "coulomb_damping", wayOut: "leave it out, or give suspension='rod'" });

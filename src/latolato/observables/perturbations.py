@@ -43,7 +43,7 @@ def _start(acc: Any, i: int, n: int, angle: float) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Deviations(Observable):
+class FundamentalMatrix(Observable):
     """The matrix by which a run changes perturbations; not registered, as it is not a number."""
 
     start: ClassVar[Any] = staticmethod(_start)
