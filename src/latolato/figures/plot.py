@@ -112,7 +112,10 @@ def plot(
 
         return draw_run(run)
     if kind == "analysis":
-        figure: Figure = module_of(kind, run.attrs[kind]).draw(run)
+        from latolato.figures.analyses import drawings
+
+        module = module_of("analysis", run.attrs["analysis"])
+        figure: Figure = getattr(module, "draw", drawings.draw)(run)
         return figure
     return _draw_with_verdict(run)
 

@@ -86,10 +86,9 @@ def draw(dataset: xr.Dataset) -> Figure:
         ),
         *_mark(angles, dataset),
     ]  # fmt: skip
-    angles.set_ylabel(style.label(dataset["largest_angle"]))
     top = float(np.max(y, initial=0.0))
     angles.set_ylim(0.0 if top > _FLAT else -_FLAT, max(1.06 * top, _FLAT))
-    style.degree_axis(angles)
+    style.show_unit(angles.yaxis, dataset["largest_angle"])
     angles.set_title("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL)
     moduli.set_ylabel(r"moduli of multipliers $|\mu|$")
     moduli.set_xlabel(style.label(dataset[name]))

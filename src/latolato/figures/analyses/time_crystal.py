@@ -11,6 +11,7 @@ import numpy as np
 from latolato.figures import style
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken
 from latolato.figures.analyses.sentences import degrees, number
+from latolato.figures.map_title import in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 # More curves than this cannot be told apart.
 _MOST_CURVES = 6
 # Letters of the caption in one line over the width of a page.
-_LINE = 146
+_LINE = 122
 
 
 @style.styled
@@ -35,8 +36,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.panel_title(panels["line"], next(letters), "height of the line")
         style.panel_title(panels["place"], next(letters), "its place, bar: full width at half")
     point = _strongest(dataset)
-    ratio, amplitude = float(point.frequency_ratio), 1e3 * float(point.drive_amplitude)
-    name = rf"$\omega/\omega_0$ = {ratio:.4g}, $A_0$ = {amplitude:.3g} mm"
+    varied = ("frequency_ratio", "drive_amplitude")
+    name = ", ".join(in_words(point, each, point[each].item()) for each in varied)
     _draw_survival(point, panels["survival"])
     style.panel_title(panels["survival"], next(letters), "memory of the phase")
     _draw_order(point, panels["order"])
@@ -54,17 +55,12 @@ def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
     ratio = dataset.frequency_ratio.values
     for colour, i in zip(style.COLOURS, indices, strict=False):
         row = dataset.isel(drive_amplitude=i)
-        name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm"
+        name = in_words(dataset, "drive_amplitude", row.drive_amplitude.item())
         height.plot(ratio, row.peak_amplitude, color=colour, label=name)
         place.errorbar(
-            ratio,
-            row.peak_frequency,
-            yerr=0.5 * row.peak_width,
-            fmt="o",
-            ms=2.0,
-            lw=style.THIN,
+            ratio, row.peak_frequency, 0.5 * row.peak_width, fmt="o", ms=2.0, lw=style.THIN,
             color=colour,
-        )
+        )  # fmt: skip
     style.mark_level(place, 0.5, "half the driving frequency", where=0.0)
     spread = np.abs(dataset.peak_frequency - 0.5) + 0.5 * dataset.peak_width
     reach = max(1.2 * float(spread.fillna(0.0).max()), 0.01)
