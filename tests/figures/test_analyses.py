@@ -9,7 +9,7 @@ import xarray as xr
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.analysis.registry import labelled
+from latolato.analysis.registry import labelled, recorded
 from latolato.figures import style
 from latolato.figures.analyses import drawings
 from latolato.figures.plot import module_of
@@ -21,10 +21,11 @@ SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
 def made(name, variables, coordinates=None, settings=None):
     """A dataset as the analysis would label it."""
     home = importlib.import_module(f"latolato.analysis.{name}")
-    return labelled(
-        name, variables, {"system": TOY, "drive": SHAKE}, coordinates=coordinates,
-        quantities=home.QUANTITIES, settings=settings,
+    found = labelled(
+        variables, system=TOY, drive=SHAKE, coordinates=coordinates, quantities=home.QUANTITIES,
+        settings=settings,
     )  # fmt: skip
+    return recorded(name, found, {})
 
 
 def multipliers(values, status, **changes):
