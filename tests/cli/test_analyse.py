@@ -305,11 +305,11 @@ def test_files_and_pictures_are_written_and_drawn_again():
     assert np.array_equal(plain.multipliers_real, wanted.multipliers.values.real)
 
 
-def test_only_runs_are_animated_and_analyses_are_drawn_whole(capsys):
+def test_only_runs_are_animated_and_single_numbers_have_no_axes(capsys):
     run("analyse", "tongue_edges", "fig03a", "--output", "a.nc")
     for arguments, message in (
         (["--animate", "a.gif"], "holds an analysis: only a run can be animated"),
-        (["--log"], "an analysis is drawn whole"),
+        (["--variable", "high"], "high is a single value"),
     ):
         assert main(["plot", "a.nc", *arguments]) == 2
         assert message in capsys.readouterr().err

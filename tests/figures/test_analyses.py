@@ -199,6 +199,13 @@ def test_a_map_outlines_all_statuses_but_the_most_frequent_and_counts_what_has_n
     }
 
 
+def test_any_variable_of_an_analysis_can_be_drawn_and_a_part_of_it_selected():
+    name, select = "largest_angle_after_transient", {"drive_amplitude": 0.3}
+    (axes,) = ll.plot(CASES["map"], name, select=select).axes
+    assert axes.get_ylabel().endswith("[°]")
+    assert "$A_0$ = 300 mm" in axes.get_title(loc="left")
+
+
 def test_points_of_a_curve_have_the_colours_of_their_statuses():
     (axes,) = ll.plot(CASES["curve"]).axes
     colours = {line.get_label(): line.get_color() for line in axes.lines}

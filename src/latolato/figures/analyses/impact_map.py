@@ -32,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     for panel in (plane, returns):
         panel.set_xlim(0.0, math.tau)
     returns.set_ylim(0.0, math.tau)
-    style.keep_span(plane, y=0.2 * float(np.abs(plane.get_ylim()).max()))
+    style.keep_span(plane, y=0.02 * float(np.abs(plane.get_ylim()).max()))
     rate = dataset["impacts_per_period"].item()
     style.panel_title(plane, "a", f"{rate:.4g} impacts per drive period")
     style.panel_title(returns, "b", "from one impact to the next")
