@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken
 from latolato.figures.analyses.sentences import degrees, number
 from latolato.figures.map_title import in_words
@@ -52,25 +53,19 @@ def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
     """Draw amplitude and place of the line against the frequency ratio, for some amplitudes."""
     count = dataset.sizes["drive_amplitude"]
     indices = np.unique(np.linspace(0, count - 1, min(count, _MOST_CURVES)).round().astype(int))
-    ratio = dataset.frequency_ratio.values
-    for colour, i in zip(style.COLOURS, indices, strict=False):
-        row = dataset.isel(drive_amplitude=i)
-        name = in_words(dataset, "drive_amplitude", row.drive_amplitude.item())
-        height.plot(ratio, row.peak_amplitude, color=colour, label=name)
-        place.errorbar(
-            ratio, row.peak_frequency, 0.5 * row.peak_width, fmt="o", ms=2.0, lw=style.THIN,
-            color=colour,
-        )  # fmt: skip
+    dataset = dataset.isel(drive_amplitude=indices)
+    ratio, amplitude = dataset.frequency_ratio, dataset.drive_amplitude
+    names = [in_words(dataset, "drive_amplitude", value) for value in amplitude.values.tolist()]
+    name = amplitude.copy(data=names)
+    draw_points(height, ratio, dataset.peak_amplitude, name, short=True, ls="-", ms=2.5)
+    draw_points(place, ratio, dataset.peak_frequency, name, short=True, ms=2.5)
+    low, high = (dataset.peak_frequency + side * dataset.peak_width for side in (-0.5, 0.5))
+    for i, colour in zip(range(len(names)), style.COLOURS, strict=False):
+        place.vlines(ratio, low[i], high[i], color=colour, lw=style.THIN)
     style.mark_level(place, 0.5, "half the driving frequency", where=0.0)
-    spread = np.abs(dataset.peak_frequency - 0.5) + 0.5 * dataset.peak_width
-    reach = max(1.2 * float(spread.fillna(0.0).max()), 0.01)
+    reach = max(1.2 * float(np.nan_to_num([0.5 - low, high - 0.5]).max()), 0.01)
     place.set_ylim(0.5 - reach, 0.5 + reach)
-    for axis in (height, place):
-        axis.set_xlim(ratio.min(), ratio.max())
-        axis.set_xlabel(style.label(dataset.frequency_ratio))
-    height.set_ylim(0.0, None)
-    height.set_ylabel(style.label(dataset.peak_amplitude, short=True))
-    place.set_ylabel(style.label(dataset.peak_frequency, short=True))
+    height.set_ylim(bottom=0.0)
     height.legend(loc="best")
 
 
@@ -105,10 +100,10 @@ def _draw_survival(point: xr.Dataset, axis: Axes) -> None:
 def _draw_order(point: xr.Dataset, axis: Axes) -> None:
     """Draw the order parameter of each period."""
     style.mark_level(axis, 0.0, "phase forgotten")
-    axis.plot(point.period, point.order_parameter_decay, color=style.BLUE)
+    draw_points(axis, point.period, point.order_parameter_decay, ls="-", marker="", short=True)
     axis.set_xlim(point.period.values[0], point.period.values[-1])
     axis.set_xlabel(style.label(point.period))
-    axis.set_ylabel("order kept " + style.label(point.order_parameter_decay, short=True))
+    axis.set_ylabel(f"order kept {axis.get_ylabel()}")
 
 
 def verdict(dataset: xr.Dataset) -> str:
