@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, recorded
 from latolato.core.errors import InputError
 
 
@@ -18,12 +18,14 @@ def test_labels_carry_units_and_all_parameters() -> None:
     )
     drive = ll.Harmonic(drive_amplitude=0.1, drive_frequency=3.0)
     found = labelled(
-        "growth_rate",
         {"growth_rate": ("frequency_ratio", np.array([0.1, 0.2])), "drive_amplitude": 0.1},
-        {"system": pair, "drive": drive, "position": "hanging", "other": 1},
+        system=pair,
+        drive=drive,
         coordinates={"frequency_ratio": [1.0, 2.0]},
         settings={"order": 2, "is_stable": True, "left_out": None},
     )
+    arguments = {"position": "hanging", "order": 1, "growth_rate": 3.0, "other": pair}
+    found = recorded("growth_rate", found, arguments)
     assert found.growth_rate.attrs["units"] == "1/s"
     assert found.frequency_ratio.attrs["units"] == "1"
     assert found.drive_amplitude.shape == ()
@@ -36,7 +38,7 @@ def test_labels_carry_units_and_all_parameters() -> None:
     }
     expected |= {"left_mass": 0.4, "drive_frequency": 3.0, "is_stable": 1}
     assert expected.items() <= found.attrs.items()
-    assert not {"left_out", "other"} & found.attrs.keys()
+    assert not {"left_out", "other", "growth_rate"} & found.attrs.keys()
 
 
 @pytest.mark.parametrize(

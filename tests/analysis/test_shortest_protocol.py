@@ -95,7 +95,8 @@ def test_dead_ends_say_so():
     # What was not searched has no empty panel: the settled angles say why.
     assert result.angle_after_push.values == pytest.approx([TOY.contact_angle_low] * 2)
     (axes,) = draw(result).axes
-    assert axes.lines[0].get_ydata() == pytest.approx(np.rad2deg(result.angle_after_push))
+    assert axes.lines[0].get_ydata() == pytest.approx(result.angle_after_push.values)
+    assert axes.get_ylabel().endswith("[°]")
     with pytest.warns(RuntimeWarning, match="no protocol succeeds for 50 % of the drive phases"):
         result = found_for(first_frequency_ratio=[2.5, 2.7])
     assert result.status.item() == "not reached"

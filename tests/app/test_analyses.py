@@ -527,6 +527,16 @@ def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
         assert 0 <= top < bottom <= 1
 
 
+def test_points_of_a_picture_stand_for_values_in_the_unit_of_its_axis(tmp_path):
+    axes = {"drive_amplitude": "20 : 60 : 5 mm", "frequency_ratio": "2 : 4 : 5"}
+    given = {"analysis": "pair_symmetry", "scenario": "toy", "settings": axes}
+    (panel,) = compute({**given, "options": {"duration": "60 s"}}, tmp_path, print)["panels"]
+    assert panel["y"]["name"] == "drive_amplitude"
+    assert panel["y"]["unit"] == "m"
+    # SI units under an axis in millimetres, to the edges of the cells
+    assert panel["y"]["ends"] == pytest.approx([0.015, 0.065])
+
+
 def test_a_question_is_asked_by_choosing_it_and_its_answer_is_shown(page, tmp_path):
     page.goto("/?view=analyse&scenario=fig02")
     page.get_by_role("button", name="At which speeds does hanging still").click()

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.analysis import analyses
 from latolato.analysis.floquet import floquet
-from latolato.analysis.registry import labelled
+from latolato.analysis.registry import labelled, recorded
 from latolato.analysis.summary import as_lines, summarise
 from latolato.cli.analyse import AnalysisCall, Targets
 from latolato.cli.analyse import run as run_question
@@ -113,9 +113,8 @@ def example(
     given = {"low": low, "parameter": parameter, "dwell_times": dwell_times, "counts": counts}
     given |= {"names": names, "noise_strength": noise_strength, "either": either, "check": check}
     example.given = given | {"drive": drive, "most": most, "duration": duration}
-    return labelled(
-        "floquet", {"low": low}, {"system": system}, quantities={"low": Quantity("1", "", "low")}
-    )
+    found = labelled({"low": low}, system=system, quantities={"low": Quantity("1", "", "low")})
+    return recorded("floquet", found, {})
 
 
 def ask(source=None, **given):
@@ -232,9 +231,7 @@ def test_what_the_scenario_says_of_the_run_is_handed_on_and_options_replace_it()
 def test_noise_comes_from_the_scenario():
     def noisy(system, drive=None, *, noise_strength: float):
         """Return nothing."""
-        return labelled(
-            "floquet", {"a": noise_strength}, {}, quantities={"a": Quantity("1", "", "a")}
-        )
+        return labelled({"a": noise_strength}, quantities={"a": Quantity("1", "", "a")})
 
     Path("noisy.toml").write_text(
         '[system]\nkind = "pendulum"\nlength = 1.0\nmass = 1.0\n[noise]\nnoise_strength = 0.25\n'
@@ -308,11 +305,11 @@ def test_files_and_pictures_are_written_and_drawn_again():
     assert np.array_equal(plain.multipliers_real, wanted.multipliers.values.real)
 
 
-def test_only_runs_are_animated_and_analyses_are_drawn_whole(capsys):
+def test_only_runs_are_animated_and_single_numbers_have_no_axes(capsys):
     run("analyse", "tongue_edges", "fig03a", "--output", "a.nc")
     for arguments, message in (
         (["--animate", "a.gif"], "holds an analysis: only a run can be animated"),
-        (["--log"], "an analysis is drawn whole"),
+        (["--variable", "high"], "high is a single value"),
     ):
         assert main(["plot", "a.nc", *arguments]) == 2
         assert message in capsys.readouterr().err
@@ -321,16 +318,15 @@ def test_only_runs_are_animated_and_analyses_are_drawn_whole(capsys):
 def test_json_knows_no_infinity_and_shortens_long_arrays():
     names = {name: Quantity("1", "", name) for name in ("short", "long", "which", "roots")}
     found = labelled(
-        "floquet",
         {
             "short": ("a", np.array([math.nan, -math.inf, 1.0])),
             "long": ("b", np.linspace(0.0, 2.0, 1001)),
             "which": ("c", np.array(["x", "y", "x"] * 4)),
             "roots": ("d", np.array([1.0 + 2.0j])),
         },
-        {},
         quantities=names,
     )
+    found = recorded("floquet", found, {})
     told = json.loads(json.dumps(summarise(found), allow_nan=False))["variables"]
     assert told["short"]["values"] == [None, "-inf", 1.0]
     assert told["long"] == {"units": "1", "dims": {"b": 1001}, "range": [0.0, 2.0]}

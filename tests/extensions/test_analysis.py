@@ -1,4 +1,4 @@
-"""An analysis that a user brings: a file with the function, a file with its picture and words."""
+"""An analysis that a user brings: a file with the function and a file with its words."""
 
 import json
 import math

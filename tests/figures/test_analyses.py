@@ -5,10 +5,13 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import latolato as ll
 from latolato.analysis import analyses
-from latolato.analysis.registry import labelled
+from latolato.analysis.registry import labelled, recorded
+from latolato.figures import style
+from latolato.figures.analyses import drawings
 from latolato.figures.plot import module_of
 
 TOY = ll.LatoLato(length=0.245, mass=0.1, radius=0.0196, damping=0.00274, restitution=0.9)
@@ -18,10 +21,11 @@ SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
 def made(name, variables, coordinates=None, settings=None):
     """A dataset as the analysis would label it."""
     home = importlib.import_module(f"latolato.analysis.{name}")
-    return labelled(
-        name, variables, {"system": TOY, "drive": SHAKE}, coordinates=coordinates,
-        quantities=home.QUANTITIES, settings=settings,
+    found = labelled(
+        variables, system=TOY, drive=SHAKE, coordinates=coordinates, quantities=home.QUANTITIES,
+        settings=settings,
     )  # fmt: skip
+    return recorded(name, found, {})
 
 
 def multipliers(values, status, **changes):
@@ -108,18 +112,24 @@ CASES = {
         ["broken", "valid", "failed", "valid", "undecided"],
         frequency_ratio=[1.0, 2.0, 3.0, 4.0, 5.0],
     ),
-    "map": symmetry(
+    "few curves": symmetry(
         [[0.3, -0.2, math.nan], [-math.inf, 0.0, 0.1]],
         [["broken", "valid", "failed"], ["valid", "undecided", "undecided"]],
         drive_amplitude=[0.1, 0.2],
         frequency_ratio=[1.0, 2.0, 3.0],
     ),
+    "map": symmetry(
+        [[0.3, -0.2, math.nan, -math.inf, 0.1]] * 5,
+        [["broken", "valid", "failed", "valid", "undecided"]] * 5,
+        drive_amplitude=[0.1, 0.2, 0.3, 0.4, 0.5],
+        frequency_ratio=[1.0, 2.0, 3.0, 4.0, 5.0],
+    ),
     "narrow map": symmetry(
         [[0.3, -0.2]], [["broken", "valid"]], drive_amplitude=[0.1], frequency_ratio=[1.0, 2.0]
     ),
     "no answer at all": symmetry(
-        [[math.nan] * 2] * 2, [["failed"] * 2] * 2, drive_amplitude=[0.1, 0.2],
-        frequency_ratio=[1.0, 2.0],
+        [[math.nan] * 5] * 5, [["failed"] * 5] * 5,
+        drive_amplitude=[0.1, 0.2, 0.3, 0.4, 0.5], frequency_ratio=[1.0, 2.0, 3.0, 4.0, 5.0],
     ),
 }  # fmt: skip
 
@@ -132,11 +142,13 @@ def texts(figure):
 
 
 @pytest.mark.parametrize("name", analyses)
-def test_every_analysis_has_a_picture(name):
-    assert callable(module_of("analysis", name).draw)
+def test_every_analysis_has_words_and_a_picture_of_its_own_or_a_common_one(name):
+    module = module_of("analysis", name)
+    assert module.QUESTION.verdict is module.verdict
+    assert callable(getattr(module, "draw", drawings.draw))
 
 
-def test_an_analysis_without_a_picture_is_refused():
+def test_an_analysis_that_no_module_describes_is_refused():
     dataset = CASES["stable"].assign_attrs(analysis="nothing")
     with pytest.raises(ValueError, match="analysis 'nothing' has no picture"):
         ll.plot(dataset)
@@ -171,6 +183,46 @@ def test_stable_and_unstable_pieces_of_a_branch_meet_in_the_special_points():
 
 def test_colours_of_rates_change_at_zero():
     figure = ll.plot(CASES["map"])
-    norm = figure.axes[0].collections[0].norm
-    assert norm(0.0) == 0.5
-    assert norm.vmin < 0.0 < norm.vmax
+    cells = figure.axes[0].collections[0]
+    assert cells.norm(0.0) == 0.5
+    assert cells.norm.vmin < 0.0 < cells.norm.vmax
+    # Minus infinity is beyond the scale, and only what has no value is empty.
+    assert np.ma.getmaskarray(cells.get_array())[0].tolist() == [False, False, True, False, False]
+
+
+def test_a_map_outlines_all_statuses_but_the_most_frequent_and_counts_what_has_no_value():
+    (legend,) = ll.plot(CASES["map"]).legends
+    assert {text.get_text() for text in legend.get_texts()} == {
+        "broken (20 % of the cells)",
+        "undecided (20 % of the cells)",
+        "no answer (5 failed)",
+    }
+
+
+def test_any_variable_of_an_analysis_can_be_drawn_and_a_part_of_it_selected():
+    name, select = "largest_angle_after_transient", {"drive_amplitude": 0.3}
+    (axes,) = ll.plot(CASES["map"], name, select=select).axes
+    assert axes.get_ylabel().endswith("[°]")
+    assert "$A_0$ = 300 mm" in axes.get_title(loc="left")
+
+
+def test_points_of_a_curve_have_the_colours_of_their_statuses():
+    (axes,) = ll.plot(CASES["curve"]).axes
+    colours = {line.get_label(): line.get_color() for line in axes.lines}
+    assert (colours["broken"], colours["valid"]) == (style.RED, style.BLUE)
+
+
+def test_samples_are_drawn_in_a_colour_for_each_kind_however_many():
+    kinds = xr.DataArray([f"kind {k}" for k in range(9)], dims="sample")
+    angle = xr.DataArray(np.arange(9.0), dims="sample", name="angle", attrs={"units": "rad"})
+    figure, panels = style.new_figure()
+    drawings.draw_points(panels[0, 0], angle, angle, kinds)
+    assert [line.get_label() for line in panels[0, 0].lines] == kinds.values.tolist()
+    assert figure.axes[0].get_xlabel() == "[°]"
+
+
+def test_numbers_are_written_with_their_names_and_units_but_not_what_is_missing():
+    text = texts(ll.plot(CASES["no orbit"]))
+    assert "exponential growth rate" in text
+    assert "1/s" in text
+    assert "drive periods" not in text  # NaN

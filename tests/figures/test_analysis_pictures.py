@@ -53,7 +53,7 @@ def test_the_first_push_with_many_phases_is_a_map():
     dataset = analyses["first_push"](
         TOY,
         DRIVE,
-        frequency_ratio=[2.4, 3.2],
+        frequency_ratio=[2.2, 2.4, 2.8, 3.0, 3.2],
         drive_phase=np.arange(6),
         scan_points=5,
         refinements=0,

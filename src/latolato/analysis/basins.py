@@ -246,16 +246,20 @@ def basins(
         **basin_entropy(table, entropy_box)._asdict(),
     }
     return labelled(
-        "basins",
         variables,
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={
             "initial_angle": angles,
             "initial_angular_velocity": velocities,
             "attractor": numbers,
         },
         quantities=QUANTITIES_HERE | _QUANTITIES,
-        settings={"numbers_used": used, "message": doubt if uncertain.any() else None},
+        settings={
+            "check_tolerance": check_tolerance,
+            "numbers_used": used,
+            "message": doubt if uncertain.any() else None,
+        },
     )
 
 

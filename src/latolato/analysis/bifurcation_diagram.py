@@ -164,9 +164,9 @@ def bifurcation_diagram(
     if len(ways) == 2:
         variables["is_hysteretic"] = ((parameter,), _differ(kept, 100.0 * angle_tolerance))
     return labelled(
-        "bifurcation_diagram",
         variables,
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"direction": ways, parameter: values},
         quantities=QUANTITIES_HERE
         | {

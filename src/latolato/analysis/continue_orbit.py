@@ -160,9 +160,9 @@ def continue_orbit(
     variables = _variables(branch, places, specials) | {"status": status}
     about = known.quantity
     return labelled(
-        "continue_orbit",
         variables,
-        locals(),
+        system=system,
+        drive=drive,
         quantities=QUANTITIES
         | {
             parameter: about,

@@ -203,9 +203,9 @@ def first_passage_time(
             "s: the mean is unknown; wait longer or raise noise_strength"
         )
     return labelled(
-        "first_passage_time",
         {"first_passage": ("trajectory", times)} | result,
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"trajectory": np.arange(trajectories)},
         quantities=_QUANTITIES,
         settings={**start, "noise_interval": kicks.spacing(system)},

@@ -159,7 +159,6 @@ def first_push(
         replace(drive, drive_frequency=float(ratio * w0)).largest_acceleration for ratio in ratios
     ]
     return labelled(
-        "first_push",
         {
             "first_push": (dims, np.where(bad, math.nan, value).reshape(shape)),
             "push_error": (dims, np.where(bad, math.nan, high - low).reshape(shape)),
@@ -171,7 +170,8 @@ def first_push(
                 np.array(accelerations) / system.gravity,
             ),
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"frequency_ratio": ratios, "drive_phase": phases},
         quantities={
             "first_push": Quantity(unit, QUANTITIES[push].symbol, f"first push ({_WORDS[push]})"),
@@ -179,7 +179,7 @@ def first_push(
             "sustained_share": Quantity("1", "", "share of pushes after which motion lasts"),
             "angle_without_push": Quantity("rad", "", "angle beyond rest without a push"),
         },
-        settings={"scan_resolution": largest_push / scan_points},
+        settings={"largest_push": largest_push, "scan_resolution": largest_push / scan_points},
     )
 
 

@@ -148,9 +148,9 @@ def floquet(
             "the determinant or finite differences disagree"
         )
     return labelled(
-        "floquet",
         dimensioned(result, system),
-        locals(),
+        system=system,
+        drive=drive,
         quantities=QUANTITIES,
         settings={
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",

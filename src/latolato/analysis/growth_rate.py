@@ -96,9 +96,9 @@ def growth_rate(
         rate = problem.growth(w, amplitude, method)
     drive = FixedPivot() if is_static else template
     return labelled(
-        "growth_rate",
         {"growth_rate": rate, "largest_multiplier": math.exp(rate * math.tau / w)},
-        locals(),
+        system=system,
+        drive=drive,
         quantities={
             "largest_multiplier": Quantity("1", r"|\rho|", "growth in one drive period"),
         },

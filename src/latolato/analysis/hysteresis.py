@@ -191,16 +191,16 @@ def hysteresis(
         dims = both if name.startswith("jump") else both[:1]
         variables[name] = (dims, np.array([row[name] for row in rows]))
     return labelled(
-        "hysteresis",
         variables,
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={
             "drive_amplitude": amplitudes,
             "direction": ["up", "down"],
             "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
-        settings=start,
+        settings={**start, "transient": transient},
     )
 
 

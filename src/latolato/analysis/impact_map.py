@@ -113,7 +113,6 @@ def impact_map(
     if status == "complete" and not time.size:
         status = "no impacts"
     return labelled(
-        "impact_map",
         {
             "impact_phase": (("impact",), phase),
             "angular_velocity_after": (("impact",), after[keep]),
@@ -123,7 +122,8 @@ def impact_map(
             "rests": int((late & (kind == "rest")).sum()),
             "status": status,
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"impact": np.arange(time.size)},
         quantities={
             "impact": Quantity("1", "j", "number of the impact"),

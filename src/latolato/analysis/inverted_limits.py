@@ -82,9 +82,8 @@ def inverted_limits(
             "largest_amplitude_ratio or frequency_ratio"
         )
     return labelled(
-        "inverted_limits",
         {"low": low, "high": high, "status": status},
-        locals() | {"drive": None},
+        system=system,
         quantities={
             "low": Quantity("m", "A_{low}", "least amplitude that holds it upright"),
             "high": Quantity("m", "A_{high}", "largest amplitude that holds it upright"),

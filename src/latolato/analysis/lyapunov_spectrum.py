@@ -123,7 +123,6 @@ def lyapunov_spectrum(
     elif not np.any(np.isnan(exponents)):
         status = "rest"
     return labelled(
-        "lyapunov_spectrum",
         {
             "lyapunov_exponents": ("exponent", exponents),
             "divergence": total - residual if math.isfinite(total) else total,
@@ -132,7 +131,9 @@ def lyapunov_spectrum(
             "rests": int(grid.rests) if math.isfinite(grid.rests) else math.nan,
             "status": status,
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"exponent": np.arange(1, len(exponents) + 1)},
         quantities=QUANTITIES,
+        settings={"transient": transient},
     )

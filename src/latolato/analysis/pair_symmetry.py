@@ -139,7 +139,6 @@ def pair_symmetry(
     status = np.where(has_answer(grid.status), status, grid.status.values.astype(str))
     dims = tuple(varied)
     return labelled(
-        "pair_symmetry",
         {
             "transverse_exponent": (dims, rate),
             "largest_angle_after_transient": (
@@ -148,7 +147,8 @@ def pair_symmetry(
             ),
             "status": (dims, status),
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={name: grid[name].values for name in varied},
         quantities=QUANTITIES,
         settings={"initial_angle": angle, "initial_angular_velocity": velocity},

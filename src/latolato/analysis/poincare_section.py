@@ -103,14 +103,14 @@ def poincare_section(
     )
     dims = ("ball", "time") if system.angles == 2 else ("time",)
     return labelled(
-        "poincare_section",
         {
             "angle": (dims, wrapped(run["angle"].values)),
             "angular_velocity": (dims, run["angular_velocity"].values),
             **{name: (dims, run[name].values) for name in ON_STRINGS if name in run},
             "status": str(run.attrs["status"]),
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"time": times},
         quantities={"status": Quantity("1", "", "status of the run")},
     )

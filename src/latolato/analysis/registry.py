@@ -31,16 +31,20 @@ class Analyses(Registry[Callable[..., Any]]):
 
     Their arguments are checked before they begin. Numbers become floats or whole numbers within
     the `Range` of their annotation, values along an axis arrays; words must be among their choices.
+    The result records them as attributes.
     """
 
     def register(self, name: str) -> Callable[[Given], Given]:
         """Return a decorator that adds a function under `name`, and returns the checked one."""
         add = super().register(name)
-        return lambda function: add(_with_checked_arguments(function))
+        return lambda function: add(_checked_and_recorded(name, function))
 
 
-def _with_checked_arguments(function: Any) -> Any:
-    """Return a function that passes checked arguments on; None stays where it is the default."""
+def _checked_and_recorded(name: str, function: Any) -> Any:
+    """Return a function that passes checked arguments on, and records them in the result.
+
+    None stays where it is the default.
+    """
     called = signature(function)
 
     @cache  # not before the function's module is complete
@@ -56,15 +60,15 @@ def _with_checked_arguments(function: Any) -> Any:
         except TypeError as error:
             raise TypeError(f"{function.__name__}: {error}") from None
         bound.apply_defaults()
-        for name, parameter in known().items():
-            value = bound.arguments[name]
+        for own, parameter in known().items():
+            value = bound.arguments[own]
             if parameter.unit_of and is_quantity(value):
                 system, drive = bound.arguments["system"], bound.arguments["drive"]
                 quantity = quantity_named(bound.arguments[parameter.unit_of], system, drive)
                 parameter = replace(parameter, quantity=quantity)
-            if value is not None or called.parameters[name].default is not None:
-                bound.arguments[name] = _checked(parameter, value)
-        return function(*bound.args, **bound.kwargs)
+            if value is not None or called.parameters[own].default is not None:
+                bound.arguments[own] = _checked(parameter, value)
+        return recorded(name, function(*bound.args, **bound.kwargs), bound.arguments)
 
     return checked
 
@@ -108,32 +112,30 @@ _STORABLE = (int, float, str, tuple, list, np.generic, np.ndarray)
 
 
 def labelled(
-    name: str,
     variables: Mapping[str, Any],
-    arguments: Mapping[str, Any],
     *,
+    system: System | None = None,
+    drive: Drive | None = None,
     coordinates: Mapping[str, Any] | None = None,
     quantities: Mapping[str, Quantity] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
-    """Return the dataset of an analysis with units, names, symbols and all parameters.
+    """Return the dataset of an analysis with units, names and symbols.
+
+    The arguments of the analysis become attributes when it returns (`recorded`).
 
     Parameters
     ----------
-    name : str
-        The analysis, as it is registered; becomes the attribute ``analysis``.
     variables : mapping
         Scalars, or ``(dims, values)``. Where one is over ``ball``, this coordinate is added.
-    arguments : mapping
-        The arguments of the analysis among other names: its ``locals()``. Kind and parameters of
-        the system and of the drive, unless that is None, become attributes, and so do arguments
-        that are no coordinates or variables.
+    system, drive
+        What the analysis was of: kind and parameters become attributes.
     coordinates : mapping
         Values along dimensions of the same names.
     quantities : mapping of str to Quantity
         Of names that neither `quantities.QUANTITIES` nor `COMMON` knows; each needs one.
     settings : mapping
-        Further attributes, before which `arguments` give way; None is left out.
+        Further attributes, such as the value taken for an argument that was None; None is left out.
     """
     import xarray as xr
 
@@ -141,20 +143,10 @@ def labelled(
     coordinates = {each: ((each,), values) for each, values in (coordinates or {}).items()}
     if any("ball" in value[0] for value in variables.values() if isinstance(value, tuple)):
         coordinates |= {"ball": (("ball",), list(BALLS))}
-    attributes: dict[str, Any] = {
-        "title": f"latolato analysis {name}",
-        "analysis": name,
-        "latolato_version": version_of(),
-        "numpy_version": np.__version__,
-    }
-    for registry in (systems, drives):
-        part = arguments.get(registry.kind)
-        if part is not None:
-            attributes |= {registry.kind: registry.name_of(part), **flattened(describe(part))}
-    others = {"system", "drive", *variables, *coordinates}
-    own = [each for each in signature(analyses[name]).parameters if each not in others]
-    values = {each: arguments[each] for each in own if each in arguments}
-    attributes |= flattened({k: v for k, v in values.items() if isinstance(v, _STORABLE)})
+    attributes: dict[str, Any] = {}
+    for registry, law in ((systems, system), (drives, drive)):
+        if law is not None:
+            attributes |= {registry.kind: registry.name_of(law), **flattened(describe(law))}
 
     def entry(key: str, value: Any) -> Any:
         dims, values = value if isinstance(value, tuple) else ((), value)
@@ -165,3 +157,21 @@ def labelled(
         coords={key: entry(key, value) for key, value in coordinates.items()},
         attrs=attributes | flattened(settings or {}),
     )
+
+
+def recorded(name: str, result: xr.Dataset, arguments: Mapping[str, Any]) -> xr.Dataset:
+    """Return the result of an analysis with its name, versions and arguments as attributes.
+
+    Attributes that the result has already remain; arguments that are variables, and laws, which
+    `labelled` describes, are left out.
+    """
+    left_out = {"system", "drive", *map(str, result.variables)}
+    own = {key: value for key, value in arguments.items() if key not in left_out}
+    about = {
+        "title": f"latolato analysis {name}",
+        "analysis": name,
+        "latolato_version": version_of(),
+        "numpy_version": np.__version__,
+        **flattened({key: value for key, value in own.items() if isinstance(value, _STORABLE)}),
+    }
+    return result.assign_attrs({**about, **result.attrs})

@@ -139,9 +139,9 @@ def response_period(
     variables["section_angle"] = (dims, wrapped(variables["section_angle"]))
     variables["section_angular_velocity"] = (dims, variables["section_angular_velocity"])
     return labelled(
-        "response_period",
         variables,
-        locals(),
+        system=system,
+        drive=drive,
         quantities=QUANTITIES_HERE,
         settings={"message": _message(variables, longest, transient_periods)},
     )

@@ -120,10 +120,10 @@ def response_period_map(
     names, shares = shares_of(result["response_period"], result["status"], longest)
     dims = ("drive_amplitude", "frequency_ratio")
     return labelled(
-        "response_period_map",
         {name: (dims, values) for name, values in result.items()}
         | {name: (("motion",), values) for name, values in shares.items()},
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={"drive_amplitude": amplitudes, "frequency_ratio": ratios, "motion": names},
         quantities=QUANTITIES_HERE | _SHARES,
     )

@@ -123,9 +123,8 @@ def self_start(
     if check:
         variables["simulated_amplitude"] = _simulated(system, template, w, angles, amplitude)
     return labelled(
-        "self_start",
         variables,
-        locals() | {"drive": None},
+        system=system,
         quantities={
             "simulated_amplitude": Quantity("m", "A_0", "driving amplitude that lifts in a run"),
             "status": Quantity("1", "", "what was found"),

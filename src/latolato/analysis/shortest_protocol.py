@@ -223,7 +223,6 @@ def shortest_protocol(
     if system.angles == 1 and system.has_contacts:
         inertia *= 2.0  # the mirror image is pushed too
     return labelled(
-        "shortest_protocol",
         {
             **result,
             "success_share": (("first_frequency_ratio", "dwell_time"), success),
@@ -235,7 +234,8 @@ def shortest_protocol(
             "upper_angle": upper,
             "threshold_angle": threshold,
         },
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={
             "first_frequency_ratio": first,
             "dwell_time": dwells,

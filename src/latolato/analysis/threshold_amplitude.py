@@ -83,9 +83,8 @@ def threshold_amplitude(
             "nearer to 2/n"
         )
     return labelled(
-        "threshold_amplitude",
         {"drive_amplitude": amplitude, "status": status},
-        locals() | {"drive": None},
+        system=system,
         quantities={"status": Quantity("1", "", "what was found")},
         settings=waveform_of(problem.template),
     )

@@ -321,9 +321,9 @@ def time_crystal(
     }
     rates = ratios * system.natural_frequency
     return labelled(
-        "time_crystal",
         variables | {"drive_period": ("frequency_ratio", math.tau / rates)},
-        locals(),
+        system=system,
+        drive=drive,
         coordinates={
             "drive_amplitude": amplitudes,
             "frequency_ratio": ratios,

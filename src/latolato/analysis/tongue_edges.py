@@ -106,9 +106,8 @@ def tongue_edges(
             "raise it or lower the damping"
         )
     return labelled(
-        "tongue_edges",
         {"low": low, "high": high, "status": status},
-        locals() | {"drive": None},
+        system=system,
         quantities=QUANTITIES_OF_EDGES,
         settings=waveform_of(problem.template),
     )

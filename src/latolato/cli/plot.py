@@ -25,7 +25,7 @@ def plot(
     speed: Annotated[float, typer.Option(help="Playback speed; 1 is real time.")] = 1.0,
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 30.0,
     variable: Annotated[
-        str | None, typer.Option(help="Variable of a map to draw.", rich_help_panel="Maps")
+        str | None, typer.Option(help="Variable of a map or an analysis.", rich_help_panel="Maps")
     ] = None,
     log: Annotated[
         bool, typer.Option("--log", help="Logarithmic scale.", rich_help_panel="Maps")

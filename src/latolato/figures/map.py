@@ -1,10 +1,12 @@
-"""The picture of a sweep: a heat map over two parameters, or curves over one."""
+"""The picture of a sweep or an analysis: a heat map over two dimensions, or curves over one."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,11 +49,20 @@ CLASSES: dict[str, dict[str, str]] = {
 NO_ANSWER = style.GREY
 NOT_YET = "#c9cdd3"
 ZERO = style.PAPER
-_HEIGHT = 3.6  # inch
+_HEIGHT = 4.1  # inch
 # Logarithmic axes of more decades have powers of ten.
 _MOST_PLAIN = 3.0
 # More curves than this cannot be told apart.
 _MOST_CURVES = 12
+# Colours of rates and other values of both signs; one value in fifty is beyond the scale.
+_BOTH_SIGNS = (style.BLUE, style.PAPER, style.RED)
+_WITHIN = 0.98
+# The statuses of analyses that have a colour of their own, and lines about the cells of any.
+STATUS_COLOURS = {
+    **dict.fromkeys(("unstable", "chaotic", "broken"), style.RED),
+    **dict.fromkeys(("stable", "regular", "valid", "rest"), style.BLUE),
+}
+_OUTLINES = ("-", "--", ":", "-.")
 
 
 def check_drawable(plan: Plan, variable: str | None) -> None:
@@ -145,7 +156,7 @@ class Look:
     Attributes
     ----------
     colours : str
-        A scale of matplotlib.
+        A scale of matplotlib; by default one that changes at zero for values of both signs.
     limits : tuple of float, optional
         Values of the darkest and the brightest colour; by default the least and the largest.
     lines : sequence of latolato.figures.contours.Line
@@ -156,7 +167,7 @@ class Look:
         What is equal along them.
     """
 
-    colours: str = "viridis"
+    colours: str = ""
     limits: tuple[float, float] | None = None
     lines: Sequence[contours.Line] = ()
     unit: tuple[str, float] = ("", 1.0)
@@ -164,10 +175,11 @@ class Look:
 
 
 class Drawing:
-    """One variable of a sweep over one or two dimensions, ready to be drawn.
+    """One variable of a sweep or an analysis over one or two dimensions, ready to be drawn.
 
     A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
-    legend, by status; they never look like a value.
+    legend, by status; they never look like a value. Values of both signs have colours that change
+    at zero. The status of an analysis is a result: it outlines cells and colours points.
     """
 
     def __init__(
@@ -190,11 +202,15 @@ class Drawing:
         data = grid[self.name].transpose(*rest)
         self.grid, self.data, self.log = grid, data, log
         self.title = title_of(grid, selection, self.name)
+        self.status = np.zeros(data.shape, dtype=np.int8)
+        self.words: NDArray[np.str_] | None = None
         status = grid.get("status")
         if status is not None and set(status.dims) <= set(data.dims):
-            self.status = codes_of(status.broadcast_like(data).transpose(*data.dims))
-        else:
-            self.status = np.zeros(data.shape, dtype=np.int8)
+            status = status.broadcast_like(data).transpose(*data.dims)
+            if "analysis" in grid.attrs:
+                self.words = status.values.astype(str)
+            else:
+                self.status = codes_of(status)
         shown = self.status if self.name == "status" else data.values
         self.values = np.array(shown, dtype=np.float64)
         self.classes = CLASSES.get(self.name, {})
@@ -237,10 +253,10 @@ class Drawing:
             y, x = self.sides
             context = marks.Context.of(self.grid, x.name, y.name)
         with style.use_style():
-            figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT + 0.5)
+            figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
             axes = panels[0, 0]
             self._draw_cells(axes, look)
-            handles = self._legend_of_cells()
+            handles = self._legend_of_cells() + self._outline(axes)
             for side, axis in zip(self.sides, ("y", "x"), strict=True):
                 if side.is_log:
                     getattr(axes, f"set_{axis}scale")("log")
@@ -266,13 +282,18 @@ class Drawing:
         y, x = self.sides
         values = np.ma.masked_invalid(self.values)
         low, high = look.limits or self.limits
+        has_signs = not (look.colours or look.limits or self.classes) and low < 0.0 < high
+        if has_signs:
+            high = float(np.nanquantile(np.abs(self.values[np.isfinite(self.values)]), _WITHIN))
+            low = -high
+            values = np.ma.masked_invalid(np.maximum(self.values, low))
         if self.classes:
             colours: Any = ListedColormap(list(self.classes.values()))
             norm: Any = BoundaryNorm(np.arange(len(self.classes) + 1) - 0.5, len(self.classes))
         else:
             import matplotlib as mpl
 
-            colours = mpl.colormaps[look.colours]
+            colours = _about_zero() if has_signs else mpl.colormaps[look.colours or "viridis"]
             norm = LogNorm(low, high) if self.log else Normalize(low, high)
         if self.log:
             values = np.ma.masked_less_equal(values, 0.0)
@@ -281,7 +302,7 @@ class Drawing:
             if mask.any():
                 style.fill_cells(axes, x.edges, y.edges, mask, colour)
         if not self.classes:
-            bar = style.colour_bar(cells, aspect=28)
+            bar = style.colour_bar(cells, aspect=28, extend="both" if has_signs else "neither")
             style.show_unit(bar.long_axis, self.data)
 
     def _special(self) -> list[tuple[Any, str]]:
@@ -302,21 +323,43 @@ class Drawing:
         nothing = np.isnan(self.values)
         late, lost = nothing & (self.status < 0), nothing & (self.status >= 0)
         if lost.any():
-            counts = [
-                (int((lost & (self.status == number)).sum()), name.replace("_", " "))
-                for number, name in enumerate(STATUS_NAMES)
-            ]
-            reasons = ", ".join(
-                f"{n} {name if number >= EVENT_LIMIT else 'without value'}"
-                for number, (n, name) in enumerate(counts)
-                if n
-            )
-            entries.append(style.swatch(NO_ANSWER, f"no answer ({reasons})"))
+            entries.append(style.swatch(NO_ANSWER, f"no answer ({self._reasons(lost)})"))
         if late.any():
             entries.append(style.swatch(NOT_YET, f"not computed yet ({int(late.sum())})"))
         if self.log and (self.values == 0.0).any():
             entries.append(style.swatch(ZERO, "zero"))
         return entries
+
+    def _reasons(self, lost: NDArray[np.bool_]) -> str:
+        """Return how many points of a mask have no answer, by status."""
+        if self.words is None:
+            answers = ["without value"] * EVENT_LIMIT
+            words = np.array([*answers, *STATUS_NAMES[EVENT_LIMIT:]])[self.status[lost]]
+        else:
+            words = self.words[lost]
+        return ", ".join(f"{n} {word.replace('_', ' ')}" for word, n in Counter(words).items())
+
+    def _outline(self, axes: Axes) -> list[Any]:
+        """Outline all statuses of an analysis but the most frequent one; return legend entries."""
+        from matplotlib.lines import Line2D
+        from matplotlib.patheffects import Normal, Stroke
+
+        y, x = self.sides
+        if self.words is None or min(self.words.shape) < 2:
+            return []
+        known = Counter(self.words[~np.isnan(self.values)].tolist()).most_common()
+        halo = [Stroke(linewidth=3.0 * style.LINE, foreground=style.PAPER), Normal()]
+        handles = []
+        for (word, count), look in zip(known[1:], _OUTLINES, strict=False):
+            mask = (self.words == word).astype(float)
+            lines = axes.contour(
+                x.values, y.values, mask, [0.5], colors=style.INK, linewidths=style.LINE,
+                linestyles=look,
+            )  # fmt: skip
+            lines.set_path_effects(halo)
+            text = f"{word} ({100.0 * count / self.words.size:.0f} % of the cells)"
+            handles.append(Line2D([], [], color=style.INK, lw=style.LINE, ls=look, label=text))
+        return handles
 
     def curves(self) -> Figure:
         """Return curves over the longer dimension."""
@@ -336,8 +379,11 @@ class Drawing:
             axes = panels[0, 0]
             along = sides[1]
             few = len(along.values) <= 60
+            handles: list[Any] = []
             colours = _shades(len(values))
-            handles = []
+            if self.words is not None and len(values) == 1:
+                colours = [style.GREY]
+                handles = _mark_statuses(axes, along.values, values[0], self.words)
             for i, row in enumerate(values):
                 name = ""
                 if len(values) > 1:
@@ -356,9 +402,10 @@ class Drawing:
                     label=name,
                 )
                 handles += [line] if name else []
-            missing = int(np.isnan(values).sum())
-            if missing:
-                self._mark_missing(axes, along, values, handles, missing)
+            if np.nanmin(values, initial=0.0) < 0.0 < np.nanmax(values, initial=0.0):
+                axes.axhline(0.0, color=style.INK, lw=style.THIN, zorder=1)
+            if not np.isfinite(values).all():
+                self._mark_missing(axes, along, values, handles)
             if along.is_log:
                 axes.set_xscale("log")
             if self.log:
@@ -372,11 +419,9 @@ class Drawing:
             figure.draw_without_rendering()
             return figure
 
-    def _mark_missing(
-        self, axes: Axes, along: Side, values: Floats, handles: list[Any], missing: int
-    ) -> None:
+    def _mark_missing(self, axes: Axes, along: Side, values: Floats, handles: list[Any]) -> None:
         """Mark where curves have no value by ticks at the bottom."""
-        where = np.flatnonzero(np.isnan(values).any(axis=0))
+        where = np.flatnonzero(~np.isfinite(values).all(axis=0))
         (ticks,) = axes.plot(
             along.values[where],
             np.zeros(len(where)),
@@ -386,7 +431,7 @@ class Drawing:
             ms=8,
             ls="",
             clip_on=False,
-            label=f"no answer ({missing})",
+            label=f"no answer ({self._reasons(~np.isfinite(self.values))})",
         )
         handles.append(ticks)
 
@@ -397,6 +442,24 @@ def _number(axis: Any, side: Side) -> None:
     if decades <= _MOST_PLAIN:
         narrow = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0)
         style.plain_ticks(axis, (1.0, 2.0, 5.0) if decades > 1.0 else narrow)
+
+
+def _about_zero() -> Any:
+    """Return colours that change at the middle of their scale."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("about zero", list(_BOTH_SIGNS))
+
+
+def _mark_statuses(axes: Axes, x: Floats, y: Floats, words: NDArray[np.str_]) -> list[Any]:
+    """Colour the points of a curve by their statuses; return legend entries."""
+    handles = []
+    others = cycle((style.GREY, style.GREEN, style.ORANGE, style.INK))
+    for word in dict.fromkeys(words[np.isfinite(y)].tolist()):
+        mask = words == word
+        colour = STATUS_COLOURS.get(word) or next(others)
+        handles += axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=word, zorder=3)
+    return handles
 
 
 def _shades(count: int) -> list[Any]:

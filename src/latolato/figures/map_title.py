@@ -17,7 +17,7 @@ _PARAMETERS = (
     *("length", "mass", "radius", "restitution", "string_restitution", "damping"),
     *("quadratic_damping", "coulomb_damping", "initial_angle", "initial_offset"),
     *("initial_distance", "drive_amplitude", "vertical_amplitude", "horizontal_amplitude"),
-    *("frequency_ratio", "drive_frequency", "duration", "transient"),
+    *("connecting_rod_length", "frequency_ratio", "drive_frequency", "duration", "transient"),
 )
 # Parameters of observables, which the lines name with these only.
 _OF_VARIABLE = {

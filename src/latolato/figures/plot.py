@@ -36,7 +36,7 @@ def plot(
 
     A run shows its angles, its energies, where these came from and went, and the pivot, and where
     strings go slack the distances of the balls; an analysis shows its result. The arguments after
-    `variable` belong to sweeps over one or two parameters.
+    `variable` belong to sweeps and to variables of analyses, over one or two dimensions.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def plot(
         What `latolato.simulate`, `latolato.sweep`, `latolato.load` or a function of
         `latolato.analysis` returned.
     variable : str, optional
-        What to draw of a sweep, by default the first; of a run the only thing to draw, over time,
-        such as ``"tension"``.
+        What to draw of a sweep, by default the first; of an analysis a variable in place of its
+        picture; of a run the only thing to draw, over time, such as ``"tension"``.
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
@@ -84,7 +84,8 @@ def plot(
     if not isinstance(run, xr.Dataset):
         raise InputError("plot needs a run: a dataset with angle over time", value=run)
     kind = kind_of(run)
-    if kind == "map":
+    asked = bool(variable or log or curves or select or overlays or points)
+    if kind == "map" or (kind == "analysis" and asked):
         from latolato.figures.map import Drawing
 
         drawing = Drawing(run, variable, log=log, select=select or {})
@@ -100,10 +101,9 @@ def plot(
 
         _check_over_time(run, variable)
         return draw_variable(run[[variable]])
-    if variable or log or curves or select or overlays or points:
-        article = "an" if kind == "analysis" else "a"
+    if asked:
         raise InputError(
-            f"{article} {kind} is drawn whole: variable, log and the like belong to sweeps"
+            f"a {kind} is drawn whole: variable, log and the like belong to sweeps"
             if kind != "run"
             else "of a run one variable can be drawn: log and the like belong to sweeps"
         )
@@ -112,7 +112,10 @@ def plot(
 
         return draw_run(run)
     if kind == "analysis":
-        figure: Figure = module_of(kind, run.attrs[kind]).draw(run)
+        from latolato.figures.analyses import drawings
+
+        module = module_of("analysis", run.attrs["analysis"])
+        figure: Figure = getattr(module, "draw", drawings.draw)(run)
         return figure
     return _draw_with_verdict(run)
 

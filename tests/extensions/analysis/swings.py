@@ -41,9 +41,8 @@ def swing_time(
         undriven_period(initial_angle=a, length=length, gravity=system.gravity) for a in angles
     ]
     return labelled(
-        "swing_time",
         {"swing_time": ("largest_angle", times)},
-        locals(),
+        system=system,
         coordinates={"largest_angle": angles},
         quantities={"swing_time": Quantity("s", "T", "time of a swing")},
     )

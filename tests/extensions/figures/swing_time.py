@@ -1,26 +1,14 @@
-"""The picture and the words of `swing_time`, as they would lie in `latolato/figures/analyses`."""
+"""The words of `swing_time`, as they would lie in `latolato/figures/analyses`."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from latolato.figures import style
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question
 from latolato.figures.analyses.sentences import degrees, number
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
-
-
-@style.styled
-def draw(dataset: xr.Dataset) -> Figure:
-    """Return the time of a swing over its width."""
-    figure, panels = style.new_figure(width=style.COLUMN, height=style.ROW)
-    panels[0, 0].plot(dataset.largest_angle, dataset.swing_time, color=style.BLUE)
-    panels[0, 0].set_xlabel(style.label(dataset.largest_angle))
-    panels[0, 0].set_ylabel(style.label(dataset.swing_time))
-    return figure
 
 
 def verdict(dataset: xr.Dataset) -> str:

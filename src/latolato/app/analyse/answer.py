@@ -13,7 +13,7 @@ from latolato.app.analyse.forms import label_of
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.timings import keep_timing
 from latolato.core.errors import InputError
-from latolato.core.quantities import in_brackets
+from latolato.core.quantities import in_brackets, quantity_of
 from latolato.figures.analyses.question import question_of
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def panels_of(figure: Figure, dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None:
     """Return the option along a straight axis of a picture, by the label of a coordinate."""
-    from latolato.figures.style import label
+    from latolato.figures.style import label, pretty_unit
     from latolato.scenario.options import law_options
 
     if getattr(axes, f"get_{side}scale")() != "linear":
@@ -144,7 +144,9 @@ def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None
             str(name).startswith("initial") and "ball" in dataset.dims
         ):
             continue
-        if texts & {label(variable), label(variable, short=True)}:
+        about = quantity_of(str(name), str(variable.attrs["units"]))
+        units = ("", pretty_unit(about.shown_unit))
+        if texts & {label(variable, short=s, unit=u) for s in (False, True) for u in units}:
             low, high = getattr(axes, f"get_{side}lim")()
             unit = str(variable.attrs.get("units", "1"))
             return {

@@ -1,1 +1,1 @@
-"""What people see of analyses: a module each, with the picture ``draw`` and words, ``QUESTION``."""
+"""What people see of analyses: words in a module each, and a picture, often from `drawings`."""

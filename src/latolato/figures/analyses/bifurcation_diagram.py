@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, on_rods, settles
 from latolato.figures.analyses.sentences import listed, percent, range_of, shakes, times
 
@@ -14,67 +15,41 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_HATCH = "////"
-_WAYS = {"up": (style.RED, "o", "up"), "down": (style.BLUE, "s", "down")}
-
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the samples above and the largest angle below, the ways up and down in two colours."""
     figure, axes = style.new_figure(2, 1, width=0.75 * style.PAGE, height=4.6, sharex=True)
     samples, largest = axes[:, 0]
-    name = dataset.attrs["parameter"]
-    x = dataset[name].values
+    knob = dataset[dataset.attrs["parameter"]]
+    angle, way = dataset["section_angle"], "way " + dataset["direction"].astype(object)
+    angle = angle.isel(ball=0) if "ball" in angle.dims else angle
+    size = float(np.clip(120.0 / knob.size, 0.7, 2.5))
+    look: dict[str, Any] = {"colours": (style.RED, style.BLUE), "short": True}
+    draw_points(samples, knob, angle, way, **look, ms=size)
+    angle = dataset["largest_angle_watched"]
+    draw_points(largest, knob, angle, way, **look, ms=max(size, 1.2))
     if "is_hysteretic" in dataset:
+        differ = dataset["is_hysteretic"].values
         for panel in (samples, largest):
-            _shade(panel, x, dataset["is_hysteretic"].values == 1)
-            _shade(panel, x, np.isnan(dataset["is_hysteretic"].values), hatch=_HATCH)
-    for way in (str(each) for each in dataset["direction"].values):
-        colour, mark, text = _WAYS[way]
-        part = dataset.sel(direction=way)
-        angle = part["section_angle"]
-        if "ball" in angle.dims:
-            angle = angle.isel(ball=0)
-        values = angle.transpose(name, "sample").values
-        size = float(np.clip(120.0 / len(x), 0.7, 2.5))
-        samples.plot(
-            np.repeat(x, values.shape[1]), values.ravel(), mark, color=colour, ms=size, mew=0.0,
-            rasterized=True, zorder=3 if way == "up" else 2,
-        )  # fmt: skip
-        largest.plot(
-            x, part["largest_angle_watched"].values, mark, color=colour, ms=max(size, 1.2),
-            mew=0.0, label=f"followed {text}", zorder=3 if way == "up" else 2,
-        )  # fmt: skip
-    samples.set_ylabel(style.label(dataset["section_angle"], short=True))
-    largest.set_ylabel(style.label(dataset["largest_angle_watched"], short=True))
-    largest.set_xlabel(style.label(dataset[name]))
-    largest.set_xlim(float(x[0]), float(x[-1]))
+            for where, text, hatch in (
+                (differ == 1, "both ways differ", ""),
+                (np.isnan(differ), "undecided", "////"),
+            ):
+                if where.any():
+                    panel.fill_between(
+                        knob, 0.0, 1.0, where, step="mid", label=text, hatch=hatch, lw=0.0,
+                        transform=panel.get_xaxis_transform(), zorder=0, edgecolor=style.PALE_GREY,
+                        facecolor="none" if hatch else style.PALE_GREY,
+                    )  # fmt: skip
+    samples.set_xlabel("")
+    style.show_unit(largest.xaxis, knob)
+    largest.set_xlim(float(knob[0]), float(knob[-1]))
     style.panel_title(samples, "a", "angle once per drive period")
     style.panel_title(largest, "b", "largest angle")
-    handles, texts = largest.get_legend_handles_labels()
-    if "is_hysteretic" in dataset:
-        from matplotlib.patches import Patch
-
-        if (dataset["is_hysteretic"].values == 1).any():
-            handles.append(Patch(facecolor=style.PALE_GREY))
-            texts.append("both ways differ")
-        if np.isnan(dataset["is_hysteretic"].values).any():
-            handles.append(Patch(facecolor="none", edgecolor=style.PALE_GREY, hatch=_HATCH))
-            texts.append("undecided")
-    figure.legend(handles, texts, loc="outside lower center", ncols=len(handles), markerscale=2.0)
+    handles = largest.get_legend_handles_labels()
+    figure.legend(*handles, loc="outside lower center", ncols=len(handles[0]), markerscale=2.0)
     return figure
-
-
-def _shade(panel: Any, x: Any, where: Any, hatch: str = "") -> None:
-    """Shade, or hatch, some values of a parameter."""
-    half = 0.5 * (x[1] - x[0])
-    padded = np.concatenate([[False], where, [False]]).astype(int)
-    starts, ends = np.flatnonzero(np.diff(padded) == 1), np.flatnonzero(np.diff(padded) == -1)
-    for start, end in zip(starts, ends, strict=True):
-        panel.axvspan(
-            x[start] - half, x[end - 1] + half, facecolor="none" if hatch else style.PALE_GREY,
-            edgecolor=style.PALE_GREY, hatch=hatch, lw=0.0, zorder=0,
-        )  # fmt: skip
 
 
 def verdict(dataset: xr.Dataset) -> str:

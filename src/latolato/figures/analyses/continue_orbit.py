@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -49,29 +51,26 @@ def draw(dataset: xr.Dataset) -> Figure:
         2, 1, width=0.8 * style.PAGE, height=4.6, sharex=True, height_ratios=[1.7, 1.0]
     )
     angles, moduli = panels[:, 0]
-    name = str(dataset.attrs["parameter"])
-    x, y = dataset[name].values, dataset["largest_angle"].values
-    stable = dataset["is_stable"].values == 1
-    size = np.abs(dataset["multipliers"].values)
-    span = (float(dataset.attrs["low"]), float(dataset.attrs["high"]))
+    knob, angle = dataset[dataset.attrs["parameter"]], dataset["largest_angle"]
+    x, y, stable = knob.values, angle.values, dataset["is_stable"].values == 1
     places = np.column_stack([dataset["special_value"].values, dataset["special_angle"].values])
-    pieces = _pieces(x, y, stable, places) if len(x) else []
-    for part, height, is_stable in pieces:
-        _line(angles, part, height, is_stable, style.BLUE, style.LINE + 0.3)
-    if len(x):
+    if knob.size:
+        size = np.abs(dataset["multipliers"].values)
+        _draw_branch(angles, x, y, stable, places, color=style.BLUE, lw=style.LINE + 0.3)
         moduli.axhline(1.0, color=style.INK, lw=style.THIN, zorder=1)
         for column in range(size.shape[1] - 1, -1, -1):
+            curve = np.maximum(size[:, column], _FLOOR)
             colour = style.BLUE if column == 0 else style.GREY
-            for first, last, is_stable in _runs(stable):
-                end = min(last + 1, len(x))
-                curve = x[first:end], np.maximum(size[first:end, column], _FLOOR)
-                _line(moduli, *curve, is_stable, colour, style.LINE)
+            _draw_branch(moduli, x, curve, stable, places[:0], color=colour)
         if size.max() > _WIDE * max(size.min(), _FLOOR):
             moduli.set_yscale("log")
         else:
             moduli.set_ylim(0.0, 1.06 * max(float(size.max()), 1.1))
         angles.plot(x[0], y[0], "o", ms=3.5, mfc=style.PAPER, mec=style.BLUE, mew=1.0, zorder=3)
+        for panel in (angles, moduli):
+            panel.margins(x=0.04)
     else:
+        moduli.set_xlim(dataset.attrs["low"], dataset.attrs["high"])
         angles.text(
             0.5, 0.5, f"no branch: {dataset['status'].item()}", transform=angles.transAxes,
             ha="center", va="center",
@@ -84,81 +83,53 @@ def draw(dataset: xr.Dataset) -> Figure:
             [], [], color=style.BLUE, marker="o", ms=3.5, mfc=style.PAPER, mew=1.0, ls="",
             label="first orbit",
         ),
-        *_mark(angles, dataset),
+        *_mark(angles, dataset, places),
     ]  # fmt: skip
-    angles.set_ylabel(style.label(dataset["largest_angle"]))
     top = float(np.max(y, initial=0.0))
     angles.set_ylim(0.0 if top > _FLAT else -_FLAT, max(1.06 * top, _FLAT))
-    style.degree_axis(angles)
+    style.show_unit(angles.yaxis, angle)
     angles.set_title("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL)
     moduli.set_ylabel(r"moduli of multipliers $|\mu|$")
-    moduli.set_xlabel(style.label(dataset[name]))
-    moduli.set_xlim(*_limits(x, span))
+    style.show_unit(moduli.xaxis, knob)
     columns = len(handles) if len(handles) <= 5 else (len(handles) + 1) // 2
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
     return figure
 
 
-def _limits(x: Floats, span: tuple[float, float]) -> tuple[float, float]:
-    """Return the part of the range that the branch covers, with a margin."""
-    if not len(x):
-        return span
-    margin = 0.04 * max(float(np.ptp(x)), 1e-3 * (span[1] - span[0]))
-    return max(span[0], float(x.min()) - margin), min(span[1], float(x.max()) + margin)
-
-
-def _line(axes: Axes, x: Floats, y: Floats, is_stable: bool, colour: str, width: float) -> None:
-    """Draw a piece of a branch."""
-    # Round ends would fill the gaps of dashes.
-    axes.plot(
-        x, y, color=colour, lw=width, ls="-" if is_stable else _DASHES, dash_capstyle="butt",
-        solid_capstyle="butt",
-    )  # fmt: skip
-
-
-def _runs(stable: NDArray[np.bool_]) -> list[tuple[int, int, bool]]:
-    """Return first index, index after the last, and stability of each piece of a branch."""
-    ends = [*(np.flatnonzero(np.diff(stable.astype(int))) + 1).tolist(), len(stable)]
-    starts = [0, *ends[:-1]]
-    return [(i, j, bool(stable[i])) for i, j in zip(starts, ends, strict=True)]
-
-
-def _pieces(
-    x: Floats, y: Floats, stable: NDArray[np.bool_], places: Floats
-) -> list[tuple[Floats, Floats, bool]]:
-    """Return the branch in pieces of one stability, which meet in the special points."""
-    pieces: list[tuple[Floats, Floats, bool]] = []
-    unit = np.array([np.ptp(x) or 1.0, np.ptp(y) or 1.0])
+def _draw_branch(
+    axes: Axes, x: Floats, y: Floats, stable: NDArray[np.bool_], places: Floats, **look: Any
+) -> None:
+    """Draw a branch in pieces of one stability, which meet in special points or halfway."""
     points = np.column_stack([x, y])
-    before: Floats | None = None
-    for first, last, is_stable in _runs(stable):
-        part = points[first:last] if before is None else np.vstack([before, points[first:last]])
-        if last < len(x):
-            middle = 0.5 * (points[last - 1] + points[last])
-            length = np.linalg.norm((points[last] - points[last - 1]) / unit)
-            if len(places):
-                far = np.linalg.norm((places - middle) / unit, axis=1)
-                if far.min() < _NEAR * length:
-                    middle = places[int(np.argmin(far))]
-            before = middle
-            part = np.vstack([part, middle])
-        pieces.append((part[:, 0], part[:, 1], is_stable))
-    return pieces
+    unit = np.ptp(points, axis=0)
+    unit[unit == 0.0] = 1.0
+    changes = np.flatnonzero(np.diff(stable)) + 1
+    before, after = points[changes - 1], points[changes]
+    joints = 0.5 * (before + after)
+    for joint, length in zip(joints, np.linalg.norm((after - before) / unit, axis=1), strict=True):
+        far = np.linalg.norm((places - joint) / unit, axis=1)
+        if far.min(initial=math.inf) < _NEAR * length:
+            joint[:] = places[np.argmin(far)]
+    points = np.insert(points, changes, joints, axis=0)
+    ends = [0, *(changes + np.arange(len(changes))), len(points)]
+    for (first, last), is_stable in zip(pairwise(ends), stable[[0, *changes]], strict=True):
+        # Round ends would fill the gaps of dashes.
+        axes.plot(
+            *points[first : last + 1].T, ls="-" if is_stable else _DASHES, dash_capstyle="butt",
+            solid_capstyle="butt", **look,
+        )  # fmt: skip
 
 
-def _mark(axes: Axes, dataset: xr.Dataset) -> list[Any]:
+def _mark(axes: Axes, dataset: xr.Dataset, places: Floats) -> list[Any]:
     """Draw the special points and return an entry of the legend for each kind."""
     kinds = dataset["special_kind"].values.astype(str)
     handles = []
     for kind, (marker, colour) in MARKS.items():
-        mask = kinds == kind
-        if mask.any():
-            (handle,) = axes.plot(
-                dataset["special_value"].values[mask], dataset["special_angle"].values[mask],
-                marker, ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6, ls="", zorder=4,
-                clip_on=False, label=kind.replace("_", " "),
+        if kind in kinds:
+            handles += axes.plot(
+                *places[kinds == kind].T, marker, ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6,
+                ls="", zorder=4, clip_on=False, label=kind.replace("_", " "),
             )  # fmt: skip
-            handles.append(handle)
     return handles
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import head, write_numbers
 from latolato.figures.analyses.question import DISTURBANCE, Question, is_shaken
 from latolato.figures.analyses.sentences import e_folding, shakes
-from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,28 +18,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MARGIN = 1.75
-# What each status means, for the reader of the picture.
-_MEANING = {
-    "stable": "small deviations die out",
-    "unstable": "small deviations grow",
-    "neutral": "small deviations stay",
-    "rest": "balls rest on each other: deviations vanish",
-    "grazing": "an impact without speed: no limit",
-    "contradicted": "a check failed: do not trust",
-    "not found": "no periodic motion from this start",
-}
+# What is written beside the picture.
+_ROWS = (
+    *("multipliers", "growth_rate", "response_period", "impacts", "turns", "slowest_impact"),
+    *("multiplier_error", "defect"),
+)
 
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the multipliers in the complex plane, and beside it what is known of the orbit."""
-    figure, panels = style.new_figure(
-        1, 2, width=0.9 * style.PAGE, height=3.3, width_ratios=[1.0, 0.85]
-    )
+    figure, panels = style.new_figure(1, 2, height=3.1, width_ratios=[1.0, 1.2])
     plane, text = panels[0]
     _draw_plane(plane, dataset["multipliers"].values)
-    status = str(dataset["status"].item())
-    write_words(text, status, _MEANING.get(status, ""), _rows(dataset), column=0.44)
+    write_numbers(text, dataset, _ROWS)
     head(figure, dataset)
     return figure
 
@@ -71,39 +63,6 @@ def _draw_plane(axes: Axes, multipliers: np.ndarray) -> None:
     axes.set_ylim(-reach, reach)
     axes.set_xlabel(r"$\mathrm{Re}\,\mu$")
     axes.set_ylabel(r"$\mathrm{Im}\,\mu$")
-
-
-def _rows(dataset: xr.Dataset) -> list[tuple[str, str]]:
-    """Return names and values of what is known."""
-
-    def value_of(name: str) -> float:
-        return float(dataset[name].item())
-
-    if not math.isfinite(value_of("response_period")):
-        return [("defect", tex_number(value_of("defect"), 2))]
-    rows = []
-    for i, value in enumerate(dataset["multipliers"].values, start=1):
-        text = tex_number(value.real, 5)
-        if value.imag:
-            sign = "+" if value.imag > 0 else "\N{MINUS SIGN}"
-            text += f" {sign} {tex_number(abs(value.imag), 5)} i"
-        rows.append((rf"$\mu_{i}$", text))
-    rate = value_of("growth_rate")
-    rows += [
-        ("growth rate", tex_number(rate, 5) + (" 1/s" if math.isfinite(rate) else "")),
-        ("period", _counted(value_of("response_period"), "drive period")),
-        ("impacts in it", f"{value_of('impacts'):.0f}"),
-    ]
-    if value_of("turns"):
-        rows.append(("whole turns", tex_number(value_of("turns"))))
-    if math.isfinite(value_of("slowest_impact")):
-        rows.append(("slowest impact", f"{tex_number(value_of('slowest_impact'))} rad/s"))
-    return [*rows, (r"error of $\mu$", tex_number(value_of("multiplier_error"), 1))]
-
-
-def _counted(number: float, what: str) -> str:
-    """Return a number of things, e.g. ``2 drive periods``."""
-    return f"{number:.0f} {what}{'' if number == 1 else 's'}"
 
 
 def verdict(dataset: xr.Dataset) -> str:

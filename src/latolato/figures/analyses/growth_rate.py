@@ -13,7 +13,7 @@ from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import POSITION_WORDS, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import RATIO_LABEL, mark_answer, parameters_in_words
+from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,39 +26,31 @@ _SAMPLES, _FEW_SAMPLES = 161, 81
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.growth_rate`."""
-    about = dataset.attrs
+    position = dataset.attrs["position"]
     system, drive = system_of(dataset), drive_of(dataset)
-    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.0)
-    axes = panels[0, 0]
-    rate, w0 = float(dataset.growth_rate), system.natural_frequency
+    figure, axes = new_panel(dataset, position)
     axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
-    if not drive.moves or about["drive_frequency"] == 0.0:
-        place = 0.0
+    rate, w0 = float(dataset.growth_rate), system.natural_frequency
+    frequency = dataset.attrs.get("drive_frequency", 0.0) if drive.moves else 0.0
+    place = frequency / w0
+    if frequency == 0.0:
         axes.axhline(rate, color=style.BLUE)
         axes.set_xlim(0.0, 3.2)
     else:
-        template: Any = drive
-        place = about["drive_frequency"] / w0
-        plain = template.is_cosine and about["position"] == "hanging"
+        plain = drive.is_cosine and position == "hanging"
         count = _SAMPLES if plain else _FEW_SAMPLES
         ratios = np.linspace(min(0.5, 0.7 * place), max(3.2, 1.4 * place), count)
-        rates = [
-            float(
-                growth_rate(
-                    system,
-                    replace(template, drive_frequency=float(ratio) * w0),
-                    position=about["position"],
-                ).growth_rate
-            )
-            for ratio in ratios
-        ]
+
+        def at(ratio: float) -> xr.Dataset:
+            shaken: Any = replace(drive, drive_frequency=ratio * w0)  # type: ignore[call-arg]
+            return growth_rate(system, shaken, position=position)
+
+        (rates,) = answers(at, ratios, "growth_rate")
         axes.plot(ratios, rates, color=style.BLUE)
         axes.fill_between(ratios, 0.0, np.maximum(rates, 0.0), color=style.PALE_BLUE, lw=0.0)
-    mark_answer(axes, (place, rate), f"{rate:.5g} 1/s")
+    mark_answer(axes, (place, rate), f"{rate:.5g} 1/s", (6.0, 6.0))
     axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(style.label(dataset.growth_rate))
-    names = ("drive_amplitude", "length", "damping", "connecting_rod_length")
-    axes.set_title(f"{about['position']}\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

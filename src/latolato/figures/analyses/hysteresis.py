@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import (
     BEGINNING,
     Cost,
@@ -17,14 +18,13 @@ from latolato.figures.analyses.question import (
     settles,
 )
 from latolato.figures.analyses.sentences import listed, number
+from latolato.figures.map_title import in_words
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _MOST_PANELS = 4
-_COLOURS = {"up": style.BLUE, "down": style.RED}
 
 
 @style.styled
@@ -39,36 +39,28 @@ def draw(dataset: xr.Dataset) -> Figure:
     )
     for axis in panels.flat[len(indices) :]:
         axis.set_visible(False)
-    for place, (axis, i) in enumerate(zip(panels.flat, indices, strict=False)):
+    for letter, axis, i in zip("abcd", panels.flat, indices, strict=False):
         row = dataset.isel(drive_amplitude=int(i))
-        _draw_loop(row, axis)
-        name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm: {row.status.item()}"
-        style.panel_title(axis, "abcd"[place], name)
-        style.degree_axis(axis)
-        if place % columns == 0:
-            axis.set_ylabel(style.label(dataset.largest_angle))
-        if place + columns >= len(indices):
-            axis.set_xlabel(style.label(dataset.frequency_ratio))
+        amplitude = in_words(dataset, "drive_amplitude", row.drive_amplitude.item())
+        draw_points(
+            axis,
+            row.frequency_ratio,
+            row.largest_angle,
+            "frequency " + row.direction.astype(object),
+            ls="-",
+            lw=style.THIN,
+            ms=2.5,
+        )
+        axis.fill_between(row.frequency_ratio, *row.largest_angle, color=style.PALE_GREY, lw=0)
+        for way, colour in zip(row.direction.values, style.COLOURS, strict=False):
+            jump, text = float(row.jump_ratio.sel(direction=way)), f"largest jump {way}"
+            axis.axvline(jump, color=colour, lw=style.THIN, ls=(0, (3, 3)), zorder=0, label=text)
+        style.panel_title(axis, letter, f"{amplitude}: {row.status.item()}")
+        axis.label_outer()
+    panels[0, 0].set_xlim(dataset.frequency_ratio.min(), dataset.frequency_ratio.max())
+    panels[0, 0].set_ylim(bottom=0.0)
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure
-
-
-def _draw_loop(row: xr.Dataset, axis: Axes) -> None:
-    """Draw both ways, the area between them, and the largest jump of each."""
-    ratio = row.frequency_ratio.values
-    up, down = (row.largest_angle.sel(direction=way).values for way in ("up", "down"))
-    axis.fill_between(ratio, up, down, color=style.PALE_GREY, lw=0)
-    for way, angles, size in (("down", down, 3.4), ("up", up, 1.6)):
-        axis.plot(
-            ratio, angles, "o-", ms=size, lw=0.8, color=_COLOURS[way], label=f"frequency {way}"
-        )
-        jump = float(row.jump_ratio.sel(direction=way))
-        if math.isfinite(jump):
-            text = f"largest jump {way}"
-            dashes = (0, (3, 3))
-            axis.axvline(jump, color=_COLOURS[way], lw=style.THIN, ls=dashes, zorder=0, label=text)
-    axis.set_xlim(ratio[0], ratio[-1])
-    axis.set_ylim(0.0, None)
 
 
 def verdict(dataset: xr.Dataset) -> str:

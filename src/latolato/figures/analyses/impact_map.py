@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, has_contacts, is_shaken
 from latolato.figures.analyses.sentences import listed, times
 
@@ -15,49 +16,32 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_SIDES = {"bottom": (style.BLUE, "o"), "top": (style.RED, "^")}
-
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the impacts in the plane of phase and velocity, and the return map of the phase."""
-    figure, axes = style.new_figure(1, 2, width=style.PAGE, height=3.0)
+    figure, axes = style.new_figure(1, 2, height=3.2, width_ratios=[1.2, 1.0])
     plane, returns = axes[0]
-    phase = dataset["impact_phase"].values
-    speed = dataset["angular_velocity_after"].values
-    side = dataset["impact_side"].values
-    size = float(np.clip(60.0 / math.sqrt(max(len(phase), 1)), 0.8, 5.0))
-    following, first = phase[1:], phase[:-1]
-    for name, (colour, mark) in _SIDES.items():
-        here = side == name
-        if not here.any():
-            continue
-        plane.plot(
-            phase[here], speed[here], mark, color=colour, ms=size, mew=0.0, label=f"{name} impacts"
-        )
-        returns.plot(first[here[:-1]], following[here[:-1]], mark, color=colour, ms=size, mew=0.0)
+    phase, side = dataset["impact_phase"], dataset["impact_side"]
+    following = phase.shift(impact=-1).assign_attrs(
+        phase.attrs, long_name="phase at the next impact"
+    )
+    draw_points(plane, phase, dataset["angular_velocity_after"], side)
+    draw_points(returns, phase, following.assign_attrs(symbol=r"\varphi_{j+1}"), side)
     returns.plot([0.0, math.tau], [0.0, math.tau], color=style.GREY, lw=style.THIN, zorder=0)
     for panel in (plane, returns):
         panel.set_xlim(0.0, math.tau)
-        style.pi_ticks(panel.xaxis)
-        panel.set_xlabel(style.label(dataset["impact_phase"]))
     returns.set_ylim(0.0, math.tau)
-    returns.set_aspect("equal")
-    style.pi_ticks(returns.yaxis)
-    returns.set_ylabel("drive phase at the next impact $\\varphi_{j+1}$ [rad]")
-    plane.set_ylabel(style.label(dataset["angular_velocity_after"]))
-    plane.margins(y=0.12)
-    low, high = plane.get_ylim()
-    middle = 0.5 * (low + high)
-    if high - low < 1e-3 * abs(middle):  # one point, not the last digits of it
-        plane.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
+    style.keep_span(plane, y=0.02 * float(np.abs(plane.get_ylim()).max()))
     rate = dataset["impacts_per_period"].item()
     style.panel_title(plane, "a", f"{rate:.4g} impacts per drive period")
     style.panel_title(returns, "b", "from one impact to the next")
-    if len(phase):
-        plane.legend(loc="best", markerscale=max(1.0, 3.0 / size))
+    if dataset.sizes["impact"]:
+        figure.legend(
+            *plane.get_legend_handles_labels(), loc="outside lower center", ncols=2, markerscale=2.0
+        )
     else:
-        style.note(plane, str(dataset["status"].values), (math.pi, 0.5), (0.0, 0.0), ha="center")
+        style.note(plane, str(dataset["status"].item()), (math.pi, 0.0), (0.0, 0.0), ha="center")
     return figure
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +15,9 @@ from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import (
     LENGTH_LABEL,
     RATIO_LABEL,
+    answers,
     mark_answer,
-    parameters_in_words,
+    new_panel,
 )
 
 if TYPE_CHECKING:
@@ -31,41 +31,30 @@ _ENDS = ("low", "high")
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.inverted_limits`."""
-    about = dataset.attrs
     system, drive = system_of(dataset), drive_of(dataset)
-    length, place = system.balls[0].length, about["frequency_ratio"]
+    length, place = system.balls[0].length, dataset.attrs["frequency_ratio"]
     ratios = np.geomspace(min(1.5, 0.6 * place), max(20.0, 1.6 * place), _SAMPLES)
-    limits = []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        for ratio in ratios:
-            answer = inverted_limits(system, drive, frequency_ratio=float(ratio))
-            limits.append((float(answer.low), float(answer.high)))
-    low, high = np.array(limits).T / length
-    rod = about.get("connecting_rod_length", math.inf)
-    top = 1.05 * float(np.nanmax([*low, *high, *(float(dataset[n]) / length for n in _ENDS)]))
+    found = answers(lambda r: inverted_limits(system, drive, frequency_ratio=r), ratios, *_ENDS)
+    low, high = np.array(found) / length
+    marks = [float(dataset[name]) for name in _ENDS]
+    rod = dataset.attrs.get("connecting_rod_length", math.inf)
+    top = 1.05 * float(np.nanmax([*low, *high, *(mark / length for mark in marks)]))
     ceiling = np.where(np.isnan(high) & ~np.isnan(low), min(top, rod / length), high)
-    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
-    axes = panels[0, 0]
+    kapitza = math.sqrt(2.0) / ratios
+    figure, axes = new_panel(dataset, "upright is stable inside")
     axes.fill_between(ratios, low, ceiling, color=style.PALE_BLUE, lw=0.0)
     axes.plot(ratios, low, color=style.BLUE)
     axes.plot(ratios, high, color=style.RED)
-    axes.plot(ratios, math.sqrt(2.0) / ratios, color=style.GREY, ls=(0, (4, 3)), lw=style.THIN)
-    style.note(
-        axes, "Kapitza", (float(ratios[-1]), math.sqrt(2.0) / ratios[-1]), (-4, -7), ha="right"
-    )
-    for name in _ENDS:
-        value = float(dataset[name])
-        if math.isfinite(value):
-            mark_answer(axes, (place, value / length), f"{value:.5g} m", (6.0, 6.0))
+    axes.plot(ratios, kapitza, color=style.GREY, ls=(0, (4, 3)), lw=style.THIN)
+    style.note(axes, "Kapitza", (float(ratios[-1]), float(kapitza[-1])), (-4, -7), ha="right")
+    for value in marks:
+        mark_answer(axes, (place, value / length), f"{value:.5g} m", (6.0, 6.0))
     axes.set_xscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.0, top)
     style.plain_ticks(axes.xaxis)
     axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(LENGTH_LABEL)
-    names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"upright is stable inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

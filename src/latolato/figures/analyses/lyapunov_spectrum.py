@@ -8,21 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import head, text_of, write_numbers
 from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, on_rods
 from latolato.figures.analyses.sentences import e_folding, no_answer, number
-from latolato.figures.analyses.words import head, tex_number, write_words
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_MEANING = {
-    "regular": "neighbours come together",
-    "chaotic": "neighbours part exponentially",
-    "marginal": "undecided in this time",
-    "rest": "the motion forgets its past",
-}
-
+# What is written beside the picture.
+_ROWS = ("divergence", "sum_rule_residual", "exponent_between_rests", "rests")
 # What grows or shrinks exponentially.
 _DISTANCE = "the distance between neighbouring starts"
 # Between rests a deviation must grow or shrink by so many e-folds to forget how it began.
@@ -32,44 +27,35 @@ _RARE = 10.0
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the exponents as bars; one of minus infinity is an arrow to the bottom."""
-    figure, panels = style.new_figure(
-        1, 2, width=0.9 * style.PAGE, height=3.0, width_ratios=[1.0, 0.95]
-    )
+    figure, panels = style.new_figure(1, 2, height=3.0, width_ratios=[1.0, 1.3])
     axes, text = panels[0]
-    values = np.asarray(dataset["lyapunov_exponents"].values, dtype=np.float64)
+    exponents = dataset["lyapunov_exponents"]
+    values = exponents.values
     places = range(1, len(values) + 1)
-    finite = values[np.isfinite(values)]
-    reach = float(np.max(np.abs(finite), initial=0.0)) or 1.0
-    low, high = min(0.0, finite.min(initial=0.0)), max(0.0, finite.max(initial=0.0))
-    bottom = (-reach if np.isneginf(values).any() else low) - 0.18 * reach
+    finite = np.where(np.isfinite(values), values, 0.0)
+    reach = float(np.max(np.abs(finite))) or 1.0
+    bottom = -reach if np.isneginf(values).any() else finite.min()
     axes.axhline(0.0, color=style.INK, lw=style.THIN, zorder=3)
-    for place, value in zip(places, values, strict=True):
+    for place, value in zip(places, values.tolist(), strict=True):
         colour = style.RED if value > 0.0 else style.BLUE
-        if math.isfinite(value):
-            axes.bar(place, value, width=0.55, color=colour)
-            up = value >= 0.0
-            style.note(
-                axes, tex_number(value), (place, value), (0.0, 3.0 if up else -3.0), ha="center",
-                va="bottom" if up else "top",
-            )  # fmt: skip
-        elif np.isneginf(value):
-            axes.annotate(
-                "", xy=(place, bottom), xytext=(place, 0.0),
-                arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2.0 * style.LINE},
-            )  # fmt: skip
-            style.note(axes, "\N{MINUS SIGN}∞", (place, 0.5 * bottom), (6.0, 0.0))
+        name = text_of("lyapunov_exponents", value, "1")
+        end = bottom if value == -math.inf else np.nan_to_num(value)
+        if value == -math.inf:
+            arrow = {"arrowstyle": "-|>", "color": colour, "lw": 2.0 * style.LINE}
+            axes.annotate("", (place, bottom), (place, 0.0), arrowprops=arrow)
         else:
-            style.note(axes, "no value", (place, 0.0), (0.0, 4.0), ha="center", va="bottom")
-    axes.set_ylim(bottom, high + 0.18 * reach)
+            axes.bar(place, end, width=0.55, color=colour)
+        side, shift = ("top", -3.0) if value < 0.0 else ("bottom", 3.0)
+        style.note(axes, name, (place, end), (0.0, shift), ha="center", va=side)
+    axes.set_ylim(bottom - 0.18 * reach, max(0.0, finite.max()) + 0.18 * reach)
     axes.set_xlim(0.4, len(values) + 0.6)
     axes.set_xticks(places, [rf"$\lambda_{i}$" for i in places])
     axes.tick_params(axis="x", length=0.0)
     axes.spines["bottom"].set_visible(False)
-    axes.set_ylabel(style.label(dataset["lyapunov_exponents"]))
-    if not finite.size:
+    axes.set_ylabel(style.label(exponents))
+    if not np.isfinite(values).any():
         axes.set_yticks([])
-    status = str(dataset["status"].item())
-    write_words(text, status, _MEANING.get(status, ""), _rows(dataset, values), column=0.5)
+    write_numbers(text, dataset, [str(each) for each in dataset if each in _ROWS])
     head(figure, dataset)
     return figure
 
@@ -81,25 +67,6 @@ def _between_rare_rests(dataset: xr.Dataset) -> float | None:
         return None
     observed = dataset.attrs["duration"] - dataset.attrs["transient"]
     return between if abs(between) * observed > _RARE * float(dataset["rests"]) else None
-
-
-def _rows(dataset: xr.Dataset, values: np.ndarray) -> list[tuple[str, str]]:
-    """Return names and values of the sum rule and of the time."""
-    total = float(np.sum(values))
-    rows = [
-        ("sum of exponents", total),
-        ("mean divergence", float(dataset["divergence"])),
-        ("difference", float(dataset["sum_rule_residual"]) if math.isfinite(total) else math.nan),
-    ]
-    observed = dataset.attrs["duration"] - dataset.attrs["transient"]
-    rests = float(dataset.get("rests", 0.0))
-    if rests > 0.0:
-        rows.append(("between rests", float(dataset["exponent_between_rests"])))
-    return [
-        *((name, f"{tex_number(value)} 1/s") for name, value in rows if not math.isnan(value)),
-        *([("rests", f"{rests:g}")] if rests > 0.0 else []),
-        ("observed", f"{observed:g} s"),
-    ]
 
 
 def verdict(dataset: xr.Dataset) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
 from latolato.figures.analyses.sentences import UPRIGHT, degrees, no_answer, shakes, times
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_MARKS = ("o", "s", "^", "D", "v", "P")
+# The first panel shows so many drive periods, or two cycles.
 _SHOWN = 16
 # Panels are no narrower than so many tolerances, within which samples are one.
 _LEAST = 100.0
@@ -23,38 +24,28 @@ _LEAST = 100.0
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return samples once per drive period, joined in order, and as points of the phase plane."""
-    figure, axes = style.new_figure(1, 2, width=style.PAGE, width_ratios=[1.6, 1.0])
+    figure, axes = style.new_figure(1, 2, height=2.4, width_ratios=[1.6, 1.0])
     course, plane = axes[0]
     period = dataset["response_period"].item()
     cycle = int(period) if np.isfinite(period) else 0
-    angle = np.atleast_2d(dataset["section_angle"].values)
-    speed = np.atleast_2d(dataset["section_angular_velocity"].values)
-    names = [str(name) for name in dataset["ball"].values] if "ball" in dataset.coords else [""]
-    count = min(angle.shape[1], max(_SHOWN, 2 * cycle + 1))
-    for ball, name in enumerate(names):
-        dark = style.GREY if ball == 0 else style.PALE_BLUE
-        course.plot(angle[ball, :count], color=dark, lw=style.THIN, zorder=1)
-        place = np.arange(angle.shape[1]) % (cycle or 1)
-        for k in range(cycle or 1):
-            colour = style.COLOURS[k % len(style.COLOURS)] if cycle else style.RED
-            mark = _MARKS[ball]
-            these = np.flatnonzero(place == k)
-            early = these[these < count]
-            size = 4.0
-            course.plot(early, angle[ball, early], mark, color=colour, ms=size, clip_on=False)
-            plane.plot(angle[ball, these], speed[ball, these], mark, color=colour, ms=size)
-        if name:
-            style.note(course, name, (0.0, angle[ball, 0]), (6.0, 7.0))
-    for panel in (course, plane):
-        panel.margins(0.15)
+    count = dataset.sizes["sample"]
+    number = dataset["section_angle"]["sample"].assign_attrs(
+        long_name="drive periods after the transient"
+    )
+    dataset = dataset.assign_coords(sample=np.arange(count))
+    place = number % cycle if cycle else None
+    balls = [dataset.sel(ball=b) for b in dataset["ball"]] if "ball" in dataset.dims else [dataset]
+    for own, mark in zip(balls, "os", strict=False):
+        angle, speed = own["section_angle"], own["section_angular_velocity"]
+        course.plot(number, angle, color=style.GREY, lw=style.THIN, zorder=1)
+        draw_points(course, number, angle, place, short=True, marker=mark, ms=4.0)
+        draw_points(plane, angle, speed, place, short=True, marker=mark, ms=4.0)
+        if len(balls) > 1:
+            style.note(course, str(own["ball"].item()), (0.0, float(angle[0])), (6.0, 7.0))
     least = _LEAST * dataset.attrs["angle_tolerance"]
     style.keep_span(course, y=least)
     style.keep_span(plane, x=least, y=least * dataset.attrs["drive_frequency"])
-    course.set_xlim(-0.5, count - 0.5)
-    course.set_xlabel("drive periods after the transient")
-    course.set_ylabel(style.label(dataset["section_angle"], short=True))
-    plane.set_xlabel(style.label(dataset["section_angle"], short=True))
-    plane.set_ylabel(style.label(dataset["section_angular_velocity"], short=True))
+    course.set_xlim(-0.5, min(count, max(_SHOWN, 2 * cycle + 1)) - 0.5)
     style.panel_title(course, "a", _title(dataset, cycle))
     style.panel_title(plane, "b", "once per drive period")
     return figure
@@ -62,17 +53,14 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _title(dataset: xr.Dataset, cycle: int) -> str:
     """Return the answer in words."""
-    status = str(dataset["status"].values)
-    if status == "rest":
-        return "at rest"
+    status = str(dataset["status"].item())
     if status == "not settled":
         return f"{status} after {dataset.attrs['transient_periods']:g} drive periods"
-    if status == "slackens":
-        return "hops straight up and down on its string"
-    if not cycle:
+    if status == "aperiodic":
         return f"{status}: no period up to {dataset.attrs['longest']}"
-    rotation = dataset["rotation_number"].item()
-    return f"{status}, period {cycle}, rotation number {rotation:.4g}"
+    if status not in ("periodic", "grazing"):
+        return {"slackens": "hops straight up and down on its string"}.get(status, status)
+    return f"{status}, period {cycle}, rotation number {dataset['rotation_number'].item():.4g}"
 
 
 def verdict(dataset: xr.Dataset) -> str:

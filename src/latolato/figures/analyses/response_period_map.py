@@ -53,16 +53,14 @@ def draw(dataset: xr.Dataset) -> Figure:
 
 def _numbers(dataset: xr.Dataset) -> Any:
     """Return the class of each cell by its place in `_CLASSES`."""
-    names = list(_CLASSES)
-    status, period = dataset["status"].values, dataset["response_period"].values
-    classes = np.full(status.shape, names.index("no answer"))
-    for name in ("rest", "grazing", "aperiodic", "not settled", "slackens"):
-        classes[status == name] = names.index(name)
-    regular = status == "periodic"
-    for p in range(1, 5):
-        classes[regular & (period == p)] = names.index(f"period {p}")
-    classes[regular & (period > 4)] = names.index("longer period")
-    return classes
+    place = {name: k for k, name in enumerate(_CLASSES)}
+    words = dataset["status"].values.astype(object)
+    regular = words == "periodic"
+    words[regular] = [
+        f"period {p:.0f}" if p <= 4 else "longer period"
+        for p in dataset["response_period"].values[regular]
+    ]
+    return np.vectorize(lambda word: place.get(word, place["no answer"]))(words)
 
 
 def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +17,7 @@ from latolato.figures.analyses.question import (
 )
 from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import RATIO_LABEL, mark_answer, parameters_in_words
+from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,38 +29,28 @@ _SAMPLES = 41
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.self_start`."""
-    about = dataset.attrs
     system, drive = system_of(dataset), drive_of(dataset)
-    place = about["frequency_ratio"]
+    place, amplitude = dataset.attrs["frequency_ratio"], float(dataset.drive_amplitude)
     ratios = np.geomspace(0.5 * place, 2.0 * place, _SAMPLES)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        amplitudes = np.array(
-            [float(self_start(system, float(r), drive).drive_amplitude) for r in ratios]
-        )
+    (amplitudes,) = answers(lambda r: self_start(system, r, drive), ratios, "drive_amplitude")
     cosine = system.gravity / (ratios * system.natural_frequency) ** 2
-    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.0)
-    axes = panels[0, 0]
-    ceiling = 2.0 * float(np.nanmax([*amplitudes, *cosine]))
+    figure, axes = new_panel(dataset, "leaves rest inside")
+    ceiling = 2.0 * float(np.nanmax([amplitudes, cosine]))
     axes.fill_between(ratios, amplitudes, ceiling, color=style.PALE_RED, lw=0.0)
     axes.plot(ratios, amplitudes, color=style.RED)
     if not np.allclose(amplitudes, cosine, equal_nan=True):
         axes.plot(ratios, cosine, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)))
         style.note(axes, r"$A_0\omega^2 = g$", (float(ratios[0]), cosine[0]), (6.0, 5.0))
-    amplitude = float(dataset.drive_amplitude)
-    if math.isfinite(amplitude):
-        text = style.shown_value("drive_amplitude", amplitude, "m")
-        mark_answer(axes, (place, amplitude), text, (6.0, 6.0))
+    text = style.shown_value("drive_amplitude", amplitude, "m")
+    mark_answer(axes, (place, amplitude), text, (6.0, 6.0))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
-    axes.set_ylim(0.8 * float(np.nanmin([*amplitudes, *cosine])), ceiling / 1.5)
+    axes.set_ylim(0.8 * float(np.nanmin([amplitudes, cosine])), ceiling / 1.5)
     style.plain_ticks(axes.xaxis)
     style.plain_ticks(axes.yaxis)
     axes.set_xlabel(RATIO_LABEL)
     style.show_unit(axes.yaxis, dataset.drive_amplitude)
-    names = ("length", "radius", "coulomb_damping", "connecting_rod_length")
-    axes.set_title(f"leaves rest inside\n{parameters_in_words(dataset, *names)}")
     return figure
 
 

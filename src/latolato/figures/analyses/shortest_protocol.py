@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import (
     BEGINNING,
     Cost,
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_PUSH = "push $\\dot\\theta_p$ of each ball [rad/s]"
-
 
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
@@ -32,67 +31,55 @@ def draw(dataset: xr.Dataset) -> Figure:
 
     Where no protocol was searched for, the settled angles after pushes say why.
     """
+    push = dataset["push"]
     if not np.isfinite(dataset.success_share.values).any():
-        figure, panels = style.new_figure(1, 1, height=3.0)
-        _draw_angles(dataset, panels[0][0])
+        figure, panels = style.new_figure(height=3.0)
+        draw_points(panels[0, 0], push, dataset.angle_after_push, ls="-", ms=3.0)
+        panels[0, 0].set_ylim(bottom=0.0)
+        panels[0, 0].set_ylabel("settled angle, median over drive phases [°]")
         return figure
     figure, panels = style.new_figure(1, 2, height=3.0, width_ratios=[1.35, 1.0])
     left, right = panels[0]
     _draw_map(dataset, left)
     style.panel_title(left, "a", f"protocols: {dataset.status.item()}")
-    _draw_pushes(dataset, right)
+    draw_points(right, push, dataset.push_share, ls="-", ms=3.0)
+    style.mark_level(right, float(dataset.attrs["required_share"]), "required")
+    smallest = float(dataset.smallest_push)
+    if math.isfinite(smallest):
+        energy = 1e3 * float(dataset.smallest_push_energy)
+        place = smallest, float(dataset.push_share.sel(push=smallest))
+        _mark(right, place, f"{smallest:.3g} rad/s, {energy:.3g} mJ")
+    right.set_ylim(-0.03, 1.05)
+    right.set_ylabel("share of drive phases")
+    right.set_xlabel(f"push of each ball ${push.attrs['symbol']}$ [rad/s]")
     style.panel_title(right, "b", "pushes at the target frequency")
     return figure
 
 
 def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
     """Draw the share of success over dwell and first stage, and mark the shortest protocol."""
-    dwell, ratio = dataset.dwell_time.values, dataset.first_frequency_ratio.values
-    x, y = style.edges_of(dwell), style.edges_of(ratio)
-    share = dataset.success_share.values
-    mesh = axis.pcolormesh(x, y, share, vmin=0.0, vmax=1.0, rasterized=True)
-    style.colour_bar(mesh, "share of drive phases")
-    axis.set_xlim(x[0], x[-1])
-    axis.set_ylim(y[0], y[-1])
+    dwell, ratio = dataset.dwell_time, dataset.first_frequency_ratio
+    edges = style.edges_of(dwell.values), style.edges_of(ratio.values)
+    cells = style.draw_cells(axis, *edges, dataset.success_share.values, vmin=0.0, vmax=1.0)
+    style.colour_bar(cells, "share of drive phases")
     best = float(dataset.best_dwell_time), float(dataset.best_first_ratio)
     if math.isfinite(best[0]):
-        axis.plot(*best, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
-        text = f"{float(dataset.lead_time):.3g} s"
-        style.note(axis, text, best, (7.0, 0.0), colour=style.RED)
+        _mark(axis, best, f"{float(dataset.lead_time):.3g} s")
     about = dataset.attrs
-    if about.get("system") == "latolato" and about.get("drive_amplitude"):
+    if about["system"] == "latolato" and about.get("drive_amplitude"):
         lift_off = math.sqrt(about["length"] / about["drive_amplitude"])
         if ratio[0] < lift_off < ratio[-1]:
             axis.axhline(lift_off, color=style.ORANGE, lw=style.LINE, ls=(0, (4, 3)))
             place = float(dwell[-1]), lift_off
             style.note(axis, "lift-off", place, (-2.0, -4.0), ha="right", va="top")
-    axis.set_xlabel(style.label(dataset.dwell_time))
-    axis.set_ylabel(style.label(dataset.first_frequency_ratio))
+    axis.set_xlabel(style.label(dwell))
+    axis.set_ylabel(style.label(ratio))
 
 
-def _draw_angles(dataset: xr.Dataset, axis: Axes) -> None:
-    """Draw the settled angle against the push, which at zero is that from rest."""
-    angles = np.rad2deg(dataset.angle_after_push.values)
-    axis.plot(dataset.push, angles, "o-", ms=3.0, color=style.BLUE)
-    axis.set_ylim(0.0, 1.1 * float(np.nanmax(angles)))
-    axis.set_xlabel(_PUSH)
-    axis.set_ylabel("settled angle, median over drive phases [°]")
-
-
-def _draw_pushes(dataset: xr.Dataset, axis: Axes) -> None:
-    """Draw the share of success against the push, and the smallest one that suffices."""
-    axis.plot(dataset.push, dataset.push_share, "o-", ms=3.0, color=style.BLUE)
-    style.mark_level(axis, float(dataset.attrs["required_share"]), "required")
-    smallest = float(dataset.smallest_push)
-    if math.isfinite(smallest):
-        share = float(dataset.push_share.sel(push=smallest))
-        axis.plot(smallest, share, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
-        energy = 1e3 * float(dataset.smallest_push_energy)
-        text = f"{smallest:.3g} rad/s, {energy:.3g} mJ"
-        style.note(axis, text, (smallest, share), (7.0, -3.0), va="top", colour=style.RED)
-    axis.set_ylim(-0.03, 1.05)
-    axis.set_xlabel(_PUSH)
-    axis.set_ylabel("share of drive phases")
+def _mark(axis: Axes, place: tuple[float, float], text: str) -> None:
+    """Put a ring about the best point of a panel, and its numbers beside it."""
+    axis.plot(*place, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
+    style.note(axis, text, place, (7.0, -3.0), va="top", colour=style.RED)
 
 
 def verdict(dataset: xr.Dataset) -> str:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_even
 from latolato.figures.analyses.sentences import millimetres, number
-from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import draw_tongues, mark_answer, parameters_in_words
+from latolato.figures.analyses.stored_system import system_of
+from latolato.figures.analyses.tongues import draw_tongues, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,22 +22,16 @@ _LEAST, _WITHOUT = 0.05, 0.5
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.threshold_amplitude`."""
-    about = dataset.attrs
-    system = system_of(dataset)
-    length, ratio = system.balls[0].length, about["frequency_ratio"]
-    amplitude = float(dataset.drive_amplitude)
+    about, length = dataset.attrs, system_of(dataset).balls[0].length
+    ratio, amplitude = about["frequency_ratio"], float(dataset.drive_amplitude)
     exists = not math.isnan(amplitude)
     largest = max(2.0 * amplitude, _LEAST * length) if exists else _WITHOUT * length
     largest = min(largest, 0.9 * about.get("connecting_rod_length", math.inf))
-    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
-    axes = panels[0, 0]
-    draw_tongues(axes, system, drive_of(dataset), largest=largest)
+    figure, axes = new_panel(dataset, "hanging is unstable inside")
+    draw_tongues(axes, dataset, largest=largest)
     axes.set_xlim(min(0.5, 0.8 * ratio), max(3.2, 1.1 * ratio))
     axes.axvline(ratio, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)
-    if exists:
-        mark_answer(axes, (ratio, amplitude / length), f"{1e3 * amplitude:.4g} mm")
-    names = ("frequency_ratio", "length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(f"hanging is unstable inside\n{parameters_in_words(dataset, *names)}")
+    mark_answer(axes, (ratio, amplitude / length), f"{1e3 * amplitude:.4g} mm")
     return figure
 
 

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
+from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken
 from latolato.figures.analyses.sentences import degrees, number
+from latolato.figures.map_title import in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
 # More curves than this cannot be told apart.
 _MOST_CURVES = 6
 # Letters of the caption in one line over the width of a page.
-_LINE = 146
+_LINE = 122
 
 
 @style.styled
@@ -35,8 +37,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         style.panel_title(panels["line"], next(letters), "height of the line")
         style.panel_title(panels["place"], next(letters), "its place, bar: full width at half")
     point = _strongest(dataset)
-    ratio, amplitude = float(point.frequency_ratio), 1e3 * float(point.drive_amplitude)
-    name = rf"$\omega/\omega_0$ = {ratio:.4g}, $A_0$ = {amplitude:.3g} mm"
+    varied = ("frequency_ratio", "drive_amplitude")
+    name = ", ".join(in_words(point, each, point[each].item()) for each in varied)
     _draw_survival(point, panels["survival"])
     style.panel_title(panels["survival"], next(letters), "memory of the phase")
     _draw_order(point, panels["order"])
@@ -51,30 +53,19 @@ def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
     """Draw amplitude and place of the line against the frequency ratio, for some amplitudes."""
     count = dataset.sizes["drive_amplitude"]
     indices = np.unique(np.linspace(0, count - 1, min(count, _MOST_CURVES)).round().astype(int))
-    ratio = dataset.frequency_ratio.values
-    for colour, i in zip(style.COLOURS, indices, strict=False):
-        row = dataset.isel(drive_amplitude=i)
-        name = f"$A_0$ = {1e3 * float(row.drive_amplitude):.3g} mm"
-        height.plot(ratio, row.peak_amplitude, color=colour, label=name)
-        place.errorbar(
-            ratio,
-            row.peak_frequency,
-            yerr=0.5 * row.peak_width,
-            fmt="o",
-            ms=2.0,
-            lw=style.THIN,
-            color=colour,
-        )
+    dataset = dataset.isel(drive_amplitude=indices)
+    ratio, amplitude = dataset.frequency_ratio, dataset.drive_amplitude
+    names = [in_words(dataset, "drive_amplitude", value) for value in amplitude.values.tolist()]
+    name = amplitude.copy(data=names)
+    draw_points(height, ratio, dataset.peak_amplitude, name, short=True, ls="-", ms=2.5)
+    draw_points(place, ratio, dataset.peak_frequency, name, short=True, ms=2.5)
+    low, high = (dataset.peak_frequency + side * dataset.peak_width for side in (-0.5, 0.5))
+    for i, colour in zip(range(len(names)), style.COLOURS, strict=False):
+        place.vlines(ratio, low[i], high[i], color=colour, lw=style.THIN)
     style.mark_level(place, 0.5, "half the driving frequency", where=0.0)
-    spread = np.abs(dataset.peak_frequency - 0.5) + 0.5 * dataset.peak_width
-    reach = max(1.2 * float(spread.fillna(0.0).max()), 0.01)
+    reach = max(1.2 * float(np.nan_to_num([0.5 - low, high - 0.5]).max()), 0.01)
     place.set_ylim(0.5 - reach, 0.5 + reach)
-    for axis in (height, place):
-        axis.set_xlim(ratio.min(), ratio.max())
-        axis.set_xlabel(style.label(dataset.frequency_ratio))
-    height.set_ylim(0.0, None)
-    height.set_ylabel(style.label(dataset.peak_amplitude, short=True))
-    place.set_ylabel(style.label(dataset.peak_frequency, short=True))
+    height.set_ylim(bottom=0.0)
     height.legend(loc="best")
 
 
@@ -109,10 +100,10 @@ def _draw_survival(point: xr.Dataset, axis: Axes) -> None:
 def _draw_order(point: xr.Dataset, axis: Axes) -> None:
     """Draw the order parameter of each period."""
     style.mark_level(axis, 0.0, "phase forgotten")
-    axis.plot(point.period, point.order_parameter_decay, color=style.BLUE)
+    draw_points(axis, point.period, point.order_parameter_decay, ls="-", marker="", short=True)
     axis.set_xlim(point.period.values[0], point.period.values[-1])
     axis.set_xlabel(style.label(point.period))
-    axis.set_ylabel("order kept " + style.label(point.order_parameter_decay, short=True))
+    axis.set_ylabel(f"order kept {axis.get_ylabel()}")
 
 
 def verdict(dataset: xr.Dataset) -> str:

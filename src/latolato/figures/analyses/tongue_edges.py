@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from latolato.figures import style
 from latolato.figures.analyses.question import REST, Question, can_hang, is_shaken
 from latolato.figures.analyses.sentences import POSITION_WORDS, millimetres, number
-from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import draw_tongues, parameters_in_words
+from latolato.figures.analyses.stored_system import system_of
+from latolato.figures.analyses.tongues import draw_tongues, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,27 +22,17 @@ _LEAST = 0.1
 @style.styled
 def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.tongue_edges`."""
-    about = dataset.attrs
-    system, drive = system_of(dataset), drive_of(dataset)
-    length = system.balls[0].length
-    amplitude = about["drive_amplitude"]
-    largest = max(2.0 * amplitude, _LEAST * length)
-    if "connecting_rod_length" in about:
-        largest = min(largest, max(0.9 * about["connecting_rod_length"], amplitude))
-    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
-    axes = panels[0, 0]
-    draw_tongues(axes, system, drive, largest=largest, position=about["position"])
-    axes.axhline(amplitude / length, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)
-    for name, side in (("low", "right"), ("high", "left")):
-        edge = float(dataset[name])
-        if math.isfinite(edge) and edge > 0.0:
-            axes.plot(edge, amplitude / length, "o", ms=4.0, color=style.INK, clip_on=False)
-            shift = (-5.0, 5.0) if side == "right" else (5.0, 5.0)
-            style.note(axes, f"{edge:.6f}", (edge, amplitude / length), shift, ha=side, va="bottom")
-    names = ("length", "mass", "damping", "connecting_rod_length")
-    axes.set_title(
-        f"{about['position']} is unstable inside\n{parameters_in_words(dataset, *names)}"
-    )
+    about, length = dataset.attrs, system_of(dataset).balls[0].length
+    amplitude, position = about["drive_amplitude"], about["position"]
+    rod = about.get("connecting_rod_length", math.inf)
+    largest = min(max(2.0 * amplitude, _LEAST * length), max(0.9 * rod, amplitude))
+    figure, axes = new_panel(dataset, f"{position} is unstable inside")
+    draw_tongues(axes, dataset, largest=largest, position=position)
+    height = amplitude / length
+    axes.axhline(height, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)
+    for name, side, shift in (("low", "right", -5.0), ("high", "left", 5.0)):
+        edge = float(dataset[name]) or math.nan  # of a tongue that begins at zero
+        mark_answer(axes, (edge, height), f"{edge:.6f}", (shift, 5.0), ha=side, va="bottom")
     return figure
 
 

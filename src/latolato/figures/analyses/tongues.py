@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from latolato.analysis import tongue_edges
 from latolato.figures import style
-from latolato.figures.map_title import in_words
-from latolato.physics.drives import Drive
-from latolato.physics.pendulum import System
+from latolato.figures.analyses.stored_system import drive_of, system_of
+from latolato.figures.map_title import title_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
 
 # Where the balls are at rest: below the pivot or above it.
 Position = Literal["hanging", "inverted"]
@@ -29,22 +33,45 @@ _HALVINGS = 12  # of the amplitude between a closed and an open tongue
 _SAMPLES, _FEW_SAMPLES = 81, 25  # amplitudes under a cosine, and under other waveforms
 
 
+def new_panel(dataset: xr.Dataset, text: str) -> tuple[Figure, Axes]:
+    """Return a figure and its panel, over which stand `text` and the parameters of an analysis."""
+    figure, panels = style.new_figure(width=0.7 * style.PAGE, height=3.2)
+    panels[0, 0].set_title("\n".join([text, *title_of(dataset, {}, "")]), fontsize=style.SMALL)
+    return figure, panels[0, 0]
+
+
+def answers(
+    analysis: Callable[[float], xr.Dataset], values: Iterable[float], *names: str
+) -> list[Floats]:
+    """Return some variables of an analysis at each value, NaN where it warns of no answer."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        found = [analysis(float(value)) for value in values]
+    return [np.array([float(each[name]) for each in found]) for name in names]
+
+
 def draw_tongues(
-    axes: Axes, system: System, drive: Drive, *, largest: float, position: Position = "hanging"
+    axes: Axes, dataset: xr.Dataset, *, largest: float, position: Position = "hanging"
 ) -> None:
     """Fill the tongues of orders 1 to 3 up to an amplitude [m], over w/w0 and A0/l."""
+    system, drive = system_of(dataset), drive_of(dataset)
     length = system.balls[0].length
     plain = drive.is_cosine and position == "hanging"
     amplitudes = np.linspace(0.0, largest, _SAMPLES if plain else _FEW_SAMPLES)[1:]
     right = 3.2 if position == "hanging" else 12.0
     for order in _ORDERS if position == "hanging" else (0, 1):
-        rows = [(a, *_edges(system, drive, a, order, position)) for a in amplitudes]
-        first = next((i for i, row in enumerate(rows) if np.isfinite(row[1])), None)
-        if first is None:
+
+        def edges(amplitude: float, order: int = order) -> xr.Dataset:
+            return tongue_edges(
+                system, drive, drive_amplitude=amplitude, order=order, position=position
+            )
+
+        rows = np.array([amplitudes, *answers(edges, amplitudes, "low", "high")]).T
+        is_open = np.isfinite(rows[:, 1])
+        if not is_open.any():
             continue
-        closed = float(amplitudes[first - 1]) if first else 0.0
-        tip = _tip(system, drive, order, position, closed, rows[first])
-        y, low, high = np.array([*tip, *rows[first:]]).T
+        tip = [[0.0, 0.0, math.inf]] if order == 0 else _tip(edges, rows)
+        y, low, high = np.array([*tip, *rows[is_open]]).T
         y = y / length
         colour = _COLOURS.get(order, style.GREY)
         high = np.minimum(high, 2.0 * right)
@@ -60,50 +87,31 @@ def draw_tongues(
 
 
 def mark_answer(
-    axes: Axes, place: tuple[float, float], text: str, shift: tuple[float, float] = (6.0, 0.0)
+    axes: Axes,
+    place: tuple[float, float],
+    text: str,
+    shift: tuple[float, float] = (6.0, 0.0),
+    *,
+    ha: str = "left",
+    va: str = "center",
 ) -> None:
-    """Mark the answer of an analysis with a dot and its number."""
-    axes.plot(*place, "o", ms=4.0, color=style.INK, clip_on=False)
-    style.note(axes, text, place, shift)
+    """Mark the answer of an analysis, if there is one, with a dot and its number."""
+    if np.isfinite(place).all():
+        axes.plot(*place, "o", ms=4.0, color=style.INK, clip_on=False)
+        style.note(axes, text, place, shift, ha=ha, va=va)
 
 
-def _tip(
-    system: System,
-    drive: Drive,
-    order: int,
-    position: Position,
-    closed: float,
-    row: tuple[float, ...],
-) -> list[tuple[float, ...]]:
-    """Return rows of amplitude, low and high between a closed amplitude and an open one."""
-    if order == 0:
-        return [(0.0, 0.0, math.inf)]
-    rows: list[tuple[float, ...]] = []
-    opened = row[0]
+def _tip(edges: Callable[[float], xr.Dataset], rows: Floats) -> list[tuple[float, ...]]:
+    """Return rows of amplitude, low and high between the last closed amplitude and an open one."""
+    first = int(np.argmax(np.isfinite(rows[:, 1])))
+    closed, opened = (rows[first - 1, 0] if first else 0.0), rows[first, 0]
+    tip: list[tuple[float, ...]] = []
     for _ in range(_HALVINGS):
         middle = 0.5 * (closed + opened)
-        edges = _edges(system, drive, middle, order, position)
-        if math.isnan(edges[0]):
+        (low,), (high,) = answers(edges, [middle], "low", "high")
+        if math.isnan(low):
             closed = middle
         else:
             opened = middle
-            rows.insert(0, (middle, *edges))
-    return rows
-
-
-def _edges(
-    system: System, drive: Drive, amplitude: float, order: int, position: Position
-) -> tuple[float, float]:
-    """Return the edges, NaN where closed, without a word."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        edges = tongue_edges(
-            system, drive, drive_amplitude=float(amplitude), order=order, position=position
-        )
-    return float(edges.low), float(edges.high)
-
-
-def parameters_in_words(dataset: xr.Dataset, *names: str) -> str:
-    """Return parameters other than zero in words, such as ``C = 0.05 kg m/s``."""
-    values = {name: dataset.attrs.get(name) for name in names}
-    return ", ".join(in_words(dataset, name, value) for name, value in values.items() if value)
+            tip.insert(0, (middle, low, high))
+    return tip
