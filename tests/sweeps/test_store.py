@@ -317,6 +317,20 @@ def test_a_damaged_file_is_named_and_made_again(tmp_path, how, name, again):
     assert verify_store(path)["damaged"] == []
 
 
+def test_whole_files_of_another_chunk_or_sweep_are_damage(tmp_path):
+    path, name = tmp_path / "map.zarr", "largest_angle/c/1/0"
+    fill(PLAN, path)
+    other = make_plan(TOY, DRIVE, **SWEEP | {"duration": 0.06})
+    fill(other, tmp_path / "other.zarr", make=lambda *chunk: made_up(PLAN, 3))
+    for source in (path / "largest_angle/c/0/0", tmp_path / "other.zarr" / name):
+        (path / name).write_bytes(source.read_bytes())
+        assert [each["file"] for each in verify_store(path)["damaged"]] == [name]
+        with pytest.raises(InputError, match="chunk c/1/0 of largest_angle is damaged"):
+            ll.load(path).load()
+        with repaired(f"{name} damaged or missing; 1 of 4 chunks"):
+            fill(PLAN, path)
+
+
 def test_every_flipped_bit_of_a_chunk_is_noticed(tmp_path):
     path = tmp_path / "map.zarr"
     fill(PLAN, path)
