@@ -1,7 +1,8 @@
 """Forces on a ball whose rod or string is taut, and its splitting step under them.
 
 A pivot that only moves up and down leaves gravity's direction alone (`make_upright`). In the plane
-it pulls sideways too, and air at rest in the room blows past the pivot (`make_planar`).
+it pulls sideways too, and air at rest in the room blows past the pivot (`make_planar`). Both say
+only what pulls; the step is one (`make_forces`).
 """
 
 from __future__ import annotations
@@ -16,6 +17,30 @@ from latolato.numerics.records import Body
 from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
 from latolato.physics.damping import drift, drift_slopes
 from latolato.physics.pendulum import swung
+
+# The pivot's acceleration [m/s^2] and its velocity against the air [m/s], x and y each.
+Motion = tuple[float, float, float, float]
+
+
+class Pull(NamedTuple):
+    """What pulls at a ball; `moving` is a `Motion` of the pivot.
+
+    Attributes
+    ----------
+    motion : function ``(run, t)``
+        The pivot's `Motion`.
+    accelerations : function ``(run, b, angle, moving)``
+        The angular accelerations by the drive, by gravity and by the wind [rad/s^2].
+    gradient : function ``(run, b, angle, moving)``
+        The derivative of their sum with respect to the angle [1/s^2].
+    tension : function ``(run, b, angle, velocity, moving)``
+        The tension over mass and length [1/s^2].
+    """
+
+    motion: Callable[..., Motion]
+    accelerations: Callable[..., tuple[float, float, float]]
+    gradient: Callable[..., float]
+    tension: Callable[..., float]
 
 
 class Forces(NamedTuple):
@@ -40,78 +65,193 @@ def tension_at(
 
 def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
     """Make the functions for a pivot that moves up and down."""
+    inline = inlined(part)
     pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
-    push, push_slope = laws.push, laws.push_slope
+
+    @inline
+    def motion(run: Run, t: float) -> Motion:
+        return 0.0, pivot_acceleration(t, run.segment), 0.0, 0.0
+
+    @inline
+    def accelerations(
+        run: Run, b: Body, angle: float, moving: Motion
+    ) -> tuple[float, float, float]:
+        restored = restoring(angle, run.settings.is_linear)
+        driven = swung(moving[1], b.inverse_length, restored)
+        return driven, swung(run.settings.gravity, b.inverse_length, restored), 0.0
+
+    @inline
+    def gradient(run: Run, b: Body, angle: float, moving: Motion) -> float:
+        lifted = run.settings.gravity + moving[1]
+        return swung(lifted, b.inverse_length, slope(angle, run.settings.is_linear))
+
+    @inline
+    def tension(run: Run, b: Body, angle: float, velocity: float, moving: Motion) -> float:
+        return tension_at(angle, velocity, moving[1], run.settings.gravity, b.inverse_length)
+
+    pull = Pull(motion=motion, accelerations=accelerations, gradient=gradient, tension=tension)
+    return make_forces(pull, laws, part)
+
+
+def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
+    """Make the functions for a pivot that moves in the plane.
+
+    With the pivot's acceleration ``(ax, ay)`` and its velocity against the air ``(wx, wy)`` each
+    kilogram is pulled by ``(-ax - c wx, -(g + ay) - c wy)``, c the rate of the linear drag. Its
+    part across the string swings the ball, its part along it is the tension's.
+    """
+    assert laws.plane is not None
+    inline, pivot_acceleration = inlined(part), laws.pivot_acceleration
+    across_acceleration, up_velocity, across_velocity = laws.plane
 
     @part
-    def pivot_motion(run: Run, t: float) -> float:
-        """Vertical acceleration of the pivot [m/s^2]: one copy of its forms, for all but steps."""
-        ay: float = pivot_acceleration(t, run.segment)
-        return ay
+    def motion(run: Run, t: float) -> Motion:
+        ax = across_acceleration(t, run.segment)
+        ay = pivot_acceleration(t, run.segment)
+        if run.settings.in_lab == 0:
+            return ax, ay, 0.0, 0.0
+        return ax, ay, across_velocity(t, run.segment), up_velocity(t, run.segment)
+
+    @part
+    def angular_acceleration(b: Body, angle: float, x: float, y: float) -> float:
+        """Angular acceleration by a force per mass (x, y) [rad/s^2]."""
+        sideways = b.inverse_length * x * cosine(angle) if x != 0.0 else 0.0
+        result: float = sideways + b.inverse_length * y * sine(angle)
+        return result
+
+    @part
+    def wind_acceleration(b: Body, angle: float, wx: float, wy: float) -> float:
+        """Angular acceleration by the air that the pivot moves through [rad/s^2]."""
+        if wx == 0.0 and wy == 0.0:
+            return 0.0
+        turned = angle + b.wind_offset
+        result: float = -b.wind_drag * (wx * cosine(turned) + wy * sine(turned))
+        return result
+
+    @inline
+    def accelerations(
+        run: Run, b: Body, angle: float, moving: Motion
+    ) -> tuple[float, float, float]:
+        ax, ay, wx, wy = moving
+        driven = angular_acceleration(b, angle, -ax, -ay)
+        falling = angular_acceleration(b, angle, 0.0, -run.settings.gravity)
+        return driven, falling, wind_acceleration(b, angle, wx, wy)
+
+    @part
+    def gradient(run: Run, b: Body, angle: float, moving: Motion) -> float:
+        """The pull at a right angle to what turns the ball."""
+        ax, ay, wx, wy = moving
+        pulled: float = angular_acceleration(b, angle, -(run.settings.gravity + ay), ax)
+        return pulled + wind_acceleration(b, angle, wy, -wx)
+
+    @part
+    def tension(run: Run, b: Body, angle: float, velocity: float, moving: Motion) -> float:
+        ax, ay, wx, wy = moving
+        x = -ax - b.damping_rate * wx
+        y = -(run.settings.gravity + ay) - b.damping_rate * wy
+        along: float = x * sine(angle) - y * cosine(angle)
+        return velocity * velocity + b.inverse_length * along
+
+    pull = Pull(motion=motion, accelerations=accelerations, gradient=gradient, tension=tension)
+    return make_forces(pull, laws, part)
+
+
+def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
+    """Make the functions of a ball under a pull."""
+    accelerations, gradient, pull_tension = pull.accelerations, pull.gradient, pull.tension
+    motion, push, push_slope = pull.motion, laws.push, laws.push_slope
+    follows_always = laws.plane is not None  # strings need it
+
+    @part
+    def pivot_motion(run: Run, t: float) -> Motion:
+        """The pivot's motion: one copy of its forms, for all but steps."""
+        moving: Motion = motion(run, t)
+        return moving
+
+    @part
+    def write_pivot_motion(run: Run, t: float, point: Point) -> None:
+        """Write the pivot's acceleration and its velocity against the air into a point."""
+        point.across, point.pivot_acceleration, point.wind_x, point.wind_y = pivot_motion(run, t)
+
+    @inlined(part)
+    def motion_of(point: Point) -> Motion:
+        """The pivot's motion that was written into a point."""
+        return point.across, point.pivot_acceleration, point.wind_x, point.wind_y
+
+    @part
+    def tension(run: Run, body: int, point: Point) -> float:
+        """Tension in flight over mass and length [1/s^2]."""
+        b = run.bodies[body]
+        result: float = pull_tension(run, b, point.angle, point.velocity, motion_of(point))
+        return result
+
+    @part
+    def static_tension(run: Run, body: int, t: float, angle: float) -> float:
+        """Tension over mass of a ball that does not move [m/s^2]."""
+        b = run.bodies[body]
+        result: float = pull_tension(run, b, angle, 0.0, pivot_motion(run, t)) / b.inverse_length
+        return result
 
     @part
     def free(run: Run, body: int, t: float, angle: float) -> float:
-        """Angular acceleration without drag [rad/s^2]."""
-        b, settings = run.bodies[body], run.settings
-        lifted = settings.gravity + pivot_motion(run, t)
-        restored = restoring(angle, settings.is_linear)
-        return swung(lifted, b.inverse_length, restored) + push(angle, run)
+        """Angular acceleration without drag against the pivot [rad/s^2]."""
+        driven, falling, blown = accelerations(run, run.bodies[body], angle, pivot_motion(run, t))
+        return driven + falling + blown + push(angle, run)
 
     @part
     def write_forces(run: Run, body: int, t: float, point: Point) -> None:
         """Write the accelerations by all forces but drag into a point, and the tension."""
-        b, gravity = run.bodies[body], run.settings.gravity
-        ay = point.pivot_acceleration = pivot_motion(run, t)
+        b = run.bodies[body]
+        write_pivot_motion(run, t, point)
         point.acceleration = point.driven = 0.0
         if point.sign != 0.0:
-            restored = restoring(point.angle, run.settings.is_linear)
-            point.driven = swung(ay, b.inverse_length, restored)
-            other = push(point.angle, run) - b.coulomb * point.sign
-            point.acceleration = point.driven + swung(gravity, b.inverse_length, restored) + other
-        if run.settings.follows_tension != 0:
-            angle, velocity = point.angle, point.velocity
-            point.tension = tension_at(angle, velocity, ay, gravity, b.inverse_length)
+            driven, falling, blown = accelerations(run, b, point.angle, motion_of(point))
+            other = blown + push(point.angle, run) - b.coulomb * point.sign
+            point.driven, point.acceleration = driven, driven + falling + other
+        if follows_always or run.settings.follows_tension != 0:
+            point.tension = tension(run, body, point)
 
     @inlined(part)
     def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
         """Take the step of a table that was prepared.
 
-        In a kick ``dW = driven h (w + w')/2`` is the exact work of the drive's part; in a drift the
-        loss is the drop of w^2/2.
+        Kicks by all that depends on angle and time alternate with drifts under the drag against
+        the pivot, both exact. In a kick ``dW = driven h (w + w')/2`` is the exact work of the
+        drive's part, and that of dry friction and of the wind counts as a loss by drag, which may
+        be negative; in a drift the loss is the drop of w^2/2.
         """
         angle, velocity, sign = begin.angle, begin.velocity, begin.sign
-        a, driven, ay = begin.acceleration, begin.driven, begin.pivot_acceleration
-        work, loss, t = 0.0, 0.0, run.t
-        b, gravity, is_linear = run.bodies[body], run.settings.gravity, run.settings.is_linear
-        inverse_length, friction = b.inverse_length, b.coulomb * sign
+        a, driven, moving = begin.acceleration, begin.driven, motion_of(begin)
+        work, loss, t, b = 0.0, 0.0, run.t, run.bodies[body]
+        friction = b.coulomb * sign
         if sign == 0.0:
             end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
-            end.acceleration = end.driven = 0.0
+            write_forces(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
             return
+        _, _, blown = accelerations(run, b, angle, moving)
         for i in range(run.stages):
             h = run.tables[table, KICK, i]
             change = h * a
             middle = velocity + 0.5 * change
             work += h * driven * middle
-            loss += h * friction * middle
+            loss += h * (friction - blown) * middle
             velocity += change
-            drift_time = run.tables[table, DRIFT_TIME, i]
-            travelled, slower = drift(velocity, sign, drift_time, b)
+            travelled, slower = drift(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
             velocity = slower
-            ay = pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
-            restored = restoring(angle, is_linear)
-            driven = swung(ay, inverse_length, restored)
-            a = driven + swung(gravity, inverse_length, restored) + (push(angle, run) - friction)
+            moving = motion(run, t + run.tables[table, OFFSET, i])
+            driven, falling, blown = accelerations(run, b, angle, moving)
+            a = driven + falling + (blown + push(angle, run) - friction)
         h = run.tables[table, KICK, run.stages]
         change = h * a
         middle = velocity + 0.5 * change
         work += h * driven * middle
-        loss += h * friction * middle
+        loss += h * (friction - blown) * middle
         velocity += change
         end.angle, end.velocity, end.sign = angle, velocity, sign
-        end.acceleration, end.driven, end.pivot_acceleration = a, driven, ay
+        end.acceleration, end.driven = a, driven
+        end.across, end.pivot_acceleration, end.wind_x, end.wind_y = moving
         end.work, end.loss = work, loss
 
     @part
@@ -125,212 +265,16 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         sign = begin.sign
         if sign == 0.0:
             return 1.0, 0.0, 0.0, 0.0
-        b, gravity = run.bodies[body], run.settings.gravity
-        angle, velocity, a, t = begin.angle, begin.velocity, begin.acceleration, run.t
-        lifted = gravity + begin.pivot_acceleration
-        is_linear = run.settings.is_linear
+        b, t, moving = run.bodies[body], run.t, motion_of(begin)
+        angle, velocity, a = begin.angle, begin.velocity, begin.acceleration
         # The columns of the matrix: what starts as a unit of angle, and of velocity.
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
-        for i in range(run.stages):
-            h = run.tables[table, KICK, i]
-            gradient = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(
-                angle, run
-            )
-            gradient *= h
-            velocity += h * a
-            v1 += gradient * x1
-            v2 += gradient * x2
-            drift_time = run.tables[table, DRIFT_TIME, i]
-            far, kept = drift_slopes(velocity, sign, drift_time, b)
-            x1 += far * v1
-            x2 += far * v2
-            v1 *= kept
-            v2 *= kept
-            travelled, velocity = drift(velocity, sign, drift_time, b)
-            angle += travelled
-            lifted = gravity + pivot_acceleration(t + run.tables[table, OFFSET, i], run.segment)
-            a = swung(lifted, b.inverse_length, restoring(angle, is_linear)) + push(angle, run)
-            a -= b.coulomb * sign
-        gradient = swung(lifted, b.inverse_length, slope(angle, is_linear)) + push_slope(angle, run)
-        gradient *= run.tables[table, KICK, run.stages]
-        return x1, x2, v1 + gradient * x1, v2 + gradient * x2
-
-    @part
-    def tension(run: Run, body: int, point: Point) -> float:
-        """Tension in flight over mass and length [1/s^2]."""
-        return tension_at(
-            point.angle, point.velocity, point.pivot_acceleration, run.settings.gravity,
-            run.bodies[body].inverse_length,
-        )  # fmt: skip
-
-    @part
-    def write_pivot_motion(run: Run, t: float, point: Point) -> None:
-        """Write the pivot's acceleration into a point."""
-        point.pivot_acceleration = pivot_motion(run, t)
-
-    @part
-    def static_tension(run: Run, body: int, t: float, angle: float) -> float:
-        """Tension over mass of a ball that does not move [m/s^2]."""
-        along: float = run.settings.gravity + pivot_motion(run, t)
-        return along * cosine(angle)
-
-    return Forces(
-        free=free,
-        write_forces=write_forces,
-        step=step,
-        tangent=tangent,
-        tension=tension,
-        static_tension=static_tension,
-        write_pivot_motion=write_pivot_motion,
-    )
-
-
-def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
-    """Make the functions for a pivot that moves in the plane.
-
-    With the pivot's acceleration ``(ax, ay)`` and its velocity against the air ``(wx, wy)`` each
-    kilogram is pulled by ``(-ax - c wx, -(g + ay) - c wy)``, c the rate of the linear drag. Its
-    part across the string swings the ball, its part along it is the tension's.
-    """
-    assert laws.plane is not None
-    pivot_acceleration = laws.pivot_acceleration
-    across_acceleration, up_velocity, across_velocity = laws.plane
-    push, push_slope = laws.push, laws.push_slope
-
-    @part
-    def pivot_motion(run: Run, t: float) -> tuple[float, float, float, float]:
-        """Acceleration of the pivot and its velocity against the air, x and y each."""
-        ax = across_acceleration(t, run.segment)
-        ay = pivot_acceleration(t, run.segment)
-        if run.settings.in_lab == 0:
-            return ax, ay, 0.0, 0.0
-        return ax, ay, across_velocity(t, run.segment), up_velocity(t, run.segment)
-
-    @part
-    def write_pivot_motion(run: Run, t: float, point: Point) -> None:
-        """Write the pivot's acceleration and its velocity against the air into a point."""
-        point.across, point.pivot_acceleration, point.wind_x, point.wind_y = pivot_motion(run, t)
-
-    @part
-    def angular_acceleration(b: Body, angle: float, x: float, y: float) -> float:
-        """Angular acceleration by a force per mass (x, y) [rad/s^2]."""
-        sideways = b.inverse_length * x * cosine(angle) if x != 0.0 else 0.0
-        result: float = sideways + b.inverse_length * y * sine(angle)
-        return result
-
-    @part
-    def tension(run: Run, body: int, point: Point) -> float:
-        """Tension in flight over mass and length [1/s^2]."""
-        b = run.bodies[body]
-        x = -point.across - b.damping_rate * point.wind_x
-        y = -(run.settings.gravity + point.pivot_acceleration) - b.damping_rate * point.wind_y
-        along: float = x * sine(point.angle) - y * cosine(point.angle)
-        return point.velocity * point.velocity + b.inverse_length * along
-
-    @part
-    def static_tension(run: Run, body: int, t: float, angle: float) -> float:
-        """Tension over mass of a ball that does not move [m/s^2]."""
-        b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
-        x, y = -ax - b.damping_rate * wx, -(run.settings.gravity + ay) - b.damping_rate * wy
-        along: float = x * sine(angle) - y * cosine(angle)
-        return along
-
-    @part
-    def wind_acceleration(b: Body, angle: float, wx: float, wy: float) -> float:
-        """Angular acceleration by the air that the pivot moves through [rad/s^2]."""
-        if wx == 0.0 and wy == 0.0:
-            return 0.0
-        turned = angle + b.wind_offset
-        result: float = -b.wind_drag * (wx * cosine(turned) + wy * sine(turned))
-        return result
-
-    @part
-    def free(run: Run, body: int, t: float, angle: float) -> float:
-        """Angular acceleration without drag against the pivot [rad/s^2]."""
-        b, (ax, ay, wx, wy) = run.bodies[body], pivot_motion(run, t)
-        pulled = angular_acceleration(b, angle, -ax, -(run.settings.gravity + ay))
-        return pulled + wind_acceleration(b, angle, wx, wy) + push(angle, run)
-
-    @part
-    def write_forces(run: Run, body: int, t: float, point: Point) -> None:
-        """Write the accelerations by all forces but drag into a point, and the tension."""
-        b = run.bodies[body]
-        write_pivot_motion(run, t, point)
-        ax, ay, wx, wy = point.across, point.pivot_acceleration, point.wind_x, point.wind_y
-        point.acceleration = point.driven = 0.0
-        if point.sign != 0.0:
-            point.driven = angular_acceleration(b, point.angle, -ax, -ay)
-            other = push(point.angle, run) - b.coulomb * point.sign
-            other += angular_acceleration(b, point.angle, 0.0, -run.settings.gravity)
-            other += wind_acceleration(b, point.angle, wx, wy)
-            point.acceleration = point.driven + other
-        point.tension = tension(run, body, point)
-
-    @inlined(part)
-    def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
-        """Take the step of a table that was prepared, with its work and loss.
-
-        The wind's part of a kick counts as a loss by drag, which may be negative.
-        """
-        angle, velocity, sign = begin.angle, begin.velocity, begin.sign
-        a, driven = begin.acceleration, begin.driven
-        ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
-        work, loss, t = 0.0, 0.0, run.t
-        b, gravity = run.bodies[body], run.settings.gravity
-        friction = b.coulomb * sign
-        wind = wind_acceleration(b, angle, wx, wy)
-        if sign == 0.0:
-            end.angle, end.velocity, end.sign, end.work, end.loss = angle, 0.0, 0.0, 0.0, 0.0
-            write_forces(run, body, t + run.tables[table, OFFSET, run.stages - 1], end)
-            return
-        for i in range(run.stages):
-            h = run.tables[table, KICK, i]
-            change = h * a
-            middle = velocity + 0.5 * change
-            work += h * driven * middle
-            loss += h * (friction - wind) * middle
-            velocity += change
-            travelled, slower = drift(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
-            loss += 0.5 * (velocity - slower) * (velocity + slower)
-            angle += travelled
-            velocity = slower
-            ax, ay, wx, wy = pivot_motion(run, t + run.tables[table, OFFSET, i])
-            driven = angular_acceleration(b, angle, -ax, -ay)
-            wind = wind_acceleration(b, angle, wx, wy)
-            a = driven + (
-                angular_acceleration(b, angle, 0.0, -gravity) + (wind + push(angle, run) - friction)
-            )
-        h = run.tables[table, KICK, run.stages]
-        change = h * a
-        middle = velocity + 0.5 * change
-        work += h * driven * middle
-        loss += h * (friction - wind) * middle
-        velocity += change
-        end.angle, end.velocity, end.sign = angle, velocity, sign
-        end.acceleration, end.driven = a, driven
-        end.across, end.pivot_acceleration, end.wind_x, end.wind_y = ax, ay, wx, wy
-        end.work, end.loss = work, loss
-
-    @part
-    def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
-        """Tangent map of a prepared step, row by row."""
-        sign = begin.sign
-        if sign == 0.0:
-            return 1.0, 0.0, 0.0, 0.0
-        b, gravity, t = run.bodies[body], run.settings.gravity, run.t
-        angle, velocity, a = begin.angle, begin.velocity, begin.acceleration
-        ax, ay, wx, wy = begin.across, begin.pivot_acceleration, begin.wind_x, begin.wind_y
-        x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0  # what starts as a unit of angle, and of velocity
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
-            # The slope is the pull at a right angle to what turns the ball.
-            gradient = angular_acceleration(b, angle, -(gravity + ay), ax) + wind_acceleration(
-                b, angle, wy, -wx
-            )
-            gradient = h * (gradient + push_slope(angle, run))
+            kicked = h * (gradient(run, b, angle, moving) + push_slope(angle, run))
             velocity += h * a
-            v1 += gradient * x1
-            v2 += gradient * x2
+            v1 += kicked * x1
+            v2 += kicked * x2
             if i == run.stages:
                 break
             drift_time = run.tables[table, DRIFT_TIME, i]
@@ -341,11 +285,9 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
             v2 *= kept
             travelled, velocity = drift(velocity, sign, drift_time, b)
             angle += travelled
-            ax, ay, wx, wy = pivot_motion(run, t + run.tables[table, OFFSET, i])
-            a = angular_acceleration(b, angle, -ax, -(gravity + ay)) + wind_acceleration(
-                b, angle, wx, wy
-            )
-            a += push(angle, run) - b.coulomb * sign
+            moving = motion(run, t + run.tables[table, OFFSET, i])
+            driven, falling, blown = accelerations(run, b, angle, moving)
+            a = driven + falling + (blown + push(angle, run) - b.coulomb * sign)
         return x1, x2, v1, v2
 
     return Forces(
