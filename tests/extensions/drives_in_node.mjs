@@ -22,8 +22,8 @@ async function mapOf(request) {
   const count = plan.x.values.length * plan.y.values.length;
   const points = pointsOf(layout, plan, Array.from({ length: count }, (_, cell) => cell));
   const kernels = await loadKernels(moduleOf(points));
-  const { values, status } = computeMap(kernels, points);
-  return { values: [...values.final_angle].map(String), status: [...status].map((k) => layout.statuses[k]),
+  const { values, problems } = computeMap(kernels, points);
+  return { values: [...values.final_angle].map(String), problems: [...problems].map((k) => layout.problems[k].name),
     in_lanes: countSteps(kernels, points).in_lanes, module: moduleOf(points) };
 }
 
