@@ -336,9 +336,13 @@ def layout_of(modules: dict[str, dict[str, KernelSpec]]) -> dict[str, Any]:
         "contact_kinds": CONTACT_KINDS,
         "statuses": records.STATUS_NAMES,
         "problems": [problem._asdict() for problem in PROBLEMS],
-        "drives": list(host_entry.WRITTEN),
-        "rotating_drives": [
-            name for name, kind in host_entry.WRITTEN.items() if kind.rotation is not None
+        "drives": [
+            {
+                "name": name,
+                "rotates": kind.rotation is not None,
+                "amplitude_limit": getattr(kind, "amplitude_limit", None),
+            }
+            for name, kind in host_entry.WRITTEN.items()
         ],
         "steppers": {
             "smooth": _stepper(BLANES_MOAN_RKN),

@@ -99,6 +99,10 @@ def texts_of_registry() -> Iterator[str]:
             yield law["description"]
     for part in ("systems", "drives"):
         yield from (law["title"] for law in about[part].values())
+    for drive in about["drives"].values():
+        if drive["amplitude_limit"]:
+            name, otherwise = drive["amplitude_limit"]
+            yield f"must be less than {name} {FILLED}, or {otherwise}"
     for option in about["options"].values():
         yield from (option["label"], option["description"], *option["choices"])
         for limit in option["limits"]:

@@ -164,7 +164,7 @@ def test_the_heights_of_a_shaken_pivot_make_the_same_motion_in_python(tmp_path):
 
 def test_every_scenario_makes_a_toy(tmp_path):
     done = move_toys(tmp_path, *(Job(name, 2) for name in RUNS))
-    assert [name for name, each in zip(RUNS, done, strict=True) if not each["isByCosine"]] == [
+    assert [name for name, each in zip(RUNS, done, strict=True) if not each["isSinusoidal"]] == [
         "crank_slider"
     ]
     for name, each in zip(RUNS, done, strict=True):

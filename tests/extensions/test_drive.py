@@ -299,6 +299,10 @@ def test_it_has_a_form_and_runs_in_the_app():
              "initial_angle": "0.1", "duration": "1"}}  # fmt: skip
     about, _ = unpack(compute(RunRequest.from_json(asked)))
     assert about["attributes"]["sharpness"] == 0.2
+    assert not about["is_sinusoidal"]
+    asked["options"] |= {"drive": "harmonic", "sharpness": None}
+    about, _ = unpack(compute(RunRequest.from_json(asked)))
+    assert about["is_sinusoidal"]
 
 
 def test_the_command_line_knows_it(tmp_path):

@@ -1,7 +1,6 @@
 """What hosts without Python call: it gives what Python's own way gives."""
 
 import math
-from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -37,13 +36,10 @@ SYSTEMS = {
 def shaken(drive):
     """The segments that the compiled formula writes for a drive of the package."""
     numbers = {
-        field.name: np.array(value) if isinstance(value, tuple) else value
-        for field in fields(drive)
-        if "quantity" in field.metadata and (value := getattr(drive, field.name)) is not None
+        name: np.array(value) if isinstance(value, tuple) else value
+        for name, value in vars(drive.numbers).items()
     }
     numbers |= {"kind": list(WRITTEN.values()).index(type(drive))}
-    numbers |= {"side": getattr(drive, "side", 0.0)}
-    numbers |= {"step_impulse": int(getattr(drive, "step_impulse", False))}
     example, number = empty_shaking(), np.zeros(1, dtype=np.int64)
     out = np.zeros(2 * len(getattr(drive, "times", ())) + 2, dtype=segment_dtype())
     given = DriveParameters(**example.drive._asdict() | numbers)

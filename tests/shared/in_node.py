@@ -134,14 +134,9 @@ def from_parameters(case: Case, system: Any, drive: Any, **arguments: Any) -> Ca
         system, ExactContact(), follows_ledger=1,
         follows_tension=system.restoring is not restoring_linear, **arguments,
     )  # fmt: skip
-    numbers = {
-        field.name: value
-        for field in fields(drive)
-        if "quantity" in field.metadata and (value := getattr(drive, field.name)) is not None
-    }
     parameters = {
         "kind": next(name for name, kind in WRITTEN.items() if kind is type(drive)),
-        "drive": {**numbers, "side": getattr(drive, "side", 0.0)},
+        "drive": vars(drive.numbers),
         "case": {path: value for path, value in _paths(record) if not np.isnan(value).any()},
     }
     arrays = {name: a for name, a in case.arrays.items() if name not in ("run", "segments")}

@@ -3,7 +3,7 @@ import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { startKernels } from "../../src/latolato/app/static/js/kernels/load.js";
-import { cosineOf, isByCosine } from "../../src/latolato/app/static/js/live/drive.js";
+import { cosineOf } from "../../src/latolato/app/static/js/live/drive.js";
 import { columnsTable, contactsTable } from "../../src/latolato/app/static/js/model/files.js";
 import { specify } from "../../src/latolato/app/static/js/model/case.js";
 import { Toy } from "../../src/latolato/app/static/js/live/toy.js";
@@ -37,7 +37,7 @@ for (const [number, { request, ticks, actions }] of toys.entries()) {
   const again = recording?.again();
   if (recording) for (const [table, name] of [[columnsTable, "csv"], [contactsTable, "contacts.csv"]])
     writeFileSync(join(folder, `${number}.${name}`), table(registry, recording.block(again)));
-  done.push({ angles, steps, controls: toy.controls, isByCosine: isByCosine(each.drive.kind),
+  done.push({ angles, steps, controls: toy.controls, isSinusoidal: registry.drives[each.drive.kind].sinusoidal,
     recording: recording && { options: recording.options(), byHand: recording.byHand,
       deviation: again && recording.deviation(again) } });
 }

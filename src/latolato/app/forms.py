@@ -58,10 +58,8 @@ def _registry() -> dict[str, Any]:
         },
         "drives": {
             name: _law(law, "drive")
-            | {
-                "axes": [p.name for p in _varied(Pendulum, law, "drive")],
-                "periodic": issubclass(law, PeriodicDrive),
-            }
+            | {"axes": [p.name for p in _varied(Pendulum, law, "drive")]}
+            | _motion(law)
             for name, law in drives.items()
         },
         "contact_laws": {name: _law(law, "run") for name, law in contact_laws.items()},
@@ -101,6 +99,17 @@ def _law(law: type, table: str) -> dict[str, Any]:
         "angles": getattr(law, "angles", 0),
         "contacts": getattr(law, "has_contacts", False),
         "compiled": _is_compiled(law),
+    }
+
+
+def _motion(drive: Any) -> dict[str, Any]:
+    """Return how a kind of drive moves the pivot; see `Drive` and `PeriodicDrive`."""
+    return {
+        "moves": drive.moves,
+        "sinusoidal": drive.is_sinusoidal,
+        "across": drive.across_parameter,
+        "periodic": issubclass(drive, PeriodicDrive),
+        "amplitude_limit": getattr(drive, "amplitude_limit", None),
     }
 
 

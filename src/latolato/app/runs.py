@@ -83,6 +83,7 @@ def about(scenario: Scenario, run: Record | xr.Dataset) -> dict[str, Any]:
     """Return the description of a run: all but its columns."""
     return {
         "options": options_of(scenario),
+        "is_sinusoidal": scenario.drive.is_sinusoidal,
         "attributes": dict(run.attrs),
         "contact_kinds": CONTACT_KINDS,
         "balls": balls_of(scenario),

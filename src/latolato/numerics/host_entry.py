@@ -28,15 +28,12 @@ WRITTEN: dict[str, Any] = {
 
 
 def _parameters() -> dict[str, Any]:
-    """Return every parameter of these drives with an example of its kind.
-
-    A crank's `side` stands for its `guide`: -1 below, +1 above.
-    """
-    result: dict[str, Any] = {"kind": 0, "side": 0.0, "step_impulse": 0}
+    """Return every parameter of these drives with an example of its kind, as `Drive.numbers`."""
+    result: dict[str, Any] = {"kind": 0}
     for kind in WRITTEN.values():
         for field in fields(kind):
-            if "quantity" in field.metadata:
-                result[field.name] = np.zeros(0) if field.metadata.get("array") else 0.0
+            number = 0.0 if "quantity" in field.metadata else 0
+            result[field.name] = np.zeros(0) if field.metadata.get("array") else number
     return result
 
 

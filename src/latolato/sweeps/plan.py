@@ -405,7 +405,7 @@ def _check_laws(
                 replaced(system, {known[name].path: max(values)})
             if name.endswith("coulomb_damping") and exponents:
                 check_perturbations(replaced(system, {known[name].path: max(values)}), exponents[0])
-            if name == "horizontal_amplitude":
+            if name == drive.across_parameter:
                 checked_drive(replaced(drive, {known[name].path: max(values)}), system)
 
 

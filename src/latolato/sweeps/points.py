@@ -78,7 +78,7 @@ def is_smooth(plan: Plan) -> bool:
 
 def is_planar(plan: Plan) -> bool:
     """Return whether any point of the plan needs the engine for motions in the plane."""
-    sideways = any(name.startswith("horizontal_") for name in plan.varied)
+    sideways = plan.drive.across_parameter in plan.varied
     return sideways or moves_in_plane(plan.system, plan.drive)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
@@ -34,22 +35,29 @@ class Drive:
     ----------
     moves : bool
         Whether the pivot moves at all.
+    is_sinusoidal : bool
+        Whether it rests or moves straight up and down as a sinusoid, whose amplitude and frequency
+        may change: pages draw such a motion with a wheel, and the sliders of Live describe it.
     height, velocity, acceleration : formula
         Of ``(time, segment)`` [m, m/s, m/s^2]. Those of the package handle every form of `Segment`;
         a class with its own formulas has its own kernels.
     across, across_velocity, across_acceleration : formula
         The same for the horizontal position, positive to the right; called only if the drive
         `moves_across`.
+    across_parameter : str or None
+        Name of the parameter that moves the pivot sideways unless it is zero.
     rotation : formula or None
         If the acceleration is ``strength cos(frequency t + phase)``: returns these three numbers
         of a segment. Lanes then rotate the phase instead of computing cosines. Such a drive is one
         segment, and its `write` works for arrays too.
     write : formula or None
-        ``number = write(out, drive)`` writes the drive's segments, at most two for each of its
-        `times` and two more.
+        ``number = write(out, numbers)`` writes the drive's segments, at most two for each of its
+        `times` and two more, from its `numbers`.
     """
 
     moves: ClassVar[bool] = True
+    is_sinusoidal: ClassVar[bool] = False
+    across_parameter: ClassVar[str | None] = None
     height: ClassVar[Any] = staticmethod(pivot_height)
     velocity: ClassVar[Any] = staticmethod(pivot_velocity)
     acceleration: ClassVar[Any] = staticmethod(pivot_acceleration)
@@ -66,6 +74,21 @@ class Drive:
     def __post_init__(self) -> None:
         check_fields(self)
 
+    @property
+    def numbers(self) -> SimpleNamespace:
+        """The parameters as `write` reads them, on pages too.
+
+        A word is its place among the choices, a switch 0 or 1.
+        """
+        result = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            choices = f.metadata.get("choices")
+            if choices:
+                value = choices.index(value)
+            result[f.name] = int(value) if isinstance(value, bool) else value
+        return SimpleNamespace(**result)
+
     def segments(self, duration: float) -> list[Segment]:
         """Return every smooth segment that meets [0, duration].
 
@@ -74,7 +97,7 @@ class Drive:
         """
         if self.write is None:
             raise TypeError(f"{type(self).__name__} must define segments(duration)")
-        result = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self)
+        result = written(self.write, 2 * len(getattr(self, "times", ())) + 2, self.numbers)
         return [segment for segment in result if segment.start <= duration]
 
     def course(self) -> tuple[list[Segment], float]:
@@ -96,7 +119,8 @@ class Drive:
     @property
     def moves_across(self) -> bool:
         """Whether the pivot moves sideways too, which breaks the mirror symmetry of two balls."""
-        return False
+        value = getattr(self, self.across_parameter or "", None)
+        return any(value) if isinstance(value, tuple) else bool(value)
 
     @cached_property
     def fastest_frequency(self) -> float:
@@ -119,16 +143,33 @@ class PeriodicDrive(Drive):
     Its period in that phase is 2 pi, and the pivot is at rest for a `drive_amplitude` of zero;
     with a `rotation` it is the cosine of that amplitude. Analyses that look once per drive period,
     follow an orbit, or vary amplitude and frequency take every subclass.
+
+    Attributes
+    ----------
+    amplitude_limit : tuple of str or None
+        Name of the parameter below which `drive_amplitude` must stay, and what happens otherwise.
     """
+
+    amplitude_limit: ClassVar[tuple[str, str] | None] = None
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
     drive_frequency: float = quantity_field("drive_frequency", NON_NEGATIVE, suggested=(0.1, 40.0))
     drive_phase: float = quantity_field("drive_phase", ANY, default=0.0, suggested=(0.0, 6.2832))
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.amplitude_limit and not self.drive_amplitude < self.largest_amplitude:
+            name, otherwise = self.amplitude_limit
+            raise InputError(
+                f"must be less than {name} {self.largest_amplitude:g}, or {otherwise}",
+                parameter="drive_amplitude",
+                value=self.drive_amplitude,
+            )
+
     @property
     def largest_amplitude(self) -> float:
         """Bound of `drive_amplitude` [m], infinite by default."""
-        return math.inf
+        return getattr(self, self.amplitude_limit[0]) if self.amplitude_limit else math.inf
 
 
 def checked_lists(drive: Drive) -> dict[str, tuple[float, ...]]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, choice_field, quantity_field
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import PeriodicDrive, drives
@@ -17,7 +16,7 @@ def write_crank(out: Any, drive: Any) -> int:
     """Write the one segment of a `CrankSlider`; return 1."""
     s, phase, frequency = out[0], drive.drive_phase, drive.drive_frequency
     write_segment(s, 0.0, CRANK, phase, frequency, 0.0, drive.drive_amplitude)
-    s.rod, s.side = drive.connecting_rod_length, drive.side
+    s.rod, s.side = drive.connecting_rod_length, 2.0 * drive.guide - 1.0
     return 1
 
 
@@ -30,29 +29,12 @@ class CrankSlider(PeriodicDrive):
     """
 
     write: ClassVar[Any] = staticmethod(write_crank)
+    amplitude_limit: ClassVar[tuple[str, str] | None] = (
+        "connecting_rod_length", "the crank would jam",
+    )  # fmt: skip
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.1))
     connecting_rod_length: float = quantity_field(
         "connecting_rod_length", POSITIVE, suggested=(0.05, 1.0)
     )
     guide: str = choice_field(("below", "above"), default="below", description="side of the guide")
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not self.drive_amplitude < self.connecting_rod_length:
-            raise InputError(
-                f"must be less than connecting_rod_length {self.connecting_rod_length:g}, or the "
-                "crank would jam",
-                parameter="drive_amplitude",
-                value=self.drive_amplitude,
-            )
-
-    @property
-    def largest_amplitude(self) -> float:
-        """The connecting rod's length [m], at which the crank would jam."""
-        return self.connecting_rod_length
-
-    @property
-    def side(self) -> float:
-        """+1 for a guide above the crank, -1 for one below."""
-        return -1.0 if self.guide == "below" else 1.0

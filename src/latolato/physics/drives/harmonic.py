@@ -31,6 +31,7 @@ class FixedPivot(Drive):
     """A pivot at rest; what ``drive=None`` means."""
 
     moves: ClassVar[bool] = False
+    is_sinusoidal: ClassVar[bool] = True
     rotation: ClassVar[Any] = staticmethod(rotation)
     write: ClassVar[Any] = staticmethod(write_rest)
 
@@ -40,5 +41,6 @@ class FixedPivot(Drive):
 class Harmonic(PeriodicDrive):
     """``y0 = A0 cos(w t + phase)`` (Paper, before eq8)."""
 
+    is_sinusoidal: ClassVar[bool] = True
     rotation: ClassVar[Any] = staticmethod(rotation)
     write: ClassVar[Any] = staticmethod(write_cosine)

@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, array_field, quantity_field
@@ -41,6 +41,8 @@ class MeasuredPivot(Drive):
     across_sigma : float
         Standard deviation of the horizontal positions [m], used as `height_sigma` is.
     """
+
+    across_parameter: ClassVar[str | None] = "pivot_across"
 
     times: Sequence[float] = array_field("times", description="sample instants")
     pivot_heights: Sequence[float] = array_field(
@@ -85,11 +87,6 @@ class MeasuredPivot(Drive):
             )
         check_increasing("times", times)
         object.__setattr__(self, "_pieces", self._fit())
-
-    @property
-    def moves_across(self) -> bool:
-        """Whether any of `pivot_across` differs from zero."""
-        return any(self.pivot_across or ())
 
     def _fit(self) -> list[Segment]:
         """Return the pieces of the splines as segments."""

@@ -31,6 +31,7 @@ class PlanarHarmonic(Drive):
     """
 
     write: ClassVar[Any] = staticmethod(write_ellipse)
+    across_parameter: ClassVar[str | None] = "horizontal_amplitude"
 
     vertical_amplitude: float = quantity_field(
         "vertical_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5)
@@ -45,8 +46,3 @@ class PlanarHarmonic(Drive):
     horizontal_phase: float = quantity_field(
         "horizontal_phase", ANY, default=0.0, suggested=(0.0, 6.2832)
     )
-
-    @property
-    def moves_across(self) -> bool:
-        """Whether `horizontal_amplitude` is positive."""
-        return self.horizontal_amplitude > 0.0

@@ -70,6 +70,7 @@ class FrequencySchedule(Drive):
     that a vanishing ramp would give them, ``-jump sin(angle)/length``, booked as drive work.
     """
 
+    is_sinusoidal: ClassVar[bool] = True
     write: ClassVar[Any] = staticmethod(write_schedule)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))
@@ -111,6 +112,7 @@ class FrequencySchedule(Drive):
 class Chirp(Drive):
     """A frequency that changes linearly during `sweep_time` and then stays at its final value."""
 
+    is_sinusoidal: ClassVar[bool] = True
     write: ClassVar[Any] = staticmethod(write_chirp)
 
     drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE, suggested=(0.0, 0.5))

@@ -50,6 +50,7 @@ class StagedHarmonic(Drive):
     as a blow.
     """
 
+    is_sinusoidal: ClassVar[bool] = True
     write: ClassVar[Any] = staticmethod(write_stages)
 
     times: Sequence[float] = array_field("times", description="stage starts")

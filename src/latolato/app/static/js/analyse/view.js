@@ -199,7 +199,7 @@ export class AnalyseView {
     this.job.stop();
     const { registry, store } = this.page;
     const { system, drive } = this.about.options;
-    const shaken = drive in { harmonic: 1, crank_slider: 1 } ? drive : "harmonic";
+    const shaken = registry.drives[drive].periodic ? drive : "harmonic";
     const pair = registry.systems[system].contacts;
     const fitting = why.includes(registry.systems.latolato.title) ? "latolato"
       : pair && shaken === drive ? "pendulum" : system === "mathieu" ? "pendulum" : system;

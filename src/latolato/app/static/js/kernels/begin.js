@@ -11,15 +11,12 @@
 // Fields of a case that are no number where they are not given.
 export const ABSENT = { initial_offset: NaN, pivot_bound: NaN, drive_rate: NaN,
   "initial_distance.0": NaN, "initial_distance.1": NaN };
-// The usual side of a crank's guide.
-const BELOW = -1;
 
 /**
  * Return the segments of a drive's motion.
  * @param {Kernels} kernels
  * @param {string} kind such as `harmonic`; a measured pivot has its segments from Python
- * @param {Record<string, number | number[]>} parameters by the names that Python has, but `side`
- *   for a crank's guide: 1 above, -1 below
+ * @param {Record<string, number | number[]>} parameters as `Drive.numbers` in Python
  */
 export function shake(kernels, kind, parameters) {
   return shakeAll(kernels, kind, parameters, 1).segments;
@@ -35,7 +32,8 @@ export function shake(kernels, kind, parameters) {
  */
 export function shakeAll(kernels, kind, parameters, count) {
   const { bundles, drives } = kernels.layout;
-  if (!drives.includes(kind)) throw new Error(`no drive is called ${kind}`);
+  const place = drives.findIndex(({ name }) => name === kind);
+  if (place < 0) throw new Error(`no drive is called ${kind}`);
   const known = bundles.shaking.map(({ name }) => name.slice("drive.".length));
   const wrong = Object.keys(parameters).find((name) => !known.includes(name));
   if (wrong !== undefined) throw new Error(`no drive has the parameter ${wrong}`);
@@ -51,23 +49,23 @@ export function shakeAll(kernels, kind, parameters, count) {
   const columns = [];
   for (const { name, dimensions } of bundles.shaking) {
     if (name in values) continue;
-    const value = parameters[name.slice("drive.".length)] ?? (name === "drive.side" ? BELOW : 0);
+    const value = parameters[name.slice("drive.".length)] ?? 0;
     if (value instanceof Float64Array) columns.push([kernels.place("shaking", name), value]);
     values[name] = dimensions === undefined ? Number(value instanceof Float64Array ? NaN : value)
       : kernels.copy(Array.isArray(value) ? value : []);
   }
-  values["drive.kind"] = drives.indexOf(kind);
+  values["drive.kind"] = place;
   const words = kernels.words("shaking");
   kernels.fill(words, "shaking", values);
   const integers = kernels.numbers(words);
   const floats = kernels.numbers({ ...words, type: "f8" });
   const begins = kernels.numbers(firsts);
   const written = kernels.numbers(number);
-  const place = kernels.place("shaking", "segments");
+  const at = kernels.place("shaking", "segments");
   let size = 0;
   for (let k = 0; k < count; k += 1) {
-    for (const [at, column] of columns) floats[at] = column[k];
-    integers[place] = BigInt(segments.at + size * kernels.size("segment"));
+    for (const [word, column] of columns) floats[word] = column[k];
+    integers[at] = BigInt(segments.at + size * kernels.size("segment"));
     kernels.exports.shake(words.at);
     size += Number(written[0]);
     begins[k + 1] = BigInt(size);

@@ -138,7 +138,7 @@ function prepared(kernels, question) {
   const { numbers, step } = kernels.column(held, "number");
   const problems = Uint8Array.from({ length: count }, (_, k) => Number(numbers[k * step]));
   const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isNonsmooth && contact !== "clamp"
-    && layout.rotating_drives.includes(drive.kind) && !needs.has("compression");
+    && layout.drives.some(({ name, rotates }) => name === drive.kind && rotates) && !needs.has("compression");
   const points = { settings, bodies, segments, firsts, stops, contact_limit };
   return { points, states, problems, held, observers, slots, needs, isNonsmooth, in_lanes };
 }

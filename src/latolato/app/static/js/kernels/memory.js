@@ -19,10 +19,14 @@
  *   sample_rows: Record<string, number>, rows: {upright: Rows, plane: Rows},
  *   string_rows: Record<string, number>, contact_rows: {count: number, radial: number, ball: number},
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: Problem[],
- *   drives: string[], rotating_drives: string[], steppers: Record<string, Weights>,
+ *   drives: WrittenDrive[], steppers: Record<string, Weights>,
  *   lanes: Record<string, number>, scratch_contacts: number, largest: number,
  *   contact_limit: number, last_period: number,
  *   steps_per_call: number, most_halvings: number, most_steps_to_repeat: number}} Layout
+ *
+ * A drive that a page can write: whether lanes may rotate the phase of its cosine, and the limit of its
+ * amplitude; see `latolato.physics.drives.base`.
+ * @typedef {{name: string, rotates: boolean, amplitude_limit: [string, string] | null}} WrittenDrive
  *
  * What can be wrong with a run; see `latolato.physics.problems`. The first one is that nothing is.
  * @typedef {{name: string, rule: string, way_out: string, values: string[], parameter: string | null,

@@ -38,32 +38,23 @@ const STIFFENING = 0.1; // s
 // A pivot that needs this deceleration to stop before its largest height is braked; from half of it on
 // gradually, so that it does not rattle.
 const BRAKE = 30; // m/s^2
-// The form of a segment that is a polynomial; see `latolato.physics.drives.segment`.
+// Forms of segments, at rest and a polynomial; see `latolato.physics.drives.segment`.
+const STILL = 0;
 const POLYNOMIAL = 4;
-const NO_COSINES = ["crank_slider", "measured_pivot", "planar_harmonic"];
 
 /**
  * Return the cosine that the drive of a case begins with.
  * @param {Case} each
  * @returns {Cosine}
  */
-export function cosineOf({ drive: { kind, parameters }, system }) {
-  const { drive_amplitude, drive_amplitudes, drive_frequency, drive_frequencies, drive_phase,
-    vertical_amplitude, vertical_phase, pivot_heights: heights = [0] } = /** @type {Record<string, any>} */ (parameters);
-  return {
-    start: 0,
-    amplitude: drive_amplitude ?? drive_amplitudes?.[0] ?? vertical_amplitude
-      ?? 0.5 * (Math.max(...heights) - Math.min(...heights)),
-    frequency: drive_frequency ?? drive_frequencies?.[0] ?? 2 * system.naturalFrequency,
-    phase: drive_phase ?? vertical_phase ?? 0,
-  };
+export function cosineOf({ kernels, drive: { kind, parameters }, system }) {
+  const segments = shake(kernels, kind, parameters);
+  const [form, amplitude, frequency, phase] = ["form", "c0", "frequency", "phase"].map((name) =>
+    kernels.get(segments, name));
+  kernels.release(segments);
+  return { start: 0, amplitude, phase,
+    frequency: form === STILL ? 2 * system.naturalFrequency : frequency };
 }
-
-/**
- * Return whether a kind of drive rests or moves as a cosine, whose amplitude and frequency may vary.
- * @param {string} kind
- */
-export const isByCosine = (kind) => !NO_COSINES.includes(kind);
 
 /**
  * Return the parameters of a `StagedHarmonic` whose time begins where the cosine does.

@@ -108,7 +108,8 @@ export class LiveMotion {
   /** What the hand does, and what draws the balls down. */
   get about() {
     const { controls, system, isShaken } = this.toy;
-    return { options: { ...controls, drive: isShaken ? "measured_pivot" : "harmonic", gravity: system.gravity } };
+    return { is_sinusoidal: !isShaken,
+      options: { ...controls, drive: isShaken ? "measured_pivot" : "harmonic", gravity: system.gravity } };
   }
 
   /** Note what the balls did on their way to this instant. */

@@ -10,7 +10,7 @@ import { textOf, withLaws } from "../shared/laws.js";
 import { whose } from "../shared/panels.js";
 import { withControls, withSuspension } from "../live/address.js";
 import { fit, makeKnobs } from "../live/controls.js";
-import { cosineOf, isByCosine } from "../live/drive.js";
+import { cosineOf } from "../live/drive.js";
 import { Keeper } from "../live/keeper.js";
 import { LiveMotion } from "../live/motion.js";
 import { Pace } from "../live/pace.js";
@@ -156,7 +156,7 @@ export class LiveView {
         this.keeper.finish();
         this.start(new Toy(kernels, each, cosineOf(each)));
       }
-      this.say(isByCosine(each.drive.kind) ? "" : t("liveCosine"));
+      this.say(this.page.registry.drives[each.drive.kind].sinusoidal ? "" : t("liveCosine"));
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (signature === this.signature) this.refuse(error);

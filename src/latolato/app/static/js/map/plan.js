@@ -146,17 +146,18 @@ function columnsOf({ angles = 1, parameters, x, y }, cells) {
  * @param {Record<string, any>} columns
  * @param {number} count
  */
-function impossibleOf({ largest }, { drive }, columns, count) {
+function impossibleOf({ largest, drives }, { drive }, columns, count) {
+  const limit = drives.find(({ name }) => name === drive)?.amplitude_limit;
   const value = (/** @type {string} */ name, /** @type {number} */ k) =>
     (typeof columns[name] === "object" ? columns[name][k] : columns[name] ?? 0);
-  const stages = drive === "frequency_schedule" ? columns.times : [];
-  const gaps = stages.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - stages[i]);
+  const { times = [] } = columns;
+  const gaps = times.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - times[i]);
   const shortest = Math.min(Infinity, ...gaps) * (1 + ROUNDING);
   return Uint8Array.from({ length: count }, (_, k) => {
     const amplitude = value("drive_amplitude", k);
-    const jams = drive === "crank_slider" && !(amplitude < value("connecting_rod_length", k));
+    const isTooLarge = limit && !(amplitude < value(limit[0], k));
     const isOver = !(amplitude <= largest && value("drive_frequency", k) <= largest);
-    return Number(jams || isOver || (gaps.length > 0 && value("ramp", k) > shortest));
+    return Number(isTooLarge || isOver || (gaps.length > 0 && value("ramp", k) > shortest));
   });
 }
 

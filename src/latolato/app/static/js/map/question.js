@@ -57,7 +57,7 @@ export async function questionOf(registry, layout, request) {
   const sweep = preset?.sweep ?? null;
   const input = optionsOf(registry, request);
   checkLaws(registry, layout, input, request.observable);
-  const kernels = await loadKernels(moduleFor(registry.systems[input.system].angles, planarOption(input) !== null));
+  const kernels = await loadKernels(moduleFor(registry.systems[input.system].angles, planarOption(registry, input) !== null));
   const system = systemOf(registry, kernels, input.system, partsOf(registry, input).system);
   for (const name of [input.initial_distance === undefined ? "" : "initial_distance", askedX?.name, askedY?.name])
     if (name && isOfStrings(name)) checkStrings(system.suspension, name);
@@ -87,8 +87,8 @@ export async function questionOf(registry, layout, request) {
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
-  const inPlane = planarOption({ ...system, drive: drive.kind, ...drive.parameters }) !== null
-    || [x, y].some(({ name }) => name.startsWith("horizontal_"));
+  const inPlane = planarOption(registry, { ...system, drive: drive.kind, ...drive.parameters }) !== null
+    || [x, y].some(({ name }) => name === registry.drives[drive.kind].across);
   const plan = {
     angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
     parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
@@ -148,9 +148,9 @@ function checkLaws(registry, layout, options, observable) {
  */
 function checkVaried(registry, system, drive, axes) {
   const largest = (/** @type {string} */ name) => axes.find((axis) => axis.name.endsWith(name))?.high;
-  const { horizontal_amplitude: own = 0 } = drive.parameters;
-  const across = largest("horizontal_amplitude") ?? own;
-  checkAcross(registry, system, { ...drive, parameters: { ...drive.parameters, horizontal_amplitude: across } });
+  const { across } = registry.drives[drive.kind];
+  const sideways = across ? { [across]: largest(across) ?? drive.parameters[across] } : {};
+  checkAcross(registry, system, { ...drive, parameters: { ...drive.parameters, ...sideways } });
   const drag = largest("quadratic_damping");
   if (drag) checkHanging({ ...system, balls: [{ ...system.balls[0], quadratic_damping: drag }] });
 }

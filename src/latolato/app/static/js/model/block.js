@@ -49,7 +49,7 @@ function aboutOf(run) {
   const options = resolvedOf(each);
   const last = (/** @type {string} */ name) => columns[name][0][columns[name][0].length - 1];
   return {
-    options, warnings, duration: each.duration, attributes: attributesOf(run, options),
+    options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal, warnings, duration: each.duration, attributes: attributesOf(run, options),
     contact_kinds: kernels.layout.contact_kinds, balls: ballsOf(system),
     ledger: Object.fromEntries(LEDGER.filter((name) => name in columns).map((name) => [name, last(name)])),
     python: pythonLines(registry, options), command: commandLine(registry, options),

@@ -40,7 +40,7 @@ export async function specify(registry, request) {
   const drive = options.drive ?? "fixed_pivot";
   if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
   if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
-  const planar = planarOption(options);
+  const planar = planarOption(registry, options);
   if (planar && registry.upright)
     throw new InputError(`players in notebooks leave out the code for {parameter} ${options[planar]}, to stay small`,
       { parameter: planar, wayOut: "compute the run in Python and show it with ll.play" });

@@ -139,12 +139,14 @@ export function checkHanging({ suspension, string_restitution: value, drag_frame
 
 /**
  * Return the option for which a motion needs the modules of the plane, null if it does not.
+ * @param {Registry} registry
  * @param {Record<string, any>} options
  */
-export function planarOption({ suspension, drag_frame: frame, drive, horizontal_amplitude: across }) {
+export function planarOption({ drives }, { suspension, drag_frame: frame, drive = "fixed_pivot", ...options }) {
   if (suspension === "string") return "suspension";
   if (frame === "lab") return "drag_frame";
-  return drive === "planar_harmonic" && across > 0 ? "horizontal_amplitude" : null;
+  const { across } = drives[drive];
+  return across && options[across] ? across : null;
 }
 
 /**
@@ -154,7 +156,7 @@ export function planarOption({ suspension, drag_frame: frame, drive, horizontal_
  * @param {Drive} drive
  */
 export function checkAcross(registry, { kind, linear, contacts, angles }, drive) {
-  if (!planarOption({ drive: drive.kind, ...drive.parameters })) return;
+  if (!planarOption(registry, { drive: drive.kind, ...drive.parameters })) return;
   const { title } = registry.systems[kind];
   const value = registry.drives[drive.kind].title;
   const parameter = "drive";
@@ -204,19 +206,16 @@ export function driveOf(registry, kind, input) {
   const values = numbersOf(registry, "drive", kind, input);
   const lists = Object.keys(values).filter((name) => registry.options[name].several);
   for (const name of lists) values[name] = checkedList(registry, name, values[name]);
-  if (kind === "crank_slider") {
-    const { guide, drive_amplitude, connecting_rod_length } = values;
-    if (!(drive_amplitude < connecting_rod_length))
-      throw new InputError(
-        `must be less than connecting_rod_length ${general(connecting_rod_length)}, or the crank would jam`,
-        { parameter: "drive_amplitude", value: drive_amplitude });
-    values.side = guide === "above" ? 1 : -1;
-    delete values.guide;
-  }
+  const { moves, amplitude_limit: limit } = registry.drives[kind];
+  if (limit && !(values.drive_amplitude < values[limit[0]]))
+    throw new InputError(`must be less than ${limit[0]} ${general(values[limit[0]])}, or ${limit[1]}`,
+      { parameter: "drive_amplitude", value: values.drive_amplitude });
   if (lists.length) checkStages(values, lists);
-  const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) =>
-    [registry.options[name]?.path[0] ?? name, typeof value === "boolean" ? Number(value) : value]));
-  return { kind, moves: kind !== "fixed_pivot", parameters };
+  const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) => {
+    const { path, choices } = registry.options[name];
+    return [path[0], choices.length ? choices.indexOf(value) : typeof value === "boolean" ? Number(value) : value];
+  }));
+  return { kind, moves, parameters };
 }
 
 /**

@@ -12,9 +12,15 @@
  *   path: string[], is_later: boolean}} Option
  *
  * A system, a drive or a contact law: its options in the order of its fields, whether the compiled
- * modules have it, what maps can vary of it, and whether a drive repeats itself.
+ * modules have it, and what maps can vary of it.
  * @typedef {{title: string, description: string, options: string[], angles: number,
- *   contacts: boolean, compiled: boolean, axes?: string[], periodic?: boolean}} Law
+ *   contacts: boolean, compiled: boolean, axes?: string[]}} Law
+ *
+ * A drive, as `latolato.physics.drives.base` describes it: whether it moves the pivot, as a sinusoid, and
+ * repeats itself; the option that moves the pivot sideways unless it is zero; and the option that
+ * `drive_amplitude` must stay below, with what happens otherwise.
+ * @typedef {Law & {moves: boolean, sinusoidal: boolean, periodic: boolean, across: string | null,
+ *   amplitude_limit: [string, string] | null}} DriveLaw
  *
  * What maps can vary: `sets` is the parameter that it stands for, `low` and `high` are null where
  * there is no end.
@@ -32,7 +38,7 @@
  * @typedef {{title: string, question: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset
  *
- * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, Law>,
+ * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, DriveLaw>,
  *   contact_laws: Record<string, Law>, options: Record<string, Option>,
  *   quantities: Record<string, {unit: string, symbol: string, label: string, shown_unit: string}>,
  *   axes: Record<string, Varied>, noise_axes: string[], observables: Record<string, Observable>,

@@ -2,7 +2,7 @@
 
 import { t } from "../strings.js";
 import { el } from "./dom.js";
-import { drawsWheel } from "./mover.js";
+import { drawsCrank, drawsWheel } from "./mover.js";
 import { line, place } from "./scale.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -132,5 +132,5 @@ export function legendOf(motion) {
   return [item("speed", "legendVelocity"), item("soft", "legendWeight"),
     motion.values("tension") && item("force", motion.isString ? "legendString" : "legendRod"),
     drawsWheel(motion) && item("wheel", "legendWheel"),
-    motion.about.options.drive === "crank_slider" && item("wheel", "legendCrank")].filter((each) => each instanceof Element);
+    drawsCrank(motion) && item("wheel", "legendCrank")].filter((each) => each instanceof Element);
 }

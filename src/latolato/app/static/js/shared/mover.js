@@ -14,9 +14,15 @@ const CORNERS = 72;
  * Return whether a wheel explains a run's drive: a point that goes round it is level with the pivot.
  * @param {Motion} motion
  */
-export function drawsWheel({ about: { options }, pivotRange: [low, high] }) {
-  return high > low && !["crank_slider", "measured_pivot", "planar_harmonic"].includes(options.drive);
+export function drawsWheel({ about, pivotRange: [low, high] }) {
+  return high > low && about.is_sinusoidal;
 }
+
+/**
+ * Return whether a crank moves the pivot.
+ * @param {Motion} motion
+ */
+export const drawsCrank = ({ about: { options } }) => options.drive === "crank_slider";
 
 /**
  * Return the box that holds a crank or a wheel, null without one [m].
@@ -25,7 +31,7 @@ export function drawsWheel({ about: { options }, pivotRange: [low, high] }) {
  */
 export function moverBox(motion, withWheel) {
   const { about: { options }, pivotRange: [low, high], longest } = motion;
-  if (options.drive === "crank_slider") {
+  if (drawsCrank(motion)) {
     const [, y] = crank(options, 0).center;
     const a = options.drive_amplitude;
     return { left: -a, right: a, low: y - a, high: y + a };
@@ -52,7 +58,7 @@ export function drawMover(context, scale, motion, time, colours, withWheel) {
   if (options.drive === "planar_harmonic") drawEllipse(context, scale, options);
   else line(context, ...place(scale, 0, low), ...place(scale, 0, high));
   context.lineWidth = Math.max(scale.ratio, 0.008 * unit);
-  if (options.drive === "crank_slider") {
+  if (drawsCrank(motion)) {
     const { center, pin } = crank(options, time);
     drawWheel(context, scale, center, pin, unit, colours.soft);
     line(context, ...place(scale, ...pin), ...place(scale, 0, height));

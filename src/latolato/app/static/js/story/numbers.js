@@ -167,7 +167,8 @@ export async function withPeriod(registry, request, block) {
     [`initial_angular_velocity.${i}`, velocities[i]], [`initial_distance.${i}`, distances[i] ?? NaN]]);
   /** @type {any} */
   const { drive_frequency: frequency = 0 } = drive.parameters;
-  const kind = { angles: /** @type {1 | 2} */ (system.angles), in_plane: planarOption(system) !== null };
+  const kind = { angles: /** @type {1 | 2} */ (system.angles), in_plane: planarOption(registry,
+    { ...system, drive: drive.kind, ...drive.parameters }) !== null };
   const { values } = computeMap(await loadKernels(moduleOf(kind)), {
     ...kind, count: 1, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
     parameters: { ...fields, ...Object.fromEntries(start), tolerance: registry.sweep_tolerance,
