@@ -646,7 +646,6 @@ def units_of(target: str) -> list[str]:
 
 
 def _quantity(target: str) -> Quantity:
-    """Return what a column of a file measures."""
     return QUANTITIES["angular_velocity" if target == _RATE else target]
 
 

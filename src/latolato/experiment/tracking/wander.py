@@ -37,7 +37,7 @@ def follow_path(
     progress: Callable[[float], None] | None = None,
     corrections: Corrections | None = None,
 ) -> Positions:
-    """Return where balls are in every frame, from their places in one of them, without angles.
+    """Positions of balls in every frame, from those in one of them, without angles.
 
     Parameters
     ----------
