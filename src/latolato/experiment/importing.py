@@ -674,7 +674,7 @@ def _factor(target: str, column: SourceColumn, unit: str) -> float:
 
 
 def _turn_y_up(series: dict[str, Floats], y_axis: str) -> None:
-    """Let y increase upwards."""
+    """Reverse the sign of heights if y increases downwards."""
     if y_axis == "down":
         for name in series:
             if name.endswith("_y"):
