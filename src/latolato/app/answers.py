@@ -25,7 +25,7 @@ _WORKERS = 2
 
 
 async def answered(request: HTTPConnection, work: Callable[..., Response], *given: Any) -> Response:
-    """Return what `work` answers in a thread; refusals become one line for the page.
+    """The response of `work`, run in a thread; refusals become one line for the page.
 
     Bad input is 422, what is too large 413, a fault of the program 500; ``field`` names the option
     that a message is about.
@@ -38,7 +38,7 @@ async def answered(request: HTTPConnection, work: Callable[..., Response], *give
 
 
 async def in_thread(request: HTTPConnection, work: Callable[..., Any], *given: Any) -> Any:
-    """Return what `work` returns, in one of the few threads that compute."""
+    """The result of `work`, run in one of the few threads that compute."""
     state = request.app.state
     if state.workers is None:
         state.workers = anyio.CapacityLimiter(_WORKERS)

@@ -49,7 +49,7 @@ class Connection(HttpToolsProtocol):
     _pending = 0
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Let the connection in, or refuse it."""
+        """Admit the connection, or refuse it."""
         super().connection_made(transport)
         if self._is_admitted():
             self._expect_header()
@@ -98,7 +98,7 @@ class Connection(HttpToolsProtocol):
             self._expect_header()
 
     def _is_admitted(self) -> bool:
-        """Return whether there is room, which may have to be made."""
+        """Return whether there is room, after closing an idle connection if necessary."""
         if self.client is None:
             return True
         everyone: set[Any] = self.connections  # WebSockets too
@@ -124,7 +124,7 @@ class Connection(HttpToolsProtocol):
         self._deadline = self.loop.call_later(self.limits.header_time, self._give_up)
 
     def _expect_nothing(self) -> None:
-        """Let time pass."""
+        """Stop the clock of the current request."""
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None

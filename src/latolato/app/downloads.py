@@ -56,7 +56,7 @@ async def _animation(websocket: WebSocket) -> None:
 
 
 def request_of(query: Mapping[str, str]) -> RunRequest:
-    """Return what an address of the page asks for; what belongs to its views is left out.
+    """The run that the page's address asks for, without the options of its views.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def file_response(request: RunRequest, kind: str) -> Response:
 
 
 def file_name(scenario: Scenario) -> str:
-    """Return what a file of a run is called, without its ending.
+    """The name of a run's file, without its ending.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def simulate_for_file(scenario: Scenario) -> xr.Dataset:
 
 
 def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
-    """Return what a file of a run holds."""
+    """The content of a run's file: a dataset or a picture."""
     run = simulate_for_file(scenario)
     path = folder / f"run.{kind}"
     if kind == "nc":

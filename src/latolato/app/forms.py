@@ -41,7 +41,7 @@ _making = threading.Lock()
 
 
 def registry() -> dict[str, Any]:
-    """Return what every page needs to know once, ready for JSON."""
+    """The laws, options, units and scenarios that every page loads once, ready for JSON."""
     with _making:  # the first page need not make again what is being made
         return _registry()
 
@@ -162,7 +162,7 @@ def _axis(parameter: Parameter) -> dict[str, Any]:
 
 
 def label_of(name: str) -> str:
-    """Return what pages call an option."""
+    """The name of an option on pages."""
     return law_options()[name].quantity.long_name
 
 

@@ -134,7 +134,7 @@ class Guard:
         return any(hmac.compare_digest(text.encode(), token.encode()) for text in texts)
 
     def _impatient(self, receive: Receive, send: Send) -> Receive:
-        """Return what receives the messages of a WebSocket, and ends one that sends no frame."""
+        """A receiver of a WebSocket's messages that closes one whose first frame is late."""
         is_silent = True
 
         async def first() -> Message:

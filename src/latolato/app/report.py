@@ -63,7 +63,7 @@ async def _figure(websocket: WebSocket) -> None:
 
 
 def contents(report: Path | None = None) -> list[dict[str, Any]]:
-    """Return what the paper claims, figure by figure, before anything is computed.
+    """The paper's claims, figure by figure, before anything is computed.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:
 
 
 def _case_label(label: Any, run: Mapping[str, Any], differing: list[str]) -> str:
-    """Return what a run is called, with the first values that tell it from the others."""
+    """The label of a run, with the first values in which it differs from the others."""
     from latolato.figures.style import pretty_unit
     from latolato.scenario.options import law_options
 
@@ -317,7 +317,7 @@ def made_with() -> str:
 
 
 def _place(name: str) -> Path:
-    """Return where the block of a figure is kept."""
+    """The path of a figure's cached block."""
     return cache.cache_directory() / "paper" / made_with() / f"{name}.block"
 
 

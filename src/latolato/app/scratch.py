@@ -19,7 +19,7 @@ _LOCK = "lock"
 
 @contextmanager
 def scratch_folder() -> Iterator[Path]:
-    """Let every temporary file of this process and its children lie in one folder of its own.
+    """Put the temporary files of this process and its children into a folder of its own.
 
     Yields
     ------

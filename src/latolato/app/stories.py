@@ -60,7 +60,7 @@ def contents(folder: Path = FOLDER) -> list[str]:
 
 
 def routes() -> list[BaseRoute]:
-    """Return what the server answers about stories."""
+    """The server's routes for stories."""
     from starlette.routing import Route
 
     return [Route("/stories/contents.json", _contents)]

@@ -206,7 +206,7 @@ def _joined(folder: PurePosixPath, path: str) -> str:
 
 
 def _placed(folder: PurePosixPath, match: re.Match[str]) -> str:
-    """Return what stands for the name of a module until it has an address."""
+    """The matched import with a placeholder for its module, which has no address yet."""
     before = "" if match["url"] else match["before"]
     return f'{before}"latolato:{_joined(folder, match["path"])}"'
 
@@ -237,7 +237,7 @@ def _letters(text: str) -> str:
 
 
 def _registry() -> dict[str, Any]:
-    """Return what the fields of a cell need of the registry: the laws that the modules have."""
+    """The part of the registry for a cell's fields: laws that the modules have."""
     whole = registry()
     laws = {
         part: {name: law for name, law in whole[part].items() if law["compiled"]}

@@ -75,7 +75,7 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
 
 
 def limit(limits: Mapping[str, float]) -> None:
-    """Let this process take no more than it may."""
+    """Limit memory, time and files of this process."""
     try:
         import resource
     except ModuleNotFoundError:  # Windows has wall time only

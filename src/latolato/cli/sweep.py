@@ -252,7 +252,7 @@ def plan_of(
 
 
 def _move(tables: dict[str, Any], changed: Changes) -> None:
-    """Let options replace the run of ``[sweep]``."""
+    """Drop entries of ``[sweep]`` that options of the run replace."""
     for name in ("duration", "tolerance"):
         if name in changed.get("run", {}):
             tables["sweep"].pop(name, None)

@@ -646,7 +646,6 @@ def units_of(target: str) -> list[str]:
 
 
 def _quantity(target: str) -> Quantity:
-    """Return what a column of a file measures."""
     return QUANTITIES["angular_velocity" if target == _RATE else target]
 
 
@@ -675,7 +674,7 @@ def _factor(target: str, column: SourceColumn, unit: str) -> float:
 
 
 def _turn_y_up(series: dict[str, Floats], y_axis: str) -> None:
-    """Let y increase upwards."""
+    """Reverse the sign of heights if y increases downwards."""
     if y_axis == "down":
         for name in series:
             if name.endswith("_y"):

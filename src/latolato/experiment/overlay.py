@@ -59,7 +59,7 @@ def own_pivot_of(table: xr.Dataset, size: tuple[int, int]) -> np.ndarray:
 
 
 def _place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray:
-    """Return where a pivot or a ball is in the picture (frame, 2) [pixels]; NaN is unknown."""
+    """Positions of a pivot or a ball in the picture, shape (frame, 2) [pixels]; NaN is unknown."""
     attrs = table.attrs
     ends = "xy" if "metres_per_pixel" in attrs else "uv"
     columns = [f"{name}_{end}" for end in ends]

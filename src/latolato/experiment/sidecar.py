@@ -99,7 +99,7 @@ class Setup:
 
 
 def sidecar_path(table: str | Path) -> Path:
-    """Return where the set-up of a track table is kept: ``TABLE.track.toml`` beside it.
+    """The path of a track table's set-up: ``TABLE.track.toml`` beside it.
 
     Examples
     --------

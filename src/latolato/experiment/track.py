@@ -272,7 +272,7 @@ def prepare(
     sidecar: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Task:
-    """Return what is to be tracked: as pointed at, as a sidecar says, or as found in the video."""
+    """The tracking task, set up by the arguments, by a sidecar, or as found in the video."""
     for name, value in settings.items():
         if value is not None and name in VIDEO_PARAMETERS:
             VIDEO_PARAMETERS[name].checked(value)
@@ -636,7 +636,7 @@ def _best_followed(
 
 
 def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions | None:
-    """Return where discs move from where balls were pointed at, None if none does."""
+    """The path of discs that start where balls were pointed at, None if there is none."""
     try:
         path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
     except InputError:
@@ -680,7 +680,7 @@ def _followed(
     path: Positions | None = None,
     tilt: Tilt | None = None,
 ) -> tuple[ImageModel, Positions]:
-    """Return what was learned of a clip, and where its balls are about the pivot.
+    """The image model learned from a clip, and the positions of its balls about the pivot.
 
     `path` is that of balls about a pivot that the picture does not show, `tilt` how obliquely the
     camera looks.

@@ -188,7 +188,7 @@ def table_of_ball(table: xr.Dataset, ball: int) -> xr.Dataset:
 
 
 def _of_first(name: str) -> str:
-    """Return what the same of the first ball, or of its pivot, is called."""
+    """The name of the same column for the first ball or its pivot."""
     first = name.replace("_2", "_1")
     is_of_ball = first in COLUMNS or first.startswith("ball_1")
     return first if is_of_ball else name.replace("_2", "")
@@ -290,7 +290,7 @@ def _known(name: str, values: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """Return what a file holds as an attribute: a number, or else a text."""
+    """A value as a file's attribute: a number or a text, JSON for anything else."""
     return value if isinstance(value, (int, float, str)) else json.dumps(value)
 
 

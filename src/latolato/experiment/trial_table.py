@@ -87,7 +87,7 @@ def class_of(largest: Any, settled: Any) -> Any:
 
 
 def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma: Any) -> Any:
-    """Return where the class could be another one within 3 standard deviations."""
+    """A mask of the trials whose class could be another one within 3 standard deviations."""
     weak, strong = limits()
     largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
     reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma))

@@ -252,7 +252,7 @@ def make_steering(
     def start(
         k: int, scratch: Scratch, progress: Progress, acc: Floats, column: int, columns: int
     ) -> None:
-        """Let the observables of point k begin."""
+        """Start the observables of point k."""
         accumulators = Accumulators(acc, column, columns)
         for ball in range(balls):
             on_start(scratch.runs[0], accumulators, ball, progress.states[k].angle[ball])

@@ -70,7 +70,7 @@ def make_address_callbacks(part: Part) -> Callbacks:
 
     @part
     def is_wanted(run: Run, occasion: int) -> bool:
-        """Return whether anybody looks on then."""
+        """Return whether a callback is registered for an occasion."""
         callbacks = numbers_at(run.callbacks, ANY_SIZE)
         result: bool = callbacks[callbacks[occasion]] != 0
         return result

@@ -123,7 +123,7 @@ def make_callbacks(formulas: tuple[Formulas, ...], part: Part = as_it_stands) ->
 
     @inline
     def is_wanted(run: Run, occasion: int) -> bool:
-        """Return whether anybody looks on then."""
+        """Return whether a callback is registered for an occasion."""
         return wanted[occasion]
 
     def folded(formulas: Formulas) -> Any:

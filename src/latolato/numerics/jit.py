@@ -43,7 +43,7 @@ _PART: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def _make_callable(function: Callable[..., Any]) -> None:
-    """Let compiled code call a formula."""
+    """Make a formula callable from compiled code."""
     register_jitable(**_PART, forceinline=True)(function)  # small, and lanes need it
 
 
@@ -262,7 +262,7 @@ def _code_of(library: Any) -> Any:
 def _link_once(
     dispatcher: Any, parts: list[Any], note: Callable[[str], None] | None = None
 ) -> None:
-    """Let a kernel be linked and optimised once; its parts are given back when it is compiled.
+    """Link and optimise a kernel once, and release its parts when it is compiled.
 
     `note` is called with all its code, as LLVM's assembly, before anything is optimised.
     """
@@ -287,7 +287,7 @@ def _link_once(
 
 @contextmanager
 def _libraries(codegen: Any, kernel: str, note: Callable[[str], None] | None) -> Iterator[None]:
-    """Let numba keep the code of the kernel of that name and of its parts as above."""
+    """Make numba keep the code of a kernel and its parts in `_Whole` and `_Part`."""
 
     def library(codegen: Any, name: str) -> Any:
         if name != kernel:
@@ -306,7 +306,7 @@ def _libraries(codegen: Any, kernel: str, note: Callable[[str], None] | None) ->
 
 @contextmanager
 def _remembered(typing: Any) -> Iterator[None]:
-    """Let numba find the types of a sum of two floats once, not at every plus sign.
+    """Resolve the types of a function call once, such as a sum of two floats, not at every use.
 
     It also describes the types of all arguments before each of its passes: records, whose
     description is as long as themselves, are described once.

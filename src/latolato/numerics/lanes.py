@@ -179,7 +179,7 @@ def make_lanes(
 
     @part
     def make_idle(j: int, w: Floats) -> None:
-        """Let a ball hang still in lane j, far from walls and halts."""
+        """Fill lane j with a ball at rest, far from walls and halts."""
         L = r.LANES
         for row in range(r.BLOCKS):
             w[row * L + j] = 0.0

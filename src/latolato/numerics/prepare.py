@@ -289,7 +289,7 @@ def _check_apart(case: Case, state: State, problem: Problem) -> None:
 
 @formula
 def _hang(state: State, i: int, distance: float, length: float) -> None:
-    """Let a ball begin on a slack string at a distance from the pivot, if that is given [m]."""
+    """Place a ball on a slack string at its distance [m] if that is less than the length [m]."""
     if distance < length:
         s, c, speed = sine(state.angle[i]), cosine(state.angle[i]), distance * state.velocity[i]
         state.place[i, 0], state.place[i, 1] = distance * s, -distance * c
@@ -328,7 +328,7 @@ def _rate(case: Case, bodies: Records, bound: float, frequency: float) -> float:
 
 @formula
 def _check_start(case: Case, low: float, high: float, state: State, problem: Problem) -> None:
-    """Let balls begin on slack strings and on walls that they are close to; report the rest."""
+    """Move balls onto slack strings and nearby walls; report starts that are not allowed."""
     if case.clamps_start != 0:
         move_between(state.angle, case.angles, low, high)
     for i in range(case.angles):

@@ -125,7 +125,6 @@ def _open_claims(
 
 
 def _row_of(claim: Claim) -> dict[str, Any]:
-    """Return what the table of claims shows of one."""
     return {**vars(claim), "anchor": _anchor(claim)}
 
 
@@ -140,7 +139,7 @@ def _assumptions(claims: Iterable[Claim]) -> list[str]:
 
 
 def _plate(part: Part, folder: Path) -> dict[str, Any]:
-    """Return what the page shows of one figure."""
+    """The picture, texts and claims of one figure on the page."""
     picture = (folder / f"{part.name}.png").read_bytes()
     return {
         "name": part.name,

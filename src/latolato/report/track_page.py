@@ -279,7 +279,7 @@ def _path_figure(table: xr.Dataset) -> Figure:
 
 
 def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
-    """Return what was measured of the clip as a whole."""
+    """Names and values of what was measured over the whole clip."""
     attrs = table.attrs
     rows = [("geometry", GEOMETRIES[attrs["geometry"]])]
     sigma = typical_sigma(table)

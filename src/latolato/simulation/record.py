@@ -79,7 +79,7 @@ class Record:
         return self.times if name == "time" else self.variables[name][1]
 
     def __contains__(self, name: object) -> bool:
-        """Return whether there is such a variable."""
+        """Return whether the record has a variable of this name."""
         return name == "time" or name in self.variables
 
     def described(self) -> Iterator[Variable]:

@@ -121,7 +121,7 @@ class Store(Results):
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Let others write."""
+        """Release the lock."""
         lock.release(self._descriptor, self.path / _LOCK)
 
     def write(self, number: int, values: Values, reason: str) -> None:

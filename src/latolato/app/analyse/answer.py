@@ -78,7 +78,7 @@ def compute(
 
 
 def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
-    """Return what an analysis found as rows of a table: what it is, and its value with unit."""
+    """The results of an analysis as rows of a table: a label, and the value with its unit."""
     from latolato.analysis.summary import as_lines
 
     rows = []

@@ -106,7 +106,7 @@ def seconds_of(function: Callable[..., Any], arguments: Mapping[str, Any]) -> fl
 def timing(
     function: Callable[..., Any], arguments: Mapping[str, Any], seconds: float, rest: float
 ) -> tuple[str, Timing]:
-    """Return what a finished answer tells about the time of others like it, and which these are."""
+    """The key of analyses like a finished one, and the timing that predicts theirs."""
     timed = Timing(steps=steps_of(function, arguments), seconds=seconds, rest=rest)
     return key_of(function, arguments), timed
 

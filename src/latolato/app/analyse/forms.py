@@ -44,7 +44,7 @@ _LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀", "-pi to pi": "-180�
 
 @lru_cache(maxsize=1)
 def forms() -> dict[str, Any]:
-    """Return what the form of each analysis is made from, by name, group after group."""
+    """Title, texts and options of each analysis's form, by name, group after group."""
     from latolato.analysis import analyses
     from latolato.scenario.analysis_options import plain_text, summary_of
     from latolato.simulation.summary import plain
@@ -109,7 +109,7 @@ def option_words() -> dict[str, str]:
 
 
 def label_of(name: str) -> str:
-    """Return what an option, a choice or a variable is called on a page.
+    """The name of an option, a choice or a variable on a page.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def _stands(scenario: Scenario) -> bool:
 
 
 def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
-    """Return what the options of each analysis begin with, as texts, so that it takes seconds."""
+    """First values of each analysis's options, as texts, with which it takes seconds."""
     from latolato.analysis import analyses
 
     ranges = {

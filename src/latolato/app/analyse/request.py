@@ -31,7 +31,7 @@ class AnalysisRequest:
 
     @classmethod
     def from_json(cls, value: Any) -> AnalysisRequest:
-        """Return what a page asks: ``{"analysis", "scenario", "options", "settings": texts}``.
+        """The request in a page's ``{"analysis", "scenario", "options", "settings": texts}``.
 
         Raises
         ------
@@ -66,7 +66,7 @@ class AnalysisRequest:
         return analyses[self.name]
 
     def arguments(self) -> dict[str, Any]:
-        """Return what the analysis is called with, as `latolato analyse` would.
+        """The keyword arguments of the analysis, as `latolato analyse` would pass them.
 
         Raises
         ------
@@ -140,7 +140,7 @@ class AnalysisRequest:
 
 
 def _typed(option: Parameter, text: str) -> Any:
-    """Return what the text of an option stands for; it never names a file.
+    """The value that an option's text stands for; it never names a file.
 
     Raises
     ------

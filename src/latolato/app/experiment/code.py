@@ -65,7 +65,7 @@ def command_lines(
 
 
 def _known(kind: str, apparatus: Apparatus) -> dict[str, Any]:
-    """Return what a fit is given."""
+    """The known parameters of the apparatus that a fit takes."""
     return {
         name: value
         for name, value in vars(apparatus).items()

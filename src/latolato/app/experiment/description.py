@@ -192,7 +192,7 @@ class Description:
         )
 
     def apparatus(self, table: xr.Dataset) -> Apparatus:
-        """Return what is known about what swings; the length is the table's where none is given."""
+        """The known parameters of the apparatus; a length that is not given is the table's."""
         from latolato.experiment.fits.apparatus import Apparatus
 
         names = (*SHARED, "length_sigma")

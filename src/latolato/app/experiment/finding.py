@@ -30,7 +30,7 @@ _RULER = 1e-3
 def finding_of(
     table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]], trial: Mapping[str, Any] | None
 ) -> str:
-    """Return what a video or a table shows; the first sentence is the answer or a doubt.
+    """The finding of a video or a table in words; the first sentence is the answer or a doubt.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def _period(table: xr.Dataset) -> tuple[float, float]:
 
 
 def _plain(table: xr.Dataset) -> str:
-    """Return what tracking alone gives: the period of the swing, if there is one."""
+    """A sentence with the period of the swing [s], or with advice if no swing was found."""
     period, sigma = _period(table)
     if not math.isfinite(period):
         return (
@@ -239,7 +239,7 @@ def _plain(table: xr.Dataset) -> str:
 
 
 def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> str:
-    """Return what collisions do to the balls."""
+    """A sentence about where the balls collide and how much speed they keep."""
     touching = table["flag_1"].values == "collision"
     if not restitution and not touching.any():
         return "The balls were not seen to touch."

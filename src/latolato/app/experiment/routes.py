@@ -169,7 +169,7 @@ async def _desk(websocket: WebSocket) -> None:
 
 
 def _hello(store: Store, desk: Desk) -> Any:
-    """Return what a page must know to ask for work."""
+    """Fields, fits, examples and limits that a page needs to request work."""
     from latolato.app.experiment.description import EXAMPLES, TABLE_ENDINGS, fields, fit_kinds
     from latolato.app.experiment.tables import roles
     from latolato.experiment.tracking.learn_template import ROUND, SHARE

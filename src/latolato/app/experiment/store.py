@@ -168,7 +168,7 @@ class Clip:
             self.size = sum(path.stat().st_size for path in self.folder.iterdir())
 
     def file(self, name: str) -> Path | None:
-        """Return where one of `FILES` lies, None if it is none of them or is not there."""
+        """The path of one of `FILES`, None if it is none of them or does not exist."""
         if name not in FILES:
             return None
         path = self.folder / name

@@ -42,12 +42,12 @@ _USUAL = {
 
 
 def roles() -> dict[str, list[str]]:
-    """Return what a column may be, each with the units that it may have in a file."""
+    """The roles of columns, each with the units that it may have in a file."""
     return {role: [] if role == FRAMES else units_of(role) for role in ROLES}
 
 
 def look_at_table(job: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what was recognised in a table, as JSON knows it.
+    """The sections and columns recognised in a table, ready for JSON.
 
     Returns
     -------
@@ -104,7 +104,7 @@ class Import:
 
 
 def import_of(path: Path, description: Description) -> Import:
-    """Return what `import_table` gets for a file and the choices of a page.
+    """The columns and arguments of `import_table` for a file and the choices of a page.
 
     Raises
     ------

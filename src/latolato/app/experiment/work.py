@@ -200,7 +200,7 @@ def _results(
 
 
 def _motion(table: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what a page draws of any track table, with its header: angles and their flags."""
+    """Header and arrays of a track table for a page: angles [rad], their flags, the pivot."""
     balls = range(1, balls_of(table) + 1)
 
     def rows(name: str) -> Any:

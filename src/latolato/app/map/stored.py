@@ -247,7 +247,7 @@ def _options(plan: Plan) -> dict[str, Any]:
 
 
 def _description(grid: xr.Dataset, drawing: Drawing) -> str:
-    """Return what a map is of, symbols as TeX: what does not vary, its points, who computed it."""
+    """A map's caption, symbols as TeX: fixed parameters, points, the version that computed it."""
     height, width = drawing.values.shape
     missing = int(np.sum(drawing.status < 0))
     parts = [*drawing.title, f"{width} by {height} points"]

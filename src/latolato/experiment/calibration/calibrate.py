@@ -210,7 +210,7 @@ def _noise(times: np.ndarray, away: np.ndarray, use: np.ndarray) -> float:
 
 
 def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndarray:
-    """Return where the pivot is amid the exposure from its means over the exposure [s].
+    """The pivot's positions amid the exposure [s], shape (frame, 2), from means over it.
 
     The mean of a bent path over a time ``e`` lies ``a e^2/24`` beside its middle.
     """

@@ -117,9 +117,9 @@ def scatter_of(times: np.ndarray, values: np.ndarray) -> float:
 
 
 def _left_over(times: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return what the quintic through six neighbours leaves of values, but of the outer three.
+    """Residuals of values from the quintic through six neighbours, without the outer three.
 
-    It is scaled to have the deviation of the values.
+    They are scaled to have the deviation of the values, shape (sample - 6,).
     """
     others = np.array([-3, -2, -1, 1, 2, 3])
     at = np.arange(3, len(values) - 3)

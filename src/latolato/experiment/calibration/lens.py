@@ -90,7 +90,7 @@ def _from_centre(
     optics: Optics,
     centre: np.ndarray,
 ) -> np.ndarray:
-    """Return where balls are from the centre of their circle, undistorted [pixels]."""
+    """Undistorted positions of balls from the centre of their circle [pixels]."""
     away = undistorted(balls, size, optics) - undistorted(pivots, size, optics)
     return np.asarray(away - centre)
 
@@ -143,7 +143,7 @@ def undistorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np
 
 
 def distorted(places: np.ndarray, size: tuple[int, int], optics: Optics) -> np.ndarray:
-    """Return where a lens shows undistorted places [pixels]."""
+    """Positions at which a lens shows undistorted places (..., 2) [pixels]."""
     middle = (np.array(size) - 1.0) / 2.0
     unit = 0.5 * math.hypot(*size)
     away = (places - middle) / unit

@@ -68,12 +68,12 @@ class Motion(NamedTuple):
     is_free: np.ndarray
 
     def between(self, first: int, last: int) -> Motion:
-        """Return what was seen in some frames."""
+        """The motion from frame `first` up to, but without, frame `last`."""
         return Motion(*(values[first:last] for values in self))
 
 
 def motion_of(seen: Positions, measured: Calibration) -> Motion:
-    """Return what was seen of balls and pivot, free where nothing but rod and air act on a ball."""
+    """The motion of balls and pivot, free where nothing but rod and air act on a ball."""
     away = np.hypot(*(measured.centres - measured.pivots[:, None]).transpose(2, 0, 1))
     is_free = (seen.flags == "ok") & (np.abs(away / measured.hinge.arm - 1.0) < _TAUT)
     if seen.centres.shape[1] == 2:
@@ -88,7 +88,7 @@ def motion_of(seen: Positions, measured: Calibration) -> Motion:
 
 
 def pace_warnings(motion: Motion, stiffness: float | None, slow_motion: float) -> list[str]:
-    """Return what a user should know about the pace at which a clip plays.
+    """Warnings about the pace at which a clip plays.
 
     `stiffness` is gravity over length [1/s^2], None where it is unknown, and `slow_motion` what the
     times were divided by.

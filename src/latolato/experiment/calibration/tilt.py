@@ -66,11 +66,11 @@ class Tilt:
         return np.asarray(1.0 / np.hypot(*self.flat(_directions(angles)).T))
 
     def flat(self, away: np.ndarray) -> np.ndarray:
-        """Return where places (..., 2) from the pivot in the picture are in the plane."""
+        """Positions in the plane of places (..., 2) in the picture, from the pivot [pixels]."""
         return away if self.angle == 0.0 else np.asarray(away @ self.matrix.T)
 
     def seen(self, flat: np.ndarray) -> np.ndarray:
-        """Return where the picture shows places (..., 2) of the plane."""
+        """Positions in the picture of places (..., 2) in the plane, from the pivot [pixels]."""
         return flat if self.angle == 0.0 else np.asarray(flat @ np.linalg.inv(self.matrix).T)
 
     def errors(self, away: np.ndarray) -> np.ndarray:

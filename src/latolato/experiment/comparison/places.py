@@ -290,7 +290,7 @@ def _cell(values: Floats, places: Floats) -> tuple[Any, Any]:
 def _boundaries(
     trials: xr.Dataset, classes: xr.DataArray, up: str, across: str, plan: Plan
 ) -> dict[str, Any]:
-    """Return where motion begins and ends in each set, measured and on the map."""
+    """The boundaries of motion in each set of trials, measured and on the map."""
     height, along = _places(trials, plan, up, across)
     sets = trials["set"].values
     moves = trials["class"].values != "none"
@@ -335,7 +335,7 @@ def _boundaries(
 
 
 def _edge(line: xr.DataArray, across: str, side: str) -> float:
-    """Return where motion begins or ends along a row of the map, midway between points."""
+    """The boundary of motion along a row of the map, midway between points; NaN without motion."""
     line = line.sortby(across)
     x, moves = line[across].values, np.nan_to_num(line.values) >= 1
     if not moves.any():
@@ -346,7 +346,7 @@ def _edge(line: xr.DataArray, across: str, side: str) -> float:
 
 
 def _verdict(variables: Mapping[str, Any], outside: int) -> str:
-    """Return what the comparison shows in plain words."""
+    """The agreement of trials and map in words."""
     names = ("agreement", "agreement_low", "agreement_high", "kappa")
     share, low, high, kappa = (variables[name][1] for name in names)
     words = (

@@ -213,7 +213,7 @@ def peak_of(
     place_sigmas: Floats | None = None,
     random: np.random.Generator | None = None,
 ) -> Peak:
-    """Return where a curve of few samples is largest, with its standard deviation.
+    """The maximum of a curve of few samples: its position with standard deviation, and height.
 
     Parameters
     ----------
@@ -291,7 +291,7 @@ def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
 
 
 def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
-    """Return where the peaks are in plain words."""
+    """A sentence on the measured and the computed peaks."""
     parts, apart = [], 0
     for name, one, other in zip(names, seen, computed, strict=True):
         parts.append(

@@ -224,7 +224,7 @@ def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> floa
 
 
 def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
-    """Return where a record falls into two parts with the fits of both, None where it is one.
+    """The cut between two parts of a record with the fits of both, None where it is one.
 
     `fit_part` fits the same model to some of the samples, at once where a fit of nearly the same
     samples is given too; other arguments are those of `place_of_change`.

@@ -34,7 +34,7 @@ class Apparatus:
         return self.mass or _MASS
 
     def guess(self, table: xr.Dataset) -> Pendulum | LatoLato:
-        """Return what swings in a track table, with first guesses of what is not known.
+        """The system of a track table, with first guesses of unknown parameters.
 
         Raises
         ------

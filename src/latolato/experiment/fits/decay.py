@@ -277,7 +277,7 @@ def _by_equation(
     compare: bool,
     profile: bool,
 ) -> _Part:
-    """Return what the full equation gives with a law of drag."""
+    """Estimates, curves and verdicts of the full equation with a law of drag."""
     laws = _compared(data, first, aside) if compare else {}
     if law == "best":
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
@@ -318,7 +318,7 @@ def _by_envelope(
     *,
     profile: bool,
 ) -> _Part:
-    """Return what the turning points give, beside the estimates of the equation if there are any.
+    """Estimates, curves and verdict of the envelope, compared with the equation's if any.
 
     Raises
     ------
@@ -637,7 +637,7 @@ class _Body:
         )
 
     def _centre(self, length: Estimate) -> Estimate:
-        """Return where a solid ball's centre c is: ``c + 2/5 r^2/c`` is the equivalent length."""
+        """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
         assert self.radius is not None
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
@@ -708,7 +708,7 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
 
 
 def _envelope_verdict(estimates: Mapping[str, Estimate]) -> str:
-    """Return what the envelope gives, and whether it agrees with the equation."""
+    """A sentence with the envelope's decay rate, and whether it agrees with the equation."""
     envelope = estimates["decay_rate_envelope"]
     words = f"The envelope gives a decay rate of {envelope}"
     if "damping_envelope" in estimates:

@@ -711,7 +711,7 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
 
 
 def _unsteady(drift: Mapping[str, Estimate], solution: Solution, duration: float) -> list[str]:
-    """Return what changes over the record, in plain words."""
+    """Phrases about an amplitude or a frequency that changes over the record."""
     parts = []
     for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
         change = drift[f"{name}_drift"]

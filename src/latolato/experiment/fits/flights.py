@@ -23,7 +23,7 @@ Pull = Callable[[float], float]
 
 
 def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
-    """Return what gives (g + y0'')/l at an instant of the table [1/s^2]."""
+    """A function for (g + y0'')/l [1/s^2] at an instant of the table [s]."""
     segments = drive.segments(_end_of(drive))
     starts = [segment.start for segment in segments]
     acceleration = drive.acceleration

@@ -310,7 +310,7 @@ def _grown(
 
 
 def part_fitter(whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess]) -> Any:
-    """Return what fits the same equation to a part of the samples, from the whole's motion on."""
+    """A function that fits the same equation to a part of the samples, from the whole's motion."""
     drags = dict.fromkeys(COEFFICIENTS, _SOME_DRAG) | {t: whole.values[t] for t in terms}
 
     def fit_part(part: Data, about: Solution | None = None) -> Solution:

@@ -330,7 +330,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def _minimized(minimizer: Any, limit: int) -> Any:
-    """Return what lmfit finds."""
+    """The result of lmfit, refused if it did not converge."""
     names = listed(list(minimizer.params))
     way_out = "fit fewer parameters, or use another part"
     with warnings.catch_warnings():
@@ -350,7 +350,7 @@ def _minimized(minimizer: Any, limit: int) -> Any:
 
 
 def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Floats], Floats]:
-    """Return what makes residuals independent, if neighbours' correlation is `rho`.
+    """A filter that makes residuals independent whose neighbours have the correlation `rho`.
 
     ``e_i = (r_i - f r_(i-1))/sqrt(1 - f^2)`` with ``f = rho^((t_i - t_(i-1))/spacing)``; the first
     of a series is itself.

@@ -180,14 +180,14 @@ fits.register("model")(
 
 
 def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
-    """Return what is fitted along: how the table sees angles, of which a mirror shows one part."""
+    """Guesses of nuisance parameters: how the table sees angles, with fewer if `mirrored`."""
     if mirrored:
         return {name: sight[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in sight}
     return {"angle_offset": Guess(0.0, prior=_TILT), **sight}
 
 
 def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str]:
-    """Return what varies, checked."""
+    """The names of the parameters to vary, checked."""
     known = _known(system, drive)
     if vary is None:
         names = ["length", "damping"]
@@ -209,7 +209,7 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
 
 
 def _known(system: System, drive: Drive) -> list[str]:
-    """Return what could vary."""
+    """The names of all parameters that can vary."""
     names = ["angle_offset"]
     for law in (system, drive):
         for f in fields(law):
@@ -230,7 +230,7 @@ def _value(system: System, drive: Drive, name: str) -> float:
 
 
 def _owner(system: System, drive: Drive, name: str) -> tuple[Any, str]:
-    """Return what has a parameter (the system, one of its balls, the drive), and its name there."""
+    """The owner of a parameter (the system, one of its balls, the drive), and its name there."""
     side, _, inner = name.partition("_")
     if side in _SIDES:
         return getattr(system, side), inner

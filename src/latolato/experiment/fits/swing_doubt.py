@@ -184,7 +184,7 @@ def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | N
 def _of_whole(
     data: Data, whole: Solution, cut: Cut, terms: Sequence[str], aside: Mapping[str, Guess]
 ) -> tuple[str, str] | None:
-    """Return what explains the whole record with other units or another drag: a kind, and words.
+    """An explanation of the whole record by other units or another drag: a kind, and words.
 
     It must gain most of what two parts do, and its numbers may not change within the record.
     """

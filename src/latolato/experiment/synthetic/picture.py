@@ -53,7 +53,7 @@ class View:
         return self.distorted(*self.flat(x, y))
 
     def distorted(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
-        """Return where undistorted points of the picture appear."""
+        """Columns and rows at which a lens shows undistorted points of the picture [pixels]."""
         camera = self.camera
         if not camera.has_lens:
             return u, v

@@ -398,7 +398,7 @@ def _states(motion: Motion, view: View, times: Floats) -> Floats:
 
 
 def hand_places(scene: Scene, times: Floats) -> list[float | None]:
-    """Return where the hand is in each frame [m], or None where there is none."""
+    """The hand's position in each frame [m], None without a hand."""
     if scene.hand_radius <= 0.0:
         return [None] * len(times)
     return [float(x) for x in scene.hand_speed * (times - scene.hand_time)]

@@ -312,9 +312,9 @@ def best_angles(
     balls: int,
     tilt: Tilt | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return where on the circle balls are most likely, and how much they explain there.
+    """The balls' most likely angles on their circle [rad], and the gains there.
 
-    With a tilt it is seen as an oval.
+    With a tilt the circle is seen as an oval.
 
     Angles are from straight down in the image, to the right positive, shape (ball,); with two
     balls they are the pair at least a diameter apart with the largest sum.

@@ -212,7 +212,7 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
 
 
 def _residual(ring: _Ring, at: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return what an edge does not explain with the best colours on both sides, and the cost."""
+    """The edge's residual, shape (pixel,), and cost with the best colours on both sides."""
     radius, blur = float(at[0]), float(at[1])
     depth = np.clip((radius - ring.away) / blur, -2.0, 2.0)
     share = np.mean(0.5 + depth * (0.375 - depth * depth * 0.03125), axis=1)

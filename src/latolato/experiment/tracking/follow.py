@@ -62,7 +62,7 @@ def follow(
     progress: Callable[[float], None] | None = None,
     corrections: Corrections | None = None,
 ) -> Positions:
-    """Return where pivot and balls are in every frame.
+    """Positions of pivot and balls in every frame.
 
     Parameters
     ----------

@@ -107,7 +107,7 @@ def learn_image_model(
     unseen_radius: float | None = None,
     tilt: Tilt | None = None,
 ) -> ImageModel:
-    """Return what a clip looks like.
+    """The image model of a clip: background, balls and pivot.
 
     Parameters
     ----------

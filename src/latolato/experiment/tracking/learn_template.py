@@ -47,7 +47,7 @@ def learn_template_model(
     *,
     is_seen: bool = True,
 ) -> ImageModel:
-    """Return what a clip looks like whose bobs are followed by a template.
+    """The image model of a clip whose bobs are followed by a template.
 
     Parameters
     ----------

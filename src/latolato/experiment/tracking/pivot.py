@@ -100,7 +100,7 @@ class PivotTracker:
         return (int(self.template.shape[0]) - 1) // 2
 
     def place(self, shift: np.ndarray) -> np.ndarray:
-        """Return where the pivot is (column, row) for shifts [pixels]."""
+        """Positions of the pivot (column, row) for shifts (..., 2) [pixels]."""
         at: np.ndarray = self.origin + shift - self.anchor
         return at
 

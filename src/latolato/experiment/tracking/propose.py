@@ -69,7 +69,7 @@ def propose(
     count: int | None = None,
     optics: Optics | None = None,
 ) -> tuple[Setup, float]:
-    """Return where pivot and balls are in the clicked frame, and a ball's radius [pixels].
+    """Positions of pivot and balls in the clicked frame, and a ball's radius [pixels].
 
     The right-hand ball comes first; no pivot is in the picture if none is found.
 

@@ -222,13 +222,13 @@ class Steadier:
         return Frame(frame.number, frame.time, *planes)
 
     def place(self, number: int, place: np.ndarray) -> np.ndarray:
-        """Return where a place of a frame that was read is in the steady picture [pixels]."""
+        """Position in the steady picture of a place in a frame already read [pixels]."""
         return np.asarray(self._matrices[number] @ [*place, 1.0])
 
     def motions(self, count: int) -> np.ndarray:
-        """Return where the first frames show the places of the steady picture.
+        """Transforms from the steady picture to each of the first frames.
 
-        As matrices by which ``(column, row, 1)`` is multiplied, shape (frame, 2, 3).
+        They are matrices by which ``(column, row, 1)`` is multiplied, shape (frame, 2, 3).
         """
         still = np.eye(2, 3)
         matrices = (self._matrices.get(number, still) for number in range(count))

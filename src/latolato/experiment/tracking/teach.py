@@ -260,7 +260,7 @@ def learn_exposure(
 
 
 def _least(costs: dict[float, float]) -> float:
-    """Return where costs are least: on the parabola through the least and its neighbours."""
+    """The minimum of costs, on the parabola through the least one and its neighbours."""
     places = sorted(costs)
     at = min(range(len(places)), key=lambda k: costs[places[k]])
     if at in (0, len(places) - 1):

@@ -37,7 +37,7 @@ def follow_path(
     progress: Callable[[float], None] | None = None,
     corrections: Corrections | None = None,
 ) -> Positions:
-    """Return where balls are in every frame, from their places in one of them, without angles.
+    """Positions of balls in every frame, from those in one of them, without angles.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def swinging(sample: Sample, path: Positions) -> tuple[Sample, list[np.ndarray]]
 
 
 def _has_left(first: Frame, later: Frame, place: np.ndarray, radius: float) -> bool:
-    """Return whether the inner part of a ball at a place looks otherwise in a later frame."""
+    """Return whether the inner part of a ball at a place looks different in a later frame."""
     reach = max(1, int(0.25 * radius))
     u, v = np.rint(0.5 * place).astype(int)
     part = np.s_[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1]

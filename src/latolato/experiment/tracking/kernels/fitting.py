@@ -24,7 +24,7 @@ _BETWEEN = 3
 
 @jit
 def prepared(path: np.ndarray, pivot: np.ndarray, ball: Ball) -> tuple[np.ndarray, np.ndarray]:
-    """Return what draws a ball along a path wherever it is shifted: running sum and pieces."""
+    """A ball's running sum and a path's pieces, to draw it wherever the path is shifted."""
     pieces = pieces_of(path)
     if len(pieces) == 0:
         return np.zeros((1, 1, 4), np.float32), pieces

@@ -152,7 +152,7 @@ export class Answer {
     this.mark.style.top = `${100 * (box[3] - this.at.y * (box[3] - box[1]))}%`;
   }
 
-  /** Return what the marked point stands for. */
+  /** The values of the marked point in words. */
   said() {
     const { panel, x, y } = this.at;
     const { x: across, y: up } = this.panels[panel];

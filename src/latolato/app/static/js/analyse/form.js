@@ -20,7 +20,7 @@ const VARIED = "parameter";
 const LIMITS = ["low", "high"];
 
 /**
- * Return what the fields begin with, by option.
+ * The first texts of the fields, by option.
  * @param {string} name of the analysis
  * @param {Record<string, Field>} fields
  * @param {About} about
@@ -196,13 +196,13 @@ export class AnalysisForm {
         ?? entries.flatMap(({ values }) => values).map(unfit).find((problem) => problem) ?? null };
   }
 
-  /** Return what was typed and taken, by option; empty fields are left out. */
+  /** The accepted texts by option, without empty fields. */
   values() {
     return Object.fromEntries(Object.keys(this.inputs).map((name) => [name, this.taken[name]])
       .filter(([, value]) => value !== ""));
   }
 
-  /** Return what is typed and was not there at the beginning. */
+  /** The accepted texts that differ from the first ones, by option. */
   changes() {
     return Object.fromEntries(Object.entries(this.values()).filter(([name, value]) =>
       value !== (this.begun[name] ?? this.fields[name].default.toLowerCase()) &&

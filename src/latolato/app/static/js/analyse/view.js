@@ -79,7 +79,7 @@ export class AnalyseView {
     this.unsubscribe = () => {};
   }
 
-  /** Return what all views are about. */
+  /** The run that all views show: its scenario and options. */
   get request() {
     const { scenario, options } = this.page.store.state;
     return { scenario: scenario || (options.system ? null : FIRST), options };

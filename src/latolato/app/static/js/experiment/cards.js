@@ -73,7 +73,7 @@ export function clipList(session, open) {
 }
 
 /**
- * Return what a video was filmed for: a few numbers in large type, each with its uncertainty.
+ * The answer of a video: a few numbers in large type, each with its uncertainty.
  * @param {Clip["answer"]} answer
  */
 export function answerNumbers(answer) {

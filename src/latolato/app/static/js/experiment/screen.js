@@ -190,7 +190,7 @@ export class Screen {
   }
 
   /**
-   * Return where a place of the picture lies on the canvas, in its own pixels.
+   * The position on the canvas of a place of the picture, in the canvas's own pixels.
    * @param {Place} place in pixels, whole numbers in their middle
    */
   onCanvas({ u, v }) {

@@ -276,7 +276,7 @@ export class Setup {
 }
 
 /**
- * Return what a file says about slow motion, nothing for one that plays as it was filmed.
+ * A sentence about slow motion by the file's clock, empty for one that plays as it was filmed.
  * @param {NonNullable<import("./session.js").Clip["about"]>["clock"] | undefined} clock
  */
 export function clockText(clock) {

@@ -66,8 +66,8 @@ function countsParts({ parts, part, roles }) {
 }
 
 /**
- * Return what has to be known beside the columns of a table: a frame rate, the place of the pivot, and
- * the directions of angles and of y.
+ * Flags of the facts that a table's columns leave open: a frame rate, the pivot's position, and the
+ * directions of angles and of y.
  * @param {Sheet} sheet
  */
 export function openOf(sheet) {
@@ -78,7 +78,7 @@ export function openOf(sheet) {
 }
 
 /**
- * Return what the description of an import says about the file.
+ * The description of an import for a table: section, columns, directions and decimal sign.
  * @param {Sheet} sheet
  */
 export function choicesOf(sheet) {

@@ -142,7 +142,7 @@ export function handlesOf(clip, frame, isByHand) {
 }
 
 /**
- * Return where the corners of a region and the ends of a stick are to begin with.
+ * The first positions of a region's corners and a stick's ends [pixels].
  * @param {{width: number, height: number}} size
  * @returns {Record<string, import("./handles.js").Place>}
  */

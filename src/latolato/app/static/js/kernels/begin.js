@@ -93,7 +93,7 @@ export function begin(kernels, parameters, segments) {
 }
 
 /**
- * Return what a record says is wrong, null if nothing is.
+ * The problem that a record reports, null if there is none.
  * @param {Kernels} kernels
  * @param {Held} records
  * @param {number} index

@@ -12,7 +12,7 @@ const SIMD = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123
   1, 8, 0, 65, 0, 253, 15, 253, 98, 11]);
 
 /**
- * Return what is loaded once; after an error it is tried again.
+ * A value that is loaded once; after an error loading is tried again.
  * @template T
  * @param {string} name
  * @param {() => Promise<T>} load
@@ -28,7 +28,7 @@ function once(name, load) {
 }
 
 /**
- * Return what a file of JSON says; it is loaded once.
+ * The content of a JSON file, which is loaded once.
  * @param {string} path
  * @returns {Promise<any>}
  */
@@ -37,7 +37,7 @@ export function loadJson(path) {
 }
 
 /**
- * Return what the modules have and what lies where in their memory.
+ * The layout of the modules: what they contain, and its place in their memory.
  * @returns {Promise<Layout>}
  */
 export function loadLayout() {

@@ -86,7 +86,7 @@ export function countSteps(kernels, question) {
 }
 
 /**
- * Return what a function returns, and give all memory back that it took.
+ * The result of a function, whose memory is released.
  * @template T
  * @param {Kernels} kernels
  * @param {() => T} compute

@@ -29,7 +29,7 @@ const MOST_ROOM = 65536;
 const PER_BALL = 2;
 
 /**
- * Return what comes of a run of one ball or two; `integrate.integrate` does the same.
+ * The run of one ball or two; `integrate.integrate` does the same.
  * @param {Kernels} kernels
  * @param {Prepared} prepared
  * @param {{balls: number, duration: number, contact_limit: number, engine?: string}} how
@@ -97,7 +97,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
 }
 
 /**
- * Return what comes of a run from its parameters, and its record; `latolato.simulate` does the same.
+ * The run of some parameters, with its record; `latolato.simulate` does the same.
  *
  * It is repeated with half the step as long as the energy ledger closes worse than the tolerance
  * allows, some times at most; `closes` says whether it did at last.

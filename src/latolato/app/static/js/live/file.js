@@ -35,7 +35,7 @@ export function fileText({ format }, { created, options }, { about, arrays, shap
 }
 
 /**
- * Return what a file holds.
+ * The recording in a file.
  * @param {any} registry
  * @param {string} text
  * @returns {{about: Omit<Entry, "id" | "bytes">, block: Block}}

@@ -174,7 +174,7 @@ export class Recording {
   }
 
   /**
-   * Return what was recorded of every sample, by name: one column, or one for each ball.
+   * The recorded samples by name: one column, or one for each ball.
    * @returns {Record<string, Float64Array[]>}
    */
   columns() {
@@ -207,7 +207,7 @@ export class Recording {
   }
 
   /**
-   * Return what was recorded of every contact; kinds are numbers of the layout's.
+   * The recorded contacts by name; kinds are numbers of the layout's.
    * @returns {Record<string, Float64Array[]>}
    */
   contactColumns() {
@@ -223,7 +223,7 @@ export class Recording {
   }
 
   /**
-   * Return what was recorded as Play shows runs.
+   * The recording as a block, as Play shows runs.
    * @param {Run | null} again
    */
   block(again) {

@@ -132,7 +132,7 @@ export class LiveView {
     this.shake.end();
   }
 
-  /** Return what the address asks for, as a text to compare. */
+  /** The run in the address, as a text to compare. */
   wish() {
     const { scenario, options } = this.page.store.state;
     return JSON.stringify([scenario, options]);
@@ -187,7 +187,7 @@ export class LiveView {
       title: this.page.registry.scenarios[scenario ?? FIRST_OF_LIVE]?.title ?? t("view_live") });
   }
 
-  /** Return what to run. */
+  /** The scenario and the options to run. */
   request() {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
@@ -230,7 +230,7 @@ export class LiveView {
   }
 
   /**
-   * Let the buttons that move a toy be pressed, or not.
+   * Enable or disable the buttons that move a toy.
    * @param {boolean} hasToy
    */
   allow(hasToy) {
@@ -399,7 +399,7 @@ export class LiveView {
     if (this.toy) this.take("frequency_ratio", ratio);
   }
 
-  /** Return what each key does. @returns {import("../shared/keys.js").Actions} */
+  /** The action of each key. @returns {import("../shared/keys.js").Actions} */
   actions() {
     const turn = (/** @type {string} */ name, /** @type {number} */ way) =>
       () => this.knobs.all[name]?.turn(way);

@@ -105,7 +105,7 @@ export class Watch {
 }
 
 /**
- * Return what the curves show, now, by their names: angles in degrees.
+ * The present values of the curves by name: angles in degrees, the rest in SI units.
  * @param {LiveMotion} motion
  * @returns {Record<string, number>}
  */

@@ -14,7 +14,7 @@ import { tr } from "../strings.js";
 const SIDES = ["right", "left"];
 
 /**
- * Return what a map begins with: what it is of, and the middles and borders of its cells.
+ * The beginning of a map: its description, and the middles and borders of its cells.
  * @param {Question} question
  * @returns {import("./grid.js").Begin}
  */
@@ -36,7 +36,7 @@ export function beginOf(question) {
 }
 
 /**
- * Return what a map may be made of, and what it is made of, for the form.
+ * The choices of a map's form, and what is chosen.
  * @param {Question} question
  */
 export function choicesOf({ registry, options, choices, x, y, shown, duration, transient }) {

@@ -27,7 +27,7 @@ const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];
 const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored", "at"];
 
 /**
- * Return where the parameters of a map come from: a stored map, a shipped sweep, or the page.
+ * The source of a map's parameters: a stored map, a shipped sweep, or the page.
  * @param {any} registry
  * @param {State} state
  * @returns {Source}
@@ -55,7 +55,7 @@ export function withMapNamed(registry, state) {
 }
 
 /**
- * Return what the address asks for: see `question.js`, or a stored map.
+ * The request in the address: see `question.js`, or a stored map.
  * @param {any} registry
  * @param {State} state
  * @returns {Record<string, any>}
@@ -127,7 +127,7 @@ function axisOf({ extra, shown }, which) {
 }
 
 /**
- * Return what the address keeps of an axis.
+ * The entries of the address for an axis.
  * @param {Which} which
  * @param {{name: string | null, low: any, high: any, log: boolean}} axis
  */
@@ -137,8 +137,7 @@ function keys(which, { name, low, high, log }) {
 }
 
 /**
- * Return what the address keeps of an axis of which one end was changed; an empty end stands for
- * the usual one.
+ * The entries of the address for an axis with one end changed; an empty end stands for the usual one.
  * @param {Axes} axes
  * @param {Which} which
  * @param {"low" | "high"} side
@@ -149,7 +148,7 @@ export function ended(axes, which, side, value) {
 }
 
 /**
- * Return what the address keeps of an axis that is made logarithmic or linear; one that begins
+ * The entries of the address for an axis that is made logarithmic or linear; one that begins
  * at zero gets the usual start. A stored map has its points, and its spacing alone is kept.
  * @param {Axes} axes
  * @param {Which} which
@@ -163,7 +162,7 @@ export function spaced(axes, which, on) {
 }
 
 /**
- * Return what the address keeps when another parameter is shown along an axis; that of the other
+ * The entries of the address when another parameter is shown along an axis; that of the other
  * axis changes places with this one.
  * @param {Axes} axes
  * @param {Which} which

@@ -104,7 +104,7 @@ export class MapChart {
   }
 
   /**
-   * Return where a point of the map lies on the canvas, in its own pixels.
+   * The position on the canvas of a point of the map, in the canvas's own pixels.
    * @param {number} x
    * @param {number} y
    */

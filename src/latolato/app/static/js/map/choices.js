@@ -226,7 +226,7 @@ function around(value) {
 }
 
 /**
- * Return what is gathered at each point, which variable of it is shown, and what else colours may
+ * The observables computed at each point, the variable shown, and the others that colours may
  * show: what the sweep of a scenario gathers, or the usual three, is gathered together, anything
  * else alone.
  * @param {Registry} registry

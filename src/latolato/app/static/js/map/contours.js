@@ -122,8 +122,8 @@ function lengths(points) {
 }
 
 /**
- * Return where a text of this width can stand at a share of a line, and at what angle: upright,
- * along the line; null where the line is too crooked.
+ * The position and angle of a text of this width at a share of a line: upright, along the line;
+ * null where the line is too crooked.
  * @param {Float64Array} points
  * @param {Float64Array} along
  * @param {number} share
@@ -145,7 +145,7 @@ export function placeAt(points, along, share, room) {
 }
 
 /**
- * Return where a level text can stand at a share of a line.
+ * The position of a level text at a share of a line.
  * @param {Float64Array} points
  * @param {Float64Array} along
  * @param {number} share

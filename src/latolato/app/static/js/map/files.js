@@ -50,7 +50,7 @@ export class MapFiles {
   }
 
   /**
-   * Return what a file of the map on show is called.
+   * The name of a file of the map on show.
    * @param {string} ending
    */
   nameOf(ending) {
@@ -113,8 +113,8 @@ export class MapFiles {
 }
 
 /**
- * Return what the program is asked for a file of the map on show: which map it is, a stored one or one
- * of the page by its runs and its sweep, and how it looks.
+ * The request for a file of the map on show: which map it is, a stored one or one of the page by
+ * its runs and its sweep, and how it looks.
  * @param {MapView} view
  * @param {import("./grid.js").Grid} grid
  */

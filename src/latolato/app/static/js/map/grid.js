@@ -113,7 +113,7 @@ export class Grid {
   }
 
   /**
-   * Return what is known of a cell: its value, or why there is none.
+   * A cell's value, or why there is none.
    * @param {number} at
    * @param {number} k place of the variable
    * @returns {{value: number, why: "" | "notYet" | "noAnswer" | "noValue", status: string,

@@ -19,7 +19,7 @@ export class Memory {
   }
 
   /**
-   * Return what is known of a map, with the points that it shares with other maps.
+   * The known points of a map, including those that it shares with other maps.
    * @param {Plan} plan
    * @param {number} rows how many numbers a point has
    */

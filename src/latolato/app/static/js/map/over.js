@@ -63,7 +63,7 @@ export class Over {
   }
 
   /**
-   * Return what a function returns; if it refuses its input, null and a sentence among the notes.
+   * The result of a function; if it refuses its input, null, with a sentence among the notes.
    * @template T
    * @param {() => T} make
    * @param {string[]} notes
@@ -106,7 +106,7 @@ export class Over {
   }
 
   /**
-   * Return what contour lines are asked for, null for none.
+   * The variable and levels of the contour lines, null for none.
    * @returns {Question | null}
    */
   question() {

@@ -193,7 +193,7 @@ function pathOf({ records }, name, angles) {
 }
 
 /**
- * Return what pictures of a map may show: of exponents the first, of samples nothing.
+ * The variables that pictures of a map may show: of exponents the first, of samples none.
  * @param {Layout} layout
  * @param {Pick<Plan, "observables" | "angles">} plan
  * @returns {Variable[]}

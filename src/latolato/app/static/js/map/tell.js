@@ -35,7 +35,7 @@ export function withName(axis, value) {
 }
 
 /**
- * Return what is known of a cell in words.
+ * A cell's axis values and its value, or why there is none, in words.
  * @param {Grid} grid
  * @param {number} cell
  * @param {number} k place of the variable

@@ -128,7 +128,7 @@ export function tongue(placing) {
 }
 
 /**
- * Return where the pivot's largest acceleration equals gravity.
+ * The line on which the pivot's largest acceleration equals gravity.
  * @param {Placing} placing
  * @throws {InputError} if nothing can rest on a wall
  */

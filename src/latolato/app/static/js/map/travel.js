@@ -98,7 +98,7 @@ function measure(axis) {
 }
 
 /**
- * Return where values may lie along an axis, in its measure.
+ * The limits of values along an axis, in its measure.
  * @param {Axis} axis
  */
 function allowedOf(axis) {

@@ -200,7 +200,7 @@ export class MapView {
   }
 
   /**
-   * Let the picture pale, or not.
+   * Dim the picture, or restore it.
    * @param {boolean} isOld
    */
   veil(isOld) {

@@ -23,7 +23,7 @@ import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, ref
  */
 
 /**
- * Return what a request asks for, checked.
+ * The case of a request, checked.
  * @param {Registry} registry
  * @param {Request} request
  * @returns {Promise<Case>}

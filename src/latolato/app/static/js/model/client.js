@@ -216,7 +216,7 @@ export class Runner {
   }
 }
 
-/** Return what a run ends with that is no longer wanted. */
+/** The error that ends a run that is no longer wanted. */
 function aborted() {
   return new DOMException("a newer run is wanted", "AbortError");
 }

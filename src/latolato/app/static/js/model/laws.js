@@ -182,7 +182,7 @@ export function fieldsOf({ gravity, restitution, angles, linear, balls, ...hangi
 }
 
 /**
- * Return where the balls of a system touch [rad].
+ * The contact angles of a system [rad].
  * @param {Kernels} kernels
  * @param {System} system
  */

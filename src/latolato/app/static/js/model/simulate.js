@@ -38,7 +38,7 @@ const MOST_STROBES = 20_000;
 const PHASED = [1, 2, 3];
 
 /**
- * Return what comes of a case.
+ * The run of a case.
  * @param {Case} each
  * @param {number} [mostSamples] of a run whose instants were not asked for
  * @returns {Run}
@@ -212,7 +212,8 @@ function finished(each, time, prepared, result, halvings, isLoose) {
 }
 
 /**
- * Return what is known of contacts of balls on strings beside the angular velocities.
+ * Further columns for contacts of balls on strings: radial velocities [m/s], and
+ * the ball where there are two.
  * @param {import("../kernels/memory.js").Layout} layout
  * @param {Float64Array[]} values
  * @param {number} count of balls

@@ -72,7 +72,7 @@ function lowestRoot(q, side) {
 }
 
 /**
- * Return where a condition that holds on the left of an interval begins to fail.
+ * The point from which a condition that holds on the left of an interval fails.
  * @param {(x: number) => boolean} holds
  * @param {number} left
  * @param {number} right
@@ -88,7 +88,7 @@ export function changeBetween(holds, left, right) {
 }
 
 /**
- * Return where a function with one hump is above zero, NaN if it is nowhere.
+ * A point at which a function with one hump is positive, NaN if there is none.
  * @param {(x: number) => number} hump
  * @param {number} left
  * @param {number} right

@@ -215,7 +215,7 @@ class Plate {
     else this.job.wait(t("paperWaits", { name: entry.caption ? entry.label : entry.title }), leave);
   }
 
-  /** Let the video be asked for again. */
+  /** Allow the video to be requested again. */
   release() {
     this.start.disabled = this.entry.missing !== "";
   }

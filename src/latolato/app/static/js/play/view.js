@@ -208,7 +208,7 @@ export class PlayView {
     }
   }
 
-  /** Let the first run move, unless somebody wants little motion or another page has this one. */
+  /** Play the first run, unless the user prefers reduced motion or the page is embedded. */
   begin() {
     if (this.hasBegun) return;
     this.hasBegun = true;

@@ -22,7 +22,7 @@ export class Offline extends Error {}
  */
 
 /**
- * Return what the server answers to JSON, or throw a Refusal.
+ * The server's response to JSON; a refused request throws a Refusal.
  * @param {string} path
  * @param {any} [body] without it the request is a GET
  * @param {AbortSignal} [signal]

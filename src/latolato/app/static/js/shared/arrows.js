@@ -123,7 +123,7 @@ function drawArrow(context, [x, y], dx, dy, ratio, paint) {
 }
 
 /**
- * Return what the arrows of a run mean, as items of a list.
+ * The legend of a run's arrows, as items of a list.
  * @param {Motion} motion
  */
 export function legendOf(motion) {

@@ -32,7 +32,7 @@ function burstOf(context) {
 }
 
 /**
- * Let balls be heard that meet at an instant.
+ * Play the sound of balls that meet at an instant.
  * @param {BaseAudioContext} context
  * @param {AudioNode} out
  * @param {number} at [s] of the context

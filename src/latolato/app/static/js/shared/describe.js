@@ -54,7 +54,7 @@ const subject = (log) => (log.isPair ? "balls" : "ball");
 const turnsRound = ({ kind }) => kind === "dip" || kind === "peak";
 
 /**
- * Return where balls rest on each other at an instant, null where they do not.
+ * The side, "bottom" or "top", on which balls rest on each other at an instant; null if they do not.
  * @param {Log} log
  * @param {number} time
  */
@@ -102,7 +102,7 @@ function rateOf(events, kind) {
 }
 
 /**
- * Return what happens after an instant, up to another one.
+ * The outline of the events between two instants.
  * @param {Log} log
  * @param {number} from
  * @param {number} to
@@ -190,7 +190,7 @@ export function isNews(next, last) {
 }
 
 /**
- * Return what happens for the first time, or begins or ends.
+ * A sentence about what happens for the first time, begins or ends; null for nothing new.
  * @param {Log} log
  * @param {number} from
  * @param {number} to
@@ -212,7 +212,7 @@ function newsOf(log, from, to) {
 }
 
 /**
- * Return what happens all the time, null if it is too little for that.
+ * A sentence about what happens all the time, null if it is too little for that.
  * @param {Log} log
  * @param {number} from
  * @param {number} to
@@ -249,7 +249,7 @@ function tumble(events) {
 }
 
 /**
- * Return what to say about clacks above the hand.
+ * A sentence about clacks above the hand.
  * @param {Event[]} events
  * @param {number} below how often balls clack below the hand
  * @param {number} above
@@ -280,7 +280,7 @@ function swings(about, heights, longer) {
 }
 
 /**
- * Return what happened last.
+ * A sentence about the last event, null if there is none.
  * @param {Log} log
  * @param {number} from
  * @param {number} to
@@ -307,7 +307,7 @@ function newestOf(log, from, to) {
 const compared = (one, other) => (one > other ? "higher" : one < other ? "lower" : "same");
 
 /**
- * Return what a change of a parameter did.
+ * A sentence about the effect of a changed parameter.
  * @param {Log} log
  * @param {Outline} before
  * @param {Outline} now
@@ -347,7 +347,7 @@ function touch(motion, [one, other]) {
 }
 
 /**
- * Return where balls and hand are at an instant.
+ * Sentences on the positions of balls and hand at an instant.
  * @param {Motion} motion
  * @param {number} time
  * @returns {Sentence[]}
@@ -373,7 +373,7 @@ export function placesOf(motion, time) {
 }
 
 /**
- * Return what a chart shows: between which values its curves lie, and how they develop.
+ * Sentences on a chart: between which values its curves lie, and how they develop.
  * @param {string} quantity "angle", "energy" or "power"
  * @param {ArrayLike<number>} time
  * @param {ArrayLike<number>[]} curves

@@ -24,7 +24,7 @@ export function strengthOf(speed, naturalFrequency) {
 }
 
 /**
- * Return where two balls touch, or would: on the line of their centres, as far as their radii say.
+ * The point of contact of two balls, on the line of their centres, divided in the ratio of their radii.
  * @param {{ball: import("./motion.js").Ball, x: number, y: number}[]} balls
  * @param {(ball: import("./motion.js").Ball) => number} radius
  */

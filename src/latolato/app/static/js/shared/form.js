@@ -224,7 +224,7 @@ export class Form {
   }
 
   /**
-   * Return whether an option, or the ratio that says the same, has no one value here.
+   * Return whether an option, or the ratio equivalent to it, varies here.
    * @param {string} name
    */
   varies(name) {

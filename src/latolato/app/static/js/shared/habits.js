@@ -48,7 +48,7 @@ class Habits {
     this.known = null;
   }
 
-  /** Return what was chosen, now or the last time. */
+  /** The choices made now or the last time. */
   get all() {
     if (this.known) return this.known;
     try {

@@ -16,8 +16,8 @@ import { localShort } from "./units.js";
 const BEHIND = 0.05;
 
 /**
- * Return whether a number that is written now and then would be seen to be behind: the quantity
- * swings too far for that in a period.
+ * Return whether a number that is written now and then would lag visibly: the quantity swings too
+ * far for that in a period.
  * @param {number} low least value of the quantity in a period
  * @param {number} high largest one
  * @param {number} period of a swing [s]

@@ -87,7 +87,7 @@ export class JobLine {
   }
 
   /**
-   * Return what a job gives, or null if it is refused (which is shown) or cancelled.
+   * The result of a job, null if it is refused (which is shown) or cancelled.
    * @param {string} path
    * @param {any} request
    * @param {{expected?: number | null, timed?: (seconds: number) => void}} [options] seconds that

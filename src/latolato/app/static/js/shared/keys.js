@@ -78,7 +78,7 @@ export class KeyList {
 }
 
 /**
- * Return what keys do, those together that do the same.
+ * The keys with what they do, those together that do the same.
  * @param {Actions} actions
  */
 function rowsOf(actions) {

@@ -25,7 +25,7 @@ export function firstOf(languages, wanted) {
 }
 
 /**
- * Let the page speak a language, and put the texts of the registry in it.
+ * Set the page's language, and translate the texts of the registry.
  * @param {Registry} registry
  * @param {string} code one of the registry's
  */
@@ -34,8 +34,7 @@ export async function speak(registry, code) {
 }
 
 /**
- * Let the page speak the language of a table. A page speaks one: after another one than English it
- * stays.
+ * Set the page's language to that of a table, once: after a language other than English it stays.
  * @param {Registry} registry
  * @param {string} code
  * @param {import("../strings.js").Language} table
@@ -47,8 +46,8 @@ export function speakTable(registry, code, table) {
 }
 
 /**
- * Let a whole page speak what its address asks for, else what was chosen before, else what the browser
- * prefers; and offer the others.
+ * Set a whole page's language to that of its address, else that chosen before, else that which the
+ * browser prefers; and offer the others.
  * @param {Page} page
  */
 export async function speakInPage({ registry, store }) {

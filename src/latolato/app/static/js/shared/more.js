@@ -181,7 +181,7 @@ export class MoreCurves {
 }
 
 /**
- * Return what happens at a contact, and to which ball if not to both.
+ * The kind of a contact, with its ball if it is not of both.
  * @param {Motion} motion
  * @param {number} i
  */
@@ -197,8 +197,8 @@ function ballsPerLedger(/** @type {Motion} */ motion) {
 }
 
 /**
- * Return where the energy came from (positive) and where it went or remains (negative), with
- * shares of all that came in: those of each side sum to one.
+ * The energy ledger [J]: sources (positive) and sinks or rests (negative), with shares of all that
+ * came in: those of each side sum to one.
  * @param {Motion} motion
  * @returns {{name: string, energy: number, share: number, paint: string}[]}
  */

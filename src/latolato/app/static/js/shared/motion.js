@@ -259,7 +259,7 @@ export class Motion {
   }
 
   /**
-   * Return where a ball on a slack string is about the pivot [m], to the right and up: cubic between
+   * The position of a ball on a slack string from the pivot [m], to the right and up: cubic between
    * samples, and straight on from them up to contacts between them.
    * @param {Ball} ball
    * @param {number} i of the sample before

@@ -110,7 +110,7 @@ export class Narrator {
   }
 
   /**
-   * Return what was changed.
+   * Sentences on a changed option, none if it is no number.
    * @param {string} option
    * @param {unknown} before
    * @param {unknown} now

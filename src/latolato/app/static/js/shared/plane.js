@@ -80,7 +80,7 @@ export class Plane {
     };
   }
 
-  /** Return what turns a quantity into a place on the canvas, in its own pixels, for each axis. */
+  /** The functions that turn a quantity into a position on the canvas, in its own pixels, by axis. */
   places() {
     const { left, top, width, height } = this.frame();
     const { x: [x0, x1], y: [y0, y1] } = this.limits;
@@ -93,7 +93,7 @@ export class Plane {
   }
 
   /**
-   * Return where a point lies on the canvas, in its own pixels.
+   * The position of a point on the canvas, in the canvas's own pixels.
    * @param {number} x
    * @param {number} y
    */

@@ -122,7 +122,7 @@ function readableOptions(registry, { view, scenario, options: all }, left) {
 }
 
 /**
- * Return what to say to a link that names a preset by a key that there is not.
+ * The message for a link that names a preset by a key that does not exist.
  * @param {Registry} registry
  * @param {string} name of the preset
  * @returns {Left}
@@ -231,7 +231,7 @@ export function nearestAllowed(registry, error) {
 }
 
 /**
- * Return what can be done about a run that is refused.
+ * The actions that can help with a refused run.
  * @param {Page} page
  * @param {Error} error
  * @returns {import("./messages.js").Action[]}

@@ -31,7 +31,7 @@ export function fitScale({ left, right, low, high }, width, height, ratio) {
 }
 
 /**
- * Return where a point lies, in pixels.
+ * The position of a point, in pixels.
  * @param {Scale} scale
  * @param {number} x in m to the right
  * @param {number} y in m upwards

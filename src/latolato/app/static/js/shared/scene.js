@@ -100,7 +100,7 @@ export class Scene {
   }
 
   /**
-   * Let a contact be seen; returns whether it was a clack.
+   * Show a contact; returns whether it was a clack.
    * @param {number} k its number
    */
   mark(k) {
@@ -124,7 +124,7 @@ export class Scene {
   }
 
   /**
-   * Let a clack flash.
+   * Show the flash of a clack.
    * @param {Pose} pose of the balls that meet
    * @param {number} speed at which they do [rad/s]
    */
@@ -161,7 +161,7 @@ export class Scene {
   }
 
   /**
-   * Return where a point of the plane lies on the canvas, in its own pixels.
+   * The position on the canvas of a point of the plane, in the canvas's own pixels.
    * @param {number} x
    * @param {number} y
    */
@@ -169,7 +169,7 @@ export class Scene {
     return place(this.scale(), x, y);
   }
 
-  /** Return where pivot and balls are on show. */
+  /** The pose of pivot and balls on show. */
   pose() {
     return this.held ?? this.motion?.pose(this.time) ?? null;
   }
@@ -251,7 +251,7 @@ export class Scene {
 }
 
 /**
- * Return where the balls of a pose lie, in pixels.
+ * The positions of a pose's balls, in pixels.
  * @param {Scale} scale
  * @param {Pose} pose
  */

@@ -35,7 +35,7 @@ export class Sound {
   }
 
   /**
-   * Let balls be heard that met, the louder the faster.
+   * Play the sound of balls that met, the louder the faster.
    * @param {number} ago [s]
    * @param {number} loudness from 0 to 1
    * @param {"bottom" | "top"} kind
@@ -52,7 +52,7 @@ export class Sound {
   }
 
   /**
-   * Let the angle of each ball be heard.
+   * Play the angle of each ball as a tone.
    * @param {number[]} angles [rad]
    */
   follow(angles) {

@@ -143,7 +143,7 @@ export class Start {
     this.tell();
   }
 
-  /** Return what keys lead the balls that the run on show has. @returns {Actions} */
+  /** The actions of the keys that move the balls of the run on show. @returns {Actions} */
   keys() {
     const count = this.scene.motion?.balls.length ?? 0;
     return Object.fromEntries(Object.entries(this.actions).filter(([key]) => count > 1 || key.startsWith("Arrow")));

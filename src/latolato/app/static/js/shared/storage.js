@@ -17,7 +17,7 @@ const ENTRIES = "recordings";
 const BLOCKS = "blocks";
 
 /**
- * Return what a request of the database ends with.
+ * The result of a request to the database.
  * @template T
  * @param {IDBRequest<T>} request
  * @returns {Promise<T>}

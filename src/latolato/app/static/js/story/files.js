@@ -85,7 +85,7 @@ export async function load(registry, name) {
 }
 
 /**
- * Return what `work` returns; a refusal names the file.
+ * The result of `work`; a refusal names the file.
  * @param {string} name
  * @param {() => Promise<Table>} work
  */
