@@ -25,7 +25,13 @@ from latolato.figures.cells import SCALES
 from latolato.figures.map import CLASSES
 from latolato.observables import observables
 from latolato.observables.angles import MotionClass
-from latolato.physics.contacts import contact_laws
+from latolato.physics.contacts import (
+    ClampContact,
+    ContactLaw,
+    ExactContact,
+    PassThrough,
+    contact_laws,
+)
 from latolato.physics.drives import FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import Pendulum, systems
@@ -36,6 +42,9 @@ from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
 from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
 from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan
+
+# Others would run on a page as exact contact: see `contactOf` in ``js/model/case.js``.
+_PAGE_CONTACTS = (ExactContact, ClampContact, PassThrough)
 
 _making = threading.Lock()
 
@@ -115,6 +124,8 @@ def _motion(drive: Any) -> dict[str, Any]:
 
 def _is_compiled(law: type) -> bool:
     """Return whether the modules for pages have a law; a drive must be written by a formula."""
+    if issubclass(law, ContactLaw):
+        return law in _PAGE_CONTACTS
     return law.__module__.startswith("latolato.") and getattr(law, "write", ...) is not None
 
 
