@@ -212,7 +212,9 @@ def object_of(text: str, name: str, features: Sequence[str]) -> bytes:
         for function in module.functions:
             function.add_function_attribute("optsize")
     # Engines gain 8 % by the third level; lanes gain nothing and are 2 % smaller without.
-    return _optimised(module, features, speed=3 if name == "engine" else 2)
+    return _optimised(
+        module, features, speed=3 if name == "engine" else 2, loops=name not in _SMALL
+    )
 
 
 def _with_instructions(text: str) -> str:
@@ -226,8 +228,14 @@ def _with_instructions(text: str) -> str:
     return text if intrinsic in text else f"{text}\n{intrinsic}\n"
 
 
-def _optimised(module: Any, features: Sequence[str], speed: int = 2) -> bytes:
-    """Return code as an object file; `speed` is LLVM's level of optimisation."""
+def _optimised(
+    module: Any, features: Sequence[str], speed: int = 2, *, loops: bool = True
+) -> bytes:
+    """Return code as an object file.
+
+    `speed` is LLVM's level of optimisation, `loops` says whether loops become vectors: small code
+    does without, and LLVM 20 checks there, with an assertion, where ``optsize`` stands.
+    """
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple("wasm32-unknown-unknown").create_target_machine(
@@ -235,7 +243,7 @@ def _optimised(module: Any, features: Sequence[str], speed: int = 2) -> bytes:
     )
     module.triple, module.data_layout = target.triple, str(target.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed)
-    tuning.loop_vectorization = tuning.slp_vectorization = True
+    tuning.loop_vectorization, tuning.slp_vectorization = loops, True
     builder = llvm.create_pass_builder(target, tuning)
     builder.getModulePassManager().run(module, builder)
     code: bytes = target.emit_object(module)
