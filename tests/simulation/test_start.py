@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.core.errors import InputError
 from latolato.numerics.integrate import Start, integrate
 from latolato.simulation.start import checked_contact, checked_drive, checked_start
 
@@ -173,3 +174,27 @@ def test_an_angle_that_a_rotating_pendulum_ended_with_is_taken_without_a_word():
     turned = ll.simulate(SWING, initial_angle=0.0, initial_angular_velocity=20.0, duration=1.0)
     assert turned.angle[-1] > 2.0 * math.tau
     ll.simulate(SWING, initial_angle=turned.angle[-1].item(), duration=0.1)
+
+
+def test_mirror_images_near_a_wall_remain_mirror_images():
+    rng = np.random.default_rng(3)
+    for length, share in zip(rng.uniform(0.2, 1.0, 40), rng.uniform(0.02, 0.3, 40), strict=True):
+        ball = ll.Ball(length=length, mass=0.1, radius=share * length)
+        low = ll.LatoLato(length=length, mass=0.1, radius=share * length).contact_angle_low
+        found = ll.sweep(
+            ll.BallPair(right=ball, left=ball),
+            axes={"gravity": [9.8]},
+            initial_angle=(low, -low),
+            duration=0.2,
+            observables=["transverse_exponent"],
+        )
+        assert found.status.item() != "invalid"
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_bound_that_a_refusal_prints_is_admitted(which):
+    toy = ll.LatoLato(length=0.4386146512852849, mass=0.1, radius=0.043673711569397033)
+    with pytest.raises(InputError, match="contact angles") as refused:
+        ll.simulate(toy, initial_angle=0.0, duration=0.1)
+    bounds = str(refused.value).partition("[")[2].partition("]")[0].split(", ")
+    ll.simulate(toy, initial_angle=float(bounds[which]), duration=0.1)

@@ -46,11 +46,13 @@ _ROD_HITS = (
     "{{half_width:g}} rad of the {1} ball exceeds the contact separation {{separation:g}} rad"
 )
 _RADIUS = Problem(
-    "radius", "must lie in [0, length)", "give less than {length:g}", ("radius", "length"),
+    "radius", "must lie in [0, length)", "give less than {length:.15g}", ("radius", "length"),
     "radius", "radius",
 )  # fmt: skip
+# Bounds have so many digits that a bound which is typed as it stands here is admitted: a start is
+# on a wall that it misses by 1e-12 rad, and lengths have no more than 15 digits.
 _ANGLE = Problem(
-    "angle", "{parameter} must lie between the contact angles [{low:.9g}, {high:.9g}] rad",
+    "angle", "{parameter} must lie between the contact angles [{low:.13g}, {high:.13g}] rad",
     "give one at which the balls do not overlap", ("angle", "low", "high", "radians"),
     "initial_angle", "angle",
 )  # fmt: skip
@@ -58,10 +60,13 @@ _SEPARATION = _ANGLE._replace(
     name="separation",
     rule=_ANGLE.rule.replace("{parameter}", "the separation {parameter}[0] - {parameter}[1]"),
 )
-_OFFSET = _ANGLE._replace(name="offset", parameter="initial_offset")
+_OFFSET = _ANGLE._replace(
+    name="offset", parameter="initial_offset",
+    rule="{parameter} counts from the lower contact angle and must lie in [0, {high:.13g}] rad",
+)  # fmt: skip
 _DISTANCE = Problem(
     "distance", "must not exceed the length of the string",
-    "give at most {length:.9g} m, at which the string is taut", ("distance", "length"),
+    "give at most {length:.15g} m, at which the string is taut", ("distance", "length"),
     "initial_distance", "distance",
 )  # fmt: skip
 
@@ -135,8 +140,8 @@ PROBLEMS = (
         "too many steps",
         "a run of this {parameter} would take {steps:.3g} steps of {step:.3g} s, the limit is "
         "{limit:g}",
-        "shorten it, loosen the tolerance or slow the motion", ("steps", "step", "limit"),
-        "duration",
+        "shorten it, loosen the tolerance (or enlarge clamp_step) or slow the motion",
+        ("steps", "step", "limit"), "duration",
     ),
     # Of points of a map.
     Problem(
