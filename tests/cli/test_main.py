@@ -222,7 +222,7 @@ BAD_INPUT = [
     (but(TOY, "--times", "no.txt"), "got 'no.txt'; there is no file of that name either"),
     (
         ["--system", "pendulum", "--length", "1e-29", *TOY[4:6], *TOY[8:]],
-        "1.58e+16 default samples exceed the limit of 20000000",
+        "1.58e+16 default samples exceed the limit of 20000000; shorten the duration or name fewer",
     ),
     (but(TOY, "--samples", "20000001"), "samples must lie in [2, 2e+07], got 20000001"),
     (
