@@ -502,7 +502,11 @@ def test_options_of_measuring_commands_are_those_of_the_functions_they_call(comm
     options = options_of(function, without=(*LAWS, "sources", "path", "run"))
     # How often a comparison computes depends on its kind.
     for name in options.keys() - ({"draws", "seed"} if command == "compare" else set()):
-        assert re.search(rf"{options[name].flag} +VALUE", printed), name
+        assert re.search(rf"{options[name].flag} +(VALUE|<int>|U,V)", printed), name
+
+
+def test_a_pivot_that_is_no_place_is_quoted_as_typed(capsys):
+    assert "such as 640,200, got '3'" in refused(capsys, "trials", ".", "--pivot", "3")
 
 
 def test_all_shipped_scenarios_are_listed_and_printed():
