@@ -157,7 +157,7 @@ def main() -> None:
         return
     wasm.check_linker()
     begin, specs = time.monotonic(), _specs()
-    print(f"compiling {len(specs)} pieces of numerical code: a minute or two", flush=True)
+    print(f"compiling {len(specs)} kernels: a minute or two", flush=True)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     with tempfile.TemporaryDirectory() as empty:

@@ -12,7 +12,7 @@ from in_node import read_layout
 from latolato.sweeps.batches import run_fastest
 from latolato.sweeps.chunk import run_chunk
 from latolato.sweeps.plan import make_plan
-from latolato.sweeps.points import make_batch, stepper_of
+from latolato.sweeps.points import make_batch
 from map_in_node import maps_in_node
 
 BALL = {"length": 1.0, "mass": 0.8, "radius": 0.1, "damping": 0.02}
@@ -123,6 +123,6 @@ def test_every_picture_has_more_points(in_pages):
 def test_steps_are_counted_before_a_map_begins(in_pages):
     for name, page in in_pages.items():  # whose points are counted one by one
         plan = sweep_plan(name)
-        batch = make_batch(plan, np.arange(plan.size), stepper_of(plan))
+        batch = make_batch(plan, np.arange(plan.size))
         steps = plan.duration / batch.points.settings["step"][batch.valid]
         assert page["estimate"]["steps"] == pytest.approx(steps.sum(), rel=1e-12), name

@@ -223,7 +223,7 @@ BAD_INPUT = [
     (but(TOY, "--times", "no.txt"), "got 'no.txt'; there is no file of that name either"),
     (
         ["--system", "pendulum", "--length", "1e-29", *TOY[4:6], *TOY[8:]],
-        "1.58e+16 default samples exceed the limit of 20000000",
+        "1.58e+16 default samples exceed the limit of 20000000; shorten the duration or name fewer",
     ),
     (but(TOY, "--samples", "20000001"), "samples must lie in [2, 2e+07], got 20000001"),
     (
@@ -503,7 +503,11 @@ def test_options_of_measuring_commands_are_those_of_the_functions_they_call(comm
     options = options_of(function, without=(*LAWS, "sources", "path", "run"))
     # How often a comparison computes depends on its kind.
     for name in options.keys() - ({"draws", "seed"} if command == "compare" else set()):
-        assert re.search(rf"{options[name].flag} +VALUE", printed), name
+        assert re.search(rf"{options[name].flag} +(VALUE|<int>|U,V)", printed), name
+
+
+def test_a_pivot_that_is_no_place_is_quoted_as_typed(capsys):
+    assert "such as 640,200, got '3'" in refused(capsys, "trials", ".", "--pivot", "3")
 
 
 def test_all_shipped_scenarios_are_listed_and_printed():

@@ -9,6 +9,7 @@ import pytest
 
 import latolato as ll
 from latolato.cli.main import main
+from latolato.core.errors import InputError
 from latolato.experiment.track_table import track_table, write_table
 from latolato.experiment.trial_table import (
     COLUMNS,
@@ -139,8 +140,17 @@ def test_a_bad_file_is_named_and_the_others_go_on(folder):
     bad = track_table({"time": [0.0, 0.1], "angle_1": [0.1, 0.2], "pivot_y": [0.0, 0.0]})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        with pytest.raises(ValueError, match="no trial was found in 1 files"):
+        with pytest.raises(ValueError, match="no trial was found in 1 file: "):
             collect_trials(bad)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [("gravity", math.nan), ("length", 0.0), ("radius", 0.0), ("transient", -1.0)],
+)
+def test_a_bad_number_is_refused_before_any_file_is_read(folder, name, value):
+    with pytest.raises(InputError, match=f"^{name} must"):
+        collect_trials(folder, **{name: value})
 
 
 def test_a_table_beside_its_video_takes_its_place(folder):

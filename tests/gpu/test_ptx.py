@@ -42,16 +42,16 @@ def test_kernel_compiles_to_ptx_in_double_precision(plan):
     import numba
     from numba import cuda
 
-    from latolato.sweeps.executors.cuda import kernel_arguments, kernel_of
+    from latolato.sweeps.executors.cuda import device_kernel_of, kernel_arguments
 
     stepper = stepper_of(plan)
-    batch = make_batch(plan, np.arange(plan.size), stepper)
+    batch = make_batch(plan, np.arange(plan.size))
     slots = blank_slots(plan.observables, plan.size * plan.system.angles)
     progress = make_progress(batch.states, slots.ravel())
     order = np.arange(plan.size)
     cancel = np.zeros(1, dtype=np.int64)
     arguments = (*kernel_arguments(batch, stepper, order, progress), cancel)
-    kernel = kernel_of(plan, stepper)
+    kernel = device_kernel_of(plan)
     records = [a for a in arguments if isinstance(a, np.ndarray) and a.dtype.names]
     assert records
     assert all(a.dtype.isalignedstruct for a in records)  # others are read byte by byte

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-# Pieces that come with the package are left aside.
+# Kernels that come with the package are left aside.
 BEGIN = """
 import json, sys
 import latolato as ll

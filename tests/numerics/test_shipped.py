@@ -79,7 +79,7 @@ def kinds(kind: type = Observable) -> list[type]:
 
 @pytest.fixture
 def forgotten(monkeypatch, tmp_path):
-    """A process that has no piece yet, and an empty cache folder."""
+    """A process that has no kernel yet, and an empty cache folder."""
     folder = tmp_path / "cache"
     folder.mkdir(mode=0o700)
     monkeypatch.setenv("LATOLATO_CACHE_DIR", str(folder))

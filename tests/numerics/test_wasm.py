@@ -477,7 +477,7 @@ REFUSED = {
     },
     "belongs to systems of 2 angles": {"observables": [{"name": "transverse_exponent"}]},
     "module for this map is two": {"angles": 2},
-    "make interval longer": {
+    "make noise_interval longer": {
         "noise": {"noise_strength": 0.1, "noise_interval": 1e-9},
         "parameters": {"gravity": 9.8, "balls.0.length": 1.0, "balls.0.mass": 1.0, "tolerance": 1},
     },

@@ -226,7 +226,7 @@ def test_points_begin_as_single_runs_do(name, follows):
     plan = plan_of(name)
     stepper, index = stepper_of(plan), np.arange(plan.size)
     previous = previous_of(plan, plan.size, hasattr(plan.drive, "drive_phase")) if follows else None
-    batch = make_batch(plan, index, stepper, previous)
+    batch = make_batch(plan, index, previous)
     assert batch.valid.any()
     for k in index:
         if not batch.valid[k]:
@@ -253,7 +253,7 @@ def test_points_begin_as_single_runs_do(name, follows):
 
 def test_points_step_like_single_runs():
     plan = plan_of("pendulum and ratios")
-    batch = make_batch(plan, np.arange(plan.size), stepper_of(plan))
+    batch = make_batch(plan, np.arange(plan.size))
     columns = batch.columns
     for k in range(plan.size):
         drive = ll.Harmonic(
@@ -423,9 +423,9 @@ def test_the_arguments_of_a_point_simulate_that_point(name):
     try:
         result = arguments_of(plan, number)
     except ValueError:
-        assert not make_batch(plan, np.array([number]), stepper_of(plan)).valid[0]
+        assert not make_batch(plan, np.array([number])).valid[0]
         return
-    expected = make_batch(plan, np.array([number]), stepper_of(plan)).states[0]
+    expected = make_batch(plan, np.array([number])).states[0]
     run = simulate(**result | {"duration": 1e-3})
     angle = np.atleast_2d(run["angle"].values)[:, 0]
     assert angle[0] == expected["angle"][0]
@@ -457,7 +457,7 @@ def test_a_point_with_too_many_steps_is_named_whatever_its_drag():
     settings = {"duration": 5.0, "initial_angle": 1.0, "observables": ["largest_angle"]}
     drive = ll.Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     plan = make_plan(PENDULUM, drive, axes=axes, tolerance=1e-6, **settings)
-    batch = make_batch(plan, np.arange(2), stepper_of(plan))
+    batch = make_batch(plan, np.arange(2))
     assert not batch.valid.any()
     assert batch.reason.endswith(
         "the limit is 1e+10; shorten it, loosen the tolerance (or enlarge clamp_step) or slow the "

@@ -180,7 +180,7 @@ class Branch:
             except InputError:
                 continue
             x = confined(flow, start)
-            gaps.append(gap_of(flow, x, flow.follow(x, duration).end, turns))
+            gaps.append(gap_of(x, flow.follow(x, duration).end, turns))
             shares.append(share)
             if len(gaps) == 2:
                 break
@@ -202,7 +202,7 @@ class Branch:
                 return None
             x = confined(flow, point[:-1] * self.scale[:-1])
             passage = flow.follow(x, duration)
-            gap = gap_of(flow, x, passage.end, turns)
+            gap = gap_of(x, passage.end, turns)
             missed = np.append(gap / self.scale[:-1], place.tangent @ (point - guess))
             size = float(np.linalg.norm(missed))
             if not passage.is_complete or not math.isfinite(size):

@@ -78,8 +78,8 @@ def lyapunov_spectrum(
     -----
     The vectors are stretched by the exact derivative of the integrator's steps and made
     orthonormal after each. Convergence is as 1/time for regular and 1/sqrt(time) for chaotic
-    motion: compare two durations. The exponent between rests begins again with one deviation after
-    each rest; where rests are not rare, it depends on which one. The same numbers as a
+    motion: compare two durations. The exponent between rests begins again with one perturbation
+    after each rest; where rests are not rare, it depends on which one. The same numbers as a
     map: ``latolato.sweep(..., observables=["lyapunov_exponent"])``.
 
     Examples

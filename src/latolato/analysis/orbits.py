@@ -146,7 +146,7 @@ def shoot(flow: Flow, guess: Floats, duration: float) -> Orbit:
     x = confined(flow, np.asarray(guess, dtype=np.float64))
     passage = flow.follow(x, duration)
     turns = turns_of(flow, x, passage.end)
-    gap = gap_of(flow, x, passage.end, turns)
+    gap = gap_of(x, passage.end, turns)
     for _ in range(_MOST_TRIALS):
         size = float(np.linalg.norm(gap / scale))
         if not passage.is_complete or not math.isfinite(size):
@@ -160,7 +160,7 @@ def shoot(flow: Flow, guess: Floats, duration: float) -> Orbit:
         for halving in range(_HALVINGS):
             trial = confined(flow, x + scale * move * 0.5**halving)
             passed = flow.follow(trial, duration)
-            missed = gap_of(flow, trial, passed.end, turns)
+            missed = gap_of(trial, passed.end, turns)
             smaller = float(np.linalg.norm(missed / scale))
             if passed.is_complete and smaller < size * (1.0 - 1e-4 * 0.5**halving):
                 x, passage, gap = trial, passed, missed
@@ -183,7 +183,7 @@ def turns_of(flow: Flow, start: Floats, end: Floats) -> int:
     return round(mean) if math.isfinite(mean) else 0
 
 
-def gap_of(flow: Flow, start: Floats, end: Floats, turns: int) -> Floats:
+def gap_of(start: Floats, end: Floats, turns: int) -> Floats:
     """Return end minus start, whole turns taken away."""
     gap = end - start
     gap[0::2] -= math.tau * turns

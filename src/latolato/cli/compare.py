@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import inspect
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,6 +22,7 @@ from latolato.cli.output import Targets, print_summary
 from latolato.core.errors import InputError
 from latolato.experiment.compare import compare as compare_with
 from latolato.experiment.comparison.motion import compare_motion
+from latolato.experiment.comparison.places import compare_map
 from latolato.experiment.comparison.response import compare_response
 from latolato.scenario.analysis_options import LAWS, arguments_of, options_of
 from latolato.scenario.options import law_options
@@ -37,6 +39,11 @@ _UNFIT = {
     for option in law_options().values()
     if option.owner == "noise" or (option.owner == "run" and option.name not in _START)
 }
+
+
+def _usual_draws(function: Callable[..., xr.Dataset]) -> int:
+    """Return how many draws a comparison makes by default."""
+    return int(inspect.signature(function).parameters["draws"].default)
 
 
 @with_law_options(without=_UNFIT)
@@ -58,7 +65,12 @@ def compare(
         ),
     ] = None,
     draws: Annotated[
-        int | None, typer.Option(help="Number of computations with varied parameters.")
+        int | None,
+        typer.Option(
+            help="Number of computations with varied parameters; by default "
+            f"{_usual_draws(compare_motion)} for a motion, {_usual_draws(compare_map)} on a map, "
+            f"{_usual_draws(compare_response)} for response curves."
+        ),
     ] = None,
     output: OutputOption = None,
     plot: PlotOption = None,

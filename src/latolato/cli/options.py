@@ -41,12 +41,13 @@ ColumnOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print the summary as JSON.", rich_help_panel="Output")
 ]
+BallsOption = Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")]
 BallOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="U,V",
-        help="Column and row of a ball's centre in the same frame; give it twice for two balls. "
-        "Without it, the video is searched for balls.",
+        help="Column and row of a ball's centre in the frame of --pivot; give it twice for two "
+        "balls. Without it, the video is searched for balls.",
     ),
 ]
 Command = Callable[..., Any]

@@ -11,6 +11,7 @@ import typer
 
 from latolato.cli.options import (
     BallOption,
+    BallsOption,
     JsonOption,
     balls_of,
     pivots_of,
@@ -35,7 +36,7 @@ from latolato.scenario.analysis_options import arguments_of, options_of
 @with_options(VIDEO_PARAMETERS.values())
 def track(
     videos: Annotated[list[Path], typer.Argument(help="Videos.")],
-    balls: Annotated[int | None, typer.Option(help="How many balls swing: 1 or 2.")] = None,
+    balls: BallsOption = None,
     pivot: Annotated[
         list[str] | None,
         typer.Option(

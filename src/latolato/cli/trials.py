@@ -12,12 +12,13 @@ import typer
 
 from latolato.cli.options import (
     BallOption,
+    BallsOption,
     JsonOption,
     balls_of,
+    place_of,
     with_options,
 )
 from latolato.cli.output import Targets, print_summary
-from latolato.experiment.sidecar import checked_place
 from latolato.experiment.trial_table import CLASSES, SUFFIXES, write_trials
 from latolato.experiment.trials import collect_trials
 from latolato.io.progress import bar
@@ -26,12 +27,20 @@ from latolato.scenario.analysis_options import arguments_of, options_of
 if TYPE_CHECKING:
     import xarray as xr
 
-OPTIONS = options_of(collect_trials, without=("sources", "progress"))
+OPTIONS = options_of(collect_trials, without=("sources", "pivot", "balls", "progress"))
 
 
 @with_options(OPTIONS.values())
 def trials(
     source: Annotated[list[Path], typer.Argument(help="Folders, track tables and videos.")],
+    balls: BallsOption = None,
+    pivot: Annotated[
+        str | None,
+        typer.Option(
+            help="Column and row of the pivot in the first frame of all videos: 640,194.",
+            metavar="U,V",
+        ),
+    ] = None,
     ball: BallOption = None,
     output: Annotated[
         Path | None, typer.Option(help="Trial table: .csv or .nc.", rich_help_panel="Output")
@@ -45,9 +54,9 @@ def trials(
     """
     Targets(output).check("the name of a trial table", SUFFIXES)
     arguments = arguments_of(OPTIONS, values)
-    arguments["balls"] = balls_of(values["balls"], ball)
-    if "pivot" in arguments:
-        checked_place("--pivot", arguments["pivot"])
+    arguments["balls"] = balls_of(balls, ball)
+    if pivot is not None:
+        arguments["pivot"] = place_of("--pivot", pivot)
     with bar("trials") as progress, warnings.catch_warnings():
         # The summary contains them.
         warnings.simplefilter("ignore", RuntimeWarning)

@@ -808,7 +808,7 @@ def _examine(
             seen.give_up(finding.doubtful)
 
 
-def _doubt(scene: ImageModel, scale_sigma: float = 0.0) -> float:
+def _doubt(scene: ImageModel) -> float:
     """Return by which share the radius measured may differ from that declared."""
     return _TOLERANCE + scene.look.radius_sigma / scene.look.radius
 

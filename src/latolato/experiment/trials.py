@@ -218,7 +218,7 @@ def collect_trials(
     Raises
     ------
     InputError
-        If there is no file, or no file gives a trial.
+        For bad input, if there is no file, or if no file gives a trial.
 
     Warns
     -----
@@ -227,6 +227,14 @@ def collect_trials(
     """
     checked_choice("sets", sets, ("auto", "folder", "amplitude"))
     workers = checked_count("workers", workers)
+    gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
+    for parameter, value, allowed, unit in (
+        ("length", length, POSITIVE, "m"),
+        ("radius", radius, POSITIVE, "m"),
+        ("transient", transient, NON_NEGATIVE, "s"),
+    ):
+        if value is not None:
+            checked_number(parameter, value, allowed, unit)
     import xarray as xr
 
     alone = not isinstance(sources, Iterable) or isinstance(sources, (str, xr.Dataset))
@@ -249,7 +257,8 @@ def collect_trials(
         if progress is not None:
             progress(done / len(files))
     if not rows:
-        raise InputError(f"no trial was found in {len(files)} files: {' | '.join(failed)}")
+        inside = f"{len(files)} file{'s' * (len(files) != 1)}"
+        raise InputError(f"no trial was found in {inside}: {' | '.join(failed)}")
     columns = {name: [row[name] for row in rows] for name in rows[0]}
     by_folder = sets == "folder" or (sets == "auto" and len(set(folders)) > 1 and all(folders))
     columns["set"] = folders if by_folder else sets_of(

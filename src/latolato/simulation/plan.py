@@ -140,7 +140,7 @@ def _checked_times(
         if periods * SAMPLES_PER_PERIOD > MOST_SAMPLES:
             raise InputError(
                 f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
-                f"{MOST_SAMPLES}; ask for the instants you need with times"
+                f"{MOST_SAMPLES}; shorten the duration or name fewer instants with times"
             )
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end

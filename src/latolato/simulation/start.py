@@ -257,7 +257,7 @@ def kicks_of(
     if end / spacing > MOST_KICKS:
         raise InputError(
             f"{end / spacing:.3g} velocity kicks exceed the limit of {MOST_KICKS}; "
-            "make interval longer"
+            "make noise_interval longer"
         )
     count = int(end / spacing)
     instants: Floats = spacing * np.arange(1, count + 1, dtype=np.float64)

@@ -74,7 +74,7 @@ def _run(
     previous: Previous | None,
 ) -> tuple[Values, str, Previous]:
     """Return the values of these points, what is wrong with the first invalid one, their ends."""
-    batch = make_batch(plan, index, stepper, previous)
+    batch = make_batch(plan, index, previous)
     balls, count = plan.system.angles, len(index)
     acc = blank_slots(plan.observables, balls * count).ravel()
     progress = make_progress(batch.states, acc)

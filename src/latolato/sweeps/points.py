@@ -131,9 +131,7 @@ def _resolve(columns: Columns) -> None:
             columns["drive_amplitude"] = lift / columns["drive_frequency"] ** 2
 
 
-def make_batch(
-    plan: Plan, index: NDArray[np.int64], stepper: Stepper, previous: Previous | None = None
-) -> Batch:
+def make_batch(plan: Plan, index: NDArray[np.int64], previous: Previous | None = None) -> Batch:
     """Return the points with these numbers, of which some may continue earlier ones."""
     columns = columns_of(plan, index)
     if previous is not None and previous.phase is not None:
@@ -371,7 +369,7 @@ def arguments_of(plan: Plan, number: int) -> dict[str, Any]:
             f"a point of this map continues from its neighbour along {plan.continuation}: it "
             "cannot run alone"
         )
-    batch = make_batch(plan, np.array([number]), stepper_of(plan))
+    batch = make_batch(plan, np.array([number]))
     if batch.reason:
         raise InputError(batch.reason)
     columns = batch.columns

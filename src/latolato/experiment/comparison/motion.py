@@ -64,15 +64,15 @@ def compare_motion(
     drive : Drive or "measured", optional
         How the pivot moves; by default as measured, as in `latolato.fit_model`.
     ball : int, optional
-        Which ball of the table a system of one angle describes, as for `latolato.fit_model`.
+        Which ball of the table a system of one angle describes; by default 1, and for a `LatoLato`
+        with both balls in the table half the difference of their angles.
     start : float, optional
         First instant used [s].
     end : float, optional
         Last instant used [s].
     match : float, optional
-        Time after the start during which the computed motion is fitted to the measured one [s],
-        by its initial angle and velocity only; by default 4 natural periods. After that it is
-        a prediction.
+        Time after the start during which the computed motion is fitted to the measured one, by its
+        initial angle and velocity only; by default 4 natural periods [s].
     sigmas : mapping of str to float, optional
         Standard deviations of the system's parameters, in SI units.
     draws : int
@@ -96,6 +96,8 @@ def compare_motion(
 
     Notes
     -----
+    After `match` the computed motion is a prediction.
+
     Phases are those of the analytic signals (Hilbert) z of both angles about their mean over two
     drive periods: the argument of the mean of ``z_measured conj(z_computed)`` over two drive
     periods, NaN at both ends and where samples are missing. A phase of chaotic or resting motion

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 _MARGIN = 1.75
 # What is written beside the picture.
 _ROWS = (
-    *("multipliers", "growth_rate", "response_period", "impacts", "turns", "slowest_impact"),
-    *("multiplier_error", "defect"),
-)
+    "multipliers", "growth_rate", "response_period", "impacts", "turns", "slowest_impact",
+    "multiplier_error", "defect",
+)  # fmt: skip
 
 
 @style.styled

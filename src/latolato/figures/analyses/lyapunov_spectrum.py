@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _ROWS = ("divergence", "sum_rule_residual", "exponent_between_rests", "rests")
 # What grows or shrinks exponentially.
 _DISTANCE = "the distance between neighbouring starts"
-# Between rests a deviation must grow or shrink by so many e-folds to forget how it began.
+# Between rests a perturbation must grow or shrink by so many e-folds to forget how it began.
 _RARE = 10.0
 
 

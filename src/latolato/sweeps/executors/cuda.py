@@ -78,7 +78,7 @@ def _execute(
     def run_points(
         plan: Plan, batch: Batch, stepper: Stepper, order: NDArray[np.int64], progress: Progress
     ) -> None:
-        kernel = kernel_of(plan, stepper)
+        kernel = device_kernel_of(plan)
         stream = cuda.stream()
         arguments = kernel_arguments(batch, stepper, order, progress)
         on_device = [
@@ -107,7 +107,7 @@ def _execute(
     yield from run_in_threads(run, numbers, count, stop)
 
 
-def kernel_of(plan: Plan, stepper: Stepper) -> Any:
+def device_kernel_of(plan: Plan) -> Any:
     """Return the kernel for the laws and observables of a plan; it compiles when called."""
     return _kernel(
         plan.system.angles,

@@ -106,7 +106,7 @@ export function drawKicks(noise, { duration, natural_frequency, angles }) {
   const interval = noise_interval || (2 * Math.PI) / natural_frequency / PER_PERIOD;
   if (duration / interval > MOST_KICKS) {
     throw new Error(`${(duration / interval).toPrecision(3)} velocity kicks exceed the limit of ${
-      MOST_KICKS}; make interval longer`);
+      MOST_KICKS}; make noise_interval longer`);
   }
   const count = Math.floor(duration / interval);
   const next = normals([BigInt(noise_seed), BigInt(noise_stream)]);

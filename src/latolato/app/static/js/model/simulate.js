@@ -126,7 +126,7 @@ function usualTimes({ system, duration }, driveRate, most) {
   const count = ((duration * fastest) / (2 * Math.PI)) * SAMPLES_PER_PERIOD;
   if (count > Math.min(MOST_DEFAULT_SAMPLES, most) && most === Infinity)
     throw new InputError(`${general(count, 3)} default samples exceed the limit of `
-      + `${MOST_DEFAULT_SAMPLES}; ask for the instants you need with times`);
+      + `${MOST_DEFAULT_SAMPLES}; shorten the duration or name fewer instants with times`);
   return evenly(duration, Math.max(Math.min(Math.ceil(count) + 1, most), 2));
 }
 
