@@ -72,3 +72,18 @@ def test_rounding_errors_of_a_periodic_motion_do_not_fill_a_picture(name):
     figure = importlib.import_module(f"latolato.figures.analyses.{name}").draw(dataset)
     for axes in figure.axes:
         assert np.ptp(axes.get_ylim()) >= 1e-3
+
+
+@pytest.fixture(scope="module")
+def loop():
+    """A toy that starts on the way up, at one amplitude."""
+    return analyses["hysteresis"](
+        TOY, DRIVE, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0, drive_amplitude=[0.03]
+    )
+
+
+def test_dimensions_of_one_value_need_no_selection(loop):
+    figure = ll.plot(loop, "largest_angle")
+    drawn = figure.axes[0].collections[0].get_array()
+    np.testing.assert_array_equal(drawn, loop.largest_angle.isel(drive_amplitude=0))
+    assert "$A_0$ = 30 mm" in figure.axes[0].get_title(loc="left")

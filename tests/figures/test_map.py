@@ -125,8 +125,12 @@ def test_one_dimension_gives_a_curve_and_few_curves_are_named(grid):
 def test_further_dimensions_are_asked_for_and_selected_by_the_nearest_value():
     axes = {**AXES, "damping": [0.0, 0.1]}
     full = sweep(axes=axes)
-    with pytest.raises(ValueError, match=r"varies over .*damping \(2\).* select a value"):
+    way_out = "select a value of all but two: `select` in Python, `--select NAME=VALUE` on"
+    with pytest.raises(ValueError, match=rf"varies over .*damping \(2\).* {way_out}"):
         ll.plot(full)
+    np.testing.assert_array_equal(
+        cells(ll.plot(full.isel(damping=[1]))).get_array(), full.mean_energy[..., 1]
+    )
     figure = ll.plot(full, select={"damping": 0.09})
     np.testing.assert_array_equal(cells(figure).get_array(), full.mean_energy[..., 1])
     assert "$C$ = 0.1 kg m/s" in figure.axes[0].get_title(loc="left")

@@ -71,7 +71,8 @@ def check_drawable(plan: Plan, variable: str | None) -> None:
 
     name = _variable(list(template(plan)), variable)
     lengths = lengths_of(plan)
-    _check_dims({dim: lengths[dim] for dim in dims_of(plan, name)}, name)
+    lengths = {dim: lengths[dim] for dim in dims_of(plan, name)}
+    _check_dims({dim: n for dim, n in lengths.items() if dim not in _constant(lengths)}, name)
 
 
 def _variable(known: list[str], name: str | None) -> str:
@@ -83,6 +84,11 @@ def _variable(known: list[str], name: str | None) -> str:
     return name
 
 
+def _constant(lengths: Mapping[str, int], most: int = 2) -> list[str]:
+    """Return the dimensions of one value where there are more than `most` dimensions."""
+    return [dim for dim, length in lengths.items() if length == 1 and len(lengths) > most]
+
+
 def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
     """Raise InputError unless one or two dimensions are left."""
     if len(lengths) > 2:
@@ -90,8 +96,8 @@ def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
         raise InputError(
             f"varies over {dims}; a picture shows two of them",
             parameter=variable,
-            way_out="select a value of the others, as in "
-            f"`latolato plot FILE --select {next(iter(lengths))}=VALUE`",
+            way_out="select a value of all but two: `select` in Python, `--select NAME=VALUE` on "
+            "the command line",
         )
     if not lengths:
         raise InputError("is a single value", parameter=variable, way_out="select fewer dimensions")
@@ -179,7 +185,9 @@ class Drawing:
 
     A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
     legend, by status; they never look like a value. Values of both signs have colours that change
-    at zero. The status of an analysis is a result: it outlines cells and colours points.
+    at zero. The status of an analysis is a result: it outlines cells and colours points. Dimensions
+    of one value are selected where more are left than a picture shows; of an analysis, always
+    beside others.
     """
 
     def __init__(
@@ -192,7 +200,10 @@ class Drawing:
         right: str | None = None,
     ) -> None:
         self.name = _variable(list(map(str, grid.data_vars)), variable)
-        grid, selection = _select(grid, self.name, select)
+        lengths = {str(dim): grid.sizes[dim] for dim in grid[self.name].dims if dim not in select}
+        constant = _constant(lengths, most=1 if "analysis" in grid.attrs else 2)
+        single = {dim: grid[dim].item() for dim in constant}
+        grid, selection = _select(grid, self.name, {**single, **select})
         rest = _order(list(map(str, grid[self.name].dims)), right)
         _check_dims({d: grid.sizes[d] for d in rest}, self.name)
         self.sides = [side_of(grid, dim) for dim in rest]

@@ -53,6 +53,7 @@ def plot(
     select : mapping, optional
         Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is
         taken and named in the title. A dimension without numbers takes its text or its index.
+        A third dimension of one value needs no selection.
     overlays : sequence of {"tongue", "lift_off"}
         Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
         the sweep's linear damping, and where the pivot's acceleration reaches gravity.
