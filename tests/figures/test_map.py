@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import latolato as ll
 from hanging import tongue_edges
@@ -93,6 +94,12 @@ def test_a_value_that_stands_with_a_failed_status_is_not_drawn(grid):
     wrong = grid.copy(deep=True)
     wrong.status[0, 0] = "failed"
     assert np.ma.getmaskarray(cells(ll.plot(wrong)).get_array())[0, 0]
+
+
+def test_equal_values_do_not_get_the_colours_of_both_signs(grid):
+    for value in (0.0, 0.1):
+        flat = grid.assign(mean_energy=xr.full_like(grid.mean_energy, value))
+        assert cells(ll.plot(flat, "mean_energy")).cmap.name == "viridis"
 
 
 def test_zeros_have_a_colour_of_their_own_on_a_log_scale(grid):

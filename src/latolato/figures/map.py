@@ -293,7 +293,8 @@ class Drawing:
         y, x = self.sides
         values = np.ma.masked_invalid(self.values)
         low, high = look.limits or self.limits
-        has_signs = not (look.colours or look.limits or self.classes) and low < 0.0 < high
+        least, most = (end(self.values, initial=0.0) for end in (np.nanmin, np.nanmax))
+        has_signs = not (look.colours or look.limits or self.classes) and least < 0.0 < most
         if has_signs:
             high = float(np.nanquantile(np.abs(self.values[np.isfinite(self.values)]), _WITHIN))
             low = -high
