@@ -62,6 +62,8 @@ STATUS_COLOURS = {
     **dict.fromkeys(("unstable", "chaotic", "broken"), style.RED),
     **dict.fromkeys(("stable", "regular", "valid", "rest"), style.BLUE),
 }
+# A parameter is followed in these directions.
+WAYS = {"up": style.RED, "down": style.BLUE}
 _OUTLINES = ("-", "--", ":", "-.")
 
 
@@ -359,6 +361,8 @@ class Drawing:
         y, x = self.sides
         if self.words is None or min(self.words.shape) < 2:
             return []
+        if y.words or x.words:  # nothing lies between two words
+            return []
         known = Counter(self.words[~np.isnan(self.values)].tolist()).most_common()
         halo = [Stroke(linewidth=3.0 * style.LINE, foreground=style.PAPER), Normal()]
         handles = []
@@ -374,11 +378,11 @@ class Drawing:
         return handles
 
     def curves(self) -> Figure:
-        """Return curves over the longer dimension."""
+        """Return curves over the longer dimension, or over the one of numbers beside text."""
         values, sides = self.values, self.sides
         if len(sides) == 1:
             values, sides = values[None], [sides[0], sides[0]]
-        elif len(sides[0].values) > len(sides[1].values):
+        elif sides[1].words or (not sides[0].words and len(sides[0].values) > len(sides[1].values)):
             values, sides = values.T, sides[::-1]
         if len(values) > _MOST_CURVES:
             raise InputError(
@@ -392,23 +396,18 @@ class Drawing:
             along = sides[1]
             few = len(along.values) <= 60
             handles: list[Any] = []
-            colours = _shades(len(values))
+            names = [sides[0].name_of(i) for i in range(len(values))] if len(values) > 1 else [""]
+            shades = zip(names, _shades(len(names)), strict=True)
+            colours = [WAYS.get(name, shade) for name, shade in shades]
             if self.words is not None and len(values) == 1:
                 colours = [style.GREY]
                 handles = _mark_statuses(axes, along.values, values[0], self.words)
-            for i, row in enumerate(values):
-                name = ""
-                if len(values) > 1:
-                    unit = str(sides[0].attributes.get("units", "1"))
-                    symbol = sides[0].attributes.get("symbol", "")
-                    head = f"${symbol}$" if symbol else sides[0].name
-                    value = style.shown_value(sides[0].name, float(sides[0].values[i]), unit)
-                    name = f"{head} = {value}"
+            for name, colour, row in zip(names, colours, values, strict=True):
                 (line,) = axes.plot(
                     along.values,
                     row,
-                    color=colours[i],
-                    lw=style.LINE,
+                    color=colour,
+                    lw=0.0 if along.words else style.LINE,
                     marker="o" if few else "",
                     ms=2.5,
                     label=name,
@@ -422,7 +421,8 @@ class Drawing:
                 axes.set_xscale("log")
             if self.log:
                 axes.set_yscale("log")
-            axes.set_xlim(float(along.values[0]), float(along.values[-1]))
+            ends = along.edges if along.words or len(along.values) == 1 else along.values
+            axes.set_xlim(float(ends[0]), float(ends[-1]))
             along.label(axes.xaxis)
             style.show_unit(axes.yaxis, self.data)
             if self.classes:

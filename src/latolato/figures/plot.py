@@ -49,7 +49,8 @@ def plot(
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
-        Draw a curve for each value of the shorter of two dimensions, at most 12, not a map.
+        Draw a curve for each value of the shorter of two dimensions, or for each word of one of
+        text such as `direction`, at most 12, not a map.
     select : mapping, optional
         Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is
         taken and named in the title. A dimension without numbers takes its text or its index.
