@@ -92,6 +92,18 @@ def words_of(texts):
     return [text.get_text() for text in texts]
 
 
+def test_the_statuses_of_an_analysis_are_drawn_in_its_own_words(diagram):
+    figure = ll.plot(diagram, "status")
+    words = words_of(figure.legends[0].get_texts())
+    assert {"rest", "periodic"} <= set(words)
+    drawn = figure.axes[0].collections[0].get_array().astype(int)
+    np.testing.assert_array_equal(np.array(words)[drawn], diagram.status)
+    curve = ll.plot(diagram.sel(direction="up"), "status").axes[0]
+    ticks = np.array(words_of(curve.get_yticklabels()))
+    drawn = curve.get_lines()[-1].get_ydata().astype(int)
+    np.testing.assert_array_equal(ticks[drawn], diagram.status.sel(direction="up"))
+
+
 def test_directions_are_drawn_as_words(diagram, loop):
     figure = ll.plot(diagram, "response_period")
     axes = figure.axes[0]

@@ -62,6 +62,10 @@ STATUS_COLOURS = {
     **dict.fromkeys(("unstable", "chaotic", "broken"), style.RED),
     **dict.fromkeys(("stable", "regular", "valid", "rest"), style.BLUE),
 }
+_OTHER_STATUSES = (
+    *(style.GREEN, style.ORANGE, style.INK, style.SKY),
+    *(style.PALE_RED, style.PALE_BLUE, style.FAINT),
+)
 # A parameter is followed in these directions.
 WAYS = {"up": style.RED, "down": style.BLUE}
 _OUTLINES = ("-", "--", ":", "-.")
@@ -224,9 +228,12 @@ class Drawing:
                 self.words = status.values.astype(str)
             else:
                 self.status = codes_of(status)
-        shown = self.status if self.name == "status" else data.values
-        self.values = np.array(shown, dtype=np.float64)
         self.classes = CLASSES.get(self.name, {})
+        shown = self.status if self.name == "status" else data.values
+        if self.name == "status" and self.words is not None:
+            self.classes = _colours_of(self.words)
+            shown = np.searchsorted(list(self.classes), self.words)
+        self.values = np.array(shown, dtype=np.float64)
         if self.name == "status":
             self.values[self.status < 0] = np.nan
         else:
@@ -359,7 +366,7 @@ class Drawing:
         from matplotlib.patheffects import Normal, Stroke
 
         y, x = self.sides
-        if self.words is None or min(self.words.shape) < 2:
+        if self.words is None or self.name == "status" or min(self.words.shape) < 2:
             return []
         if y.words or x.words:  # nothing lies between two words
             return []
@@ -463,13 +470,19 @@ def _about_zero() -> Any:
     return LinearSegmentedColormap.from_list("about zero", list(_BOTH_SIGNS))
 
 
+def _colours_of(words: NDArray[np.str_]) -> dict[str, str]:
+    """Return the statuses of an analysis in alphabetical order, each with a colour."""
+    others = cycle(_OTHER_STATUSES)
+    return {word: STATUS_COLOURS.get(word) or next(others) for word in np.unique(words).tolist()}
+
+
 def _mark_statuses(axes: Axes, x: Floats, y: Floats, words: NDArray[np.str_]) -> list[Any]:
     """Colour the points of a curve by their statuses; return legend entries."""
     handles = []
-    others = cycle((style.GREY, style.GREEN, style.ORANGE, style.INK))
-    for word in dict.fromkeys(words[np.isfinite(y)].tolist()):
-        mask = words == word
-        colour = STATUS_COLOURS.get(word) or next(others)
+    for word, colour in _colours_of(words).items():
+        mask = (words == word) & np.isfinite(y)
+        if not mask.any():
+            continue
         handles += axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=word, zorder=3)
     return handles
 
