@@ -7,6 +7,7 @@ import pytest
 
 import latolato as ll
 from latolato.analysis.registry import analyses
+from latolato.figures.map import WAYS
 
 TOY = ll.LatoLato(length=0.245, mass=0.10644, radius=0.0196, restitution=0.9, damping=0.00506)
 DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
@@ -72,3 +73,68 @@ def test_rounding_errors_of_a_periodic_motion_do_not_fill_a_picture(name):
     figure = importlib.import_module(f"latolato.figures.analyses.{name}").draw(dataset)
     for axes in figure.axes:
         assert np.ptp(axes.get_ylim()) >= 1e-3
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    return analyses["bifurcation_diagram"](TOY, DRIVE, **SMALL["bifurcation_diagram"])
+
+
+@pytest.fixture(scope="module")
+def loop():
+    """A toy that starts on the way up, at one amplitude."""
+    return analyses["hysteresis"](
+        TOY, DRIVE, frequency_ratio=[2.0, 2.4, 2.8, 3.2], duration=30.0, drive_amplitude=[0.03]
+    )
+
+
+def words_of(texts):
+    return [text.get_text() for text in texts]
+
+
+def test_the_statuses_of_an_analysis_are_drawn_in_its_own_words(diagram):
+    figure = ll.plot(diagram, "status")
+    words = words_of(figure.legends[0].get_texts())
+    assert {"rest", "periodic"} <= set(words)
+    drawn = figure.axes[0].collections[0].get_array().astype(int)
+    np.testing.assert_array_equal(np.array(words)[drawn], diagram.status)
+    curve = ll.plot(diagram.sel(direction="up"), "status").axes[0]
+    ticks = np.array(words_of(curve.get_yticklabels()))
+    drawn = curve.get_lines()[-1].get_ydata().astype(int)
+    np.testing.assert_array_equal(ticks[drawn], diagram.status.sel(direction="up"))
+
+
+def test_directions_are_drawn_as_words(diagram, loop):
+    figure = ll.plot(diagram, "response_period")
+    axes = figure.axes[0]
+    assert dict(zip(axes.get_yticks(), words_of(axes.get_yticklabels()), strict=True)) == {
+        0.0: "up",
+        1.0: "down",
+    }
+    assert axes.get_ylim() == (-0.5, 1.5)
+    assert not figure.legends  # no outline of a status between two directions
+    lines = ll.plot(diagram, "response_period", curves=True).axes[0].get_lines()
+    assert [line.get_label() for line in lines] == ["up", "down"]
+    jumps = ll.plot(loop, "jump_ratio").axes[0]
+    assert words_of(jumps.get_xticklabels()) == ["up", "down"]
+
+
+def test_dimensions_of_one_value_need_no_selection(loop):
+    figure = ll.plot(loop, "largest_angle")
+    drawn = figure.axes[0].collections[0].get_array()
+    np.testing.assert_array_equal(drawn, loop.largest_angle.isel(drive_amplitude=0))
+    assert "$A_0$ = 30 mm" in figure.axes[0].get_title(loc="left")
+
+
+def test_up_and_down_have_one_colour_in_all_pictures(diagram, loop):
+    down = analyses["bifurcation_diagram"](
+        TOY, DRIVE, **SMALL["bifurcation_diagram"], direction="down"
+    )
+    pictures = [ll.plot(each) for each in (diagram, loop, down)]
+    pictures.append(ll.plot(loop, "largest_angle", curves=True))
+    for figure in pictures:
+        lines = [line for axes in figure.axes for line in axes.get_lines()]
+        for line in lines:
+            way = str(line.get_label()).split()[-1]
+            assert line.get_color() == WAYS[way]
+        assert lines

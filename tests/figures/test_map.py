@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import latolato as ll
 from hanging import tongue_edges
@@ -95,6 +96,12 @@ def test_a_value_that_stands_with_a_failed_status_is_not_drawn(grid):
     assert np.ma.getmaskarray(cells(ll.plot(wrong)).get_array())[0, 0]
 
 
+def test_equal_values_do_not_get_the_colours_of_both_signs(grid):
+    for value in (0.0, 0.1):
+        flat = grid.assign(mean_energy=xr.full_like(grid.mean_energy, value))
+        assert cells(ll.plot(flat, "mean_energy")).cmap.name == "viridis"
+
+
 def test_zeros_have_a_colour_of_their_own_on_a_log_scale(grid):
     figure = ll.plot(grid, "crossings", log=True)
     assert legend(figure) == ["zero"]
@@ -125,8 +132,12 @@ def test_one_dimension_gives_a_curve_and_few_curves_are_named(grid):
 def test_further_dimensions_are_asked_for_and_selected_by_the_nearest_value():
     axes = {**AXES, "damping": [0.0, 0.1]}
     full = sweep(axes=axes)
-    with pytest.raises(ValueError, match=r"varies over .*damping \(2\).* select a value"):
+    way_out = "select a value of all but two: `select` in Python, `--select NAME=VALUE` on"
+    with pytest.raises(ValueError, match=rf"varies over .*damping \(2\).* {way_out}"):
         ll.plot(full)
+    np.testing.assert_array_equal(
+        cells(ll.plot(full.isel(damping=[1]))).get_array(), full.mean_energy[..., 1]
+    )
     figure = ll.plot(full, select={"damping": 0.09})
     np.testing.assert_array_equal(cells(figure).get_array(), full.mean_energy[..., 1])
     assert "$C$ = 0.1 kg m/s" in figure.axes[0].get_title(loc="left")

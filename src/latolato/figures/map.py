@@ -62,6 +62,12 @@ STATUS_COLOURS = {
     **dict.fromkeys(("unstable", "chaotic", "broken"), style.RED),
     **dict.fromkeys(("stable", "regular", "valid", "rest"), style.BLUE),
 }
+_OTHER_STATUSES = (
+    *(style.GREEN, style.ORANGE, style.INK, style.SKY),
+    *(style.PALE_RED, style.PALE_BLUE, style.FAINT),
+)
+# A parameter is followed in these directions.
+WAYS = {"up": style.RED, "down": style.BLUE}
 _OUTLINES = ("-", "--", ":", "-.")
 
 
@@ -71,7 +77,8 @@ def check_drawable(plan: Plan, variable: str | None) -> None:
 
     name = _variable(list(template(plan)), variable)
     lengths = lengths_of(plan)
-    _check_dims({dim: lengths[dim] for dim in dims_of(plan, name)}, name)
+    lengths = {dim: lengths[dim] for dim in dims_of(plan, name)}
+    _check_dims({dim: n for dim, n in lengths.items() if dim not in _constant(lengths)}, name)
 
 
 def _variable(known: list[str], name: str | None) -> str:
@@ -83,6 +90,11 @@ def _variable(known: list[str], name: str | None) -> str:
     return name
 
 
+def _constant(lengths: Mapping[str, int], most: int = 2) -> list[str]:
+    """Return the dimensions of one value where there are more than `most` dimensions."""
+    return [dim for dim, length in lengths.items() if length == 1 and len(lengths) > most]
+
+
 def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
     """Raise InputError unless one or two dimensions are left."""
     if len(lengths) > 2:
@@ -90,8 +102,8 @@ def _check_dims(lengths: Mapping[str, int], variable: str) -> None:
         raise InputError(
             f"varies over {dims}; a picture shows two of them",
             parameter=variable,
-            way_out="select a value of the others, as in "
-            f"`latolato plot FILE --select {next(iter(lengths))}=VALUE`",
+            way_out="select a value of all but two: `select` in Python, `--select NAME=VALUE` on "
+            "the command line",
         )
     if not lengths:
         raise InputError("is a single value", parameter=variable, way_out="select fewer dimensions")
@@ -179,7 +191,9 @@ class Drawing:
 
     A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
     legend, by status; they never look like a value. Values of both signs have colours that change
-    at zero. The status of an analysis is a result: it outlines cells and colours points.
+    at zero. The status of an analysis is a result: it outlines cells and colours points. Dimensions
+    of one value are selected where more are left than a picture shows; of an analysis, always
+    beside others.
     """
 
     def __init__(
@@ -192,7 +206,10 @@ class Drawing:
         right: str | None = None,
     ) -> None:
         self.name = _variable(list(map(str, grid.data_vars)), variable)
-        grid, selection = _select(grid, self.name, select)
+        lengths = {str(dim): grid.sizes[dim] for dim in grid[self.name].dims if dim not in select}
+        constant = _constant(lengths, most=1 if "analysis" in grid.attrs else 2)
+        single = {dim: grid[dim].item() for dim in constant}
+        grid, selection = _select(grid, self.name, {**single, **select})
         rest = _order(list(map(str, grid[self.name].dims)), right)
         _check_dims({d: grid.sizes[d] for d in rest}, self.name)
         self.sides = [side_of(grid, dim) for dim in rest]
@@ -211,9 +228,12 @@ class Drawing:
                 self.words = status.values.astype(str)
             else:
                 self.status = codes_of(status)
-        shown = self.status if self.name == "status" else data.values
-        self.values = np.array(shown, dtype=np.float64)
         self.classes = CLASSES.get(self.name, {})
+        shown = self.status if self.name == "status" else data.values
+        if self.name == "status" and self.words is not None:
+            self.classes = _colours_of(self.words)
+            shown = np.searchsorted(list(self.classes), self.words)
+        self.values = np.array(shown, dtype=np.float64)
         if self.name == "status":
             self.values[self.status < 0] = np.nan
         else:
@@ -282,7 +302,8 @@ class Drawing:
         y, x = self.sides
         values = np.ma.masked_invalid(self.values)
         low, high = look.limits or self.limits
-        has_signs = not (look.colours or look.limits or self.classes) and low < 0.0 < high
+        least, most = (end(self.values, initial=0.0) for end in (np.nanmin, np.nanmax))
+        has_signs = not (look.colours or look.limits or self.classes) and least < 0.0 < most
         if has_signs:
             high = float(np.nanquantile(np.abs(self.values[np.isfinite(self.values)]), _WITHIN))
             low = -high
@@ -345,7 +366,9 @@ class Drawing:
         from matplotlib.patheffects import Normal, Stroke
 
         y, x = self.sides
-        if self.words is None or min(self.words.shape) < 2:
+        if self.words is None or self.name == "status" or min(self.words.shape) < 2:
+            return []
+        if y.words or x.words:  # nothing lies between two words
             return []
         known = Counter(self.words[~np.isnan(self.values)].tolist()).most_common()
         halo = [Stroke(linewidth=3.0 * style.LINE, foreground=style.PAPER), Normal()]
@@ -362,11 +385,11 @@ class Drawing:
         return handles
 
     def curves(self) -> Figure:
-        """Return curves over the longer dimension."""
+        """Return curves over the longer dimension, or over the one of numbers beside text."""
         values, sides = self.values, self.sides
         if len(sides) == 1:
             values, sides = values[None], [sides[0], sides[0]]
-        elif len(sides[0].values) > len(sides[1].values):
+        elif sides[1].words or (not sides[0].words and len(sides[0].values) > len(sides[1].values)):
             values, sides = values.T, sides[::-1]
         if len(values) > _MOST_CURVES:
             raise InputError(
@@ -380,23 +403,18 @@ class Drawing:
             along = sides[1]
             few = len(along.values) <= 60
             handles: list[Any] = []
-            colours = _shades(len(values))
+            names = [sides[0].name_of(i) for i in range(len(values))] if len(values) > 1 else [""]
+            shades = zip(names, _shades(len(names)), strict=True)
+            colours = [WAYS.get(name, shade) for name, shade in shades]
             if self.words is not None and len(values) == 1:
                 colours = [style.GREY]
                 handles = _mark_statuses(axes, along.values, values[0], self.words)
-            for i, row in enumerate(values):
-                name = ""
-                if len(values) > 1:
-                    unit = str(sides[0].attributes.get("units", "1"))
-                    symbol = sides[0].attributes.get("symbol", "")
-                    head = f"${symbol}$" if symbol else sides[0].name
-                    value = style.shown_value(sides[0].name, float(sides[0].values[i]), unit)
-                    name = f"{head} = {value}"
+            for name, colour, row in zip(names, colours, values, strict=True):
                 (line,) = axes.plot(
                     along.values,
                     row,
-                    color=colours[i],
-                    lw=style.LINE,
+                    color=colour,
+                    lw=0.0 if along.words else style.LINE,
                     marker="o" if few else "",
                     ms=2.5,
                     label=name,
@@ -410,7 +428,8 @@ class Drawing:
                 axes.set_xscale("log")
             if self.log:
                 axes.set_yscale("log")
-            axes.set_xlim(float(along.values[0]), float(along.values[-1]))
+            ends = along.edges if along.words or len(along.values) == 1 else along.values
+            axes.set_xlim(float(ends[0]), float(ends[-1]))
             along.label(axes.xaxis)
             style.show_unit(axes.yaxis, self.data)
             if self.classes:
@@ -451,13 +470,19 @@ def _about_zero() -> Any:
     return LinearSegmentedColormap.from_list("about zero", list(_BOTH_SIGNS))
 
 
+def _colours_of(words: NDArray[np.str_]) -> dict[str, str]:
+    """Return the statuses of an analysis in alphabetical order, each with a colour."""
+    others = cycle(_OTHER_STATUSES)
+    return {word: STATUS_COLOURS.get(word) or next(others) for word in np.unique(words).tolist()}
+
+
 def _mark_statuses(axes: Axes, x: Floats, y: Floats, words: NDArray[np.str_]) -> list[Any]:
     """Colour the points of a curve by their statuses; return legend entries."""
     handles = []
-    others = cycle((style.GREY, style.GREEN, style.ORANGE, style.INK))
-    for word in dict.fromkeys(words[np.isfinite(y)].tolist()):
-        mask = words == word
-        colour = STATUS_COLOURS.get(word) or next(others)
+    for word, colour in _colours_of(words).items():
+        mask = (words == word) & np.isfinite(y)
+        if not mask.any():
+            continue
         handles += axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=word, zorder=3)
     return handles
 

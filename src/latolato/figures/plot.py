@@ -49,10 +49,12 @@ def plot(
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
-        Draw a curve for each value of the shorter of two dimensions, at most 12, not a map.
+        Draw a curve for each value of the shorter of two dimensions, or for each word of one of
+        text such as `direction`, at most 12, not a map.
     select : mapping, optional
         Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is
         taken and named in the title. A dimension without numbers takes its text or its index.
+        A third dimension of one value needs no selection.
     overlays : sequence of {"tongue", "lift_off"}
         Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
         the sweep's linear damping, and where the pivot's acceleration reaches gravity.

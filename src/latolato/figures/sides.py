@@ -24,13 +24,17 @@ _EVEN = 1e-6
 
 @dataclass(frozen=True)
 class Side:
-    """One axis of a picture: its dimension, the coordinate that labels it, cells and scale."""
+    """One axis of a picture: its dimension, the coordinate that labels it, cells and scale.
+
+    A coordinate of text has its `words`, and their places 0, 1, ... as `values`.
+    """
 
     dim: str
     values: Floats
     attributes: Mapping[str, Any]
     name: str
     is_log: bool
+    words: tuple[str, ...] = ()
 
     def label(self, axis: Axis) -> None:
         """Label an axis of matplotlib."""
@@ -38,6 +42,17 @@ class Side:
 
         about = {"long_name": self.name, **self.attributes}
         style.show_unit(axis, xr.DataArray(self.values, name=self.name, attrs=about))
+        if self.words:
+            axis.set_ticks(self.values, self.words)
+
+    def name_of(self, index: int) -> str:
+        """Return a value in words: ``$A_0$ = 20 mm``, or the text itself."""
+        if self.words:
+            return self.words[index]
+        symbol = self.attributes.get("symbol", "")
+        head = f"${symbol}$" if symbol else self.name
+        unit = str(self.attributes.get("units", "1"))
+        return f"{head} = {style.shown_value(self.name, float(self.values[index]), unit)}"
 
     @property
     def edges(self) -> Floats:
@@ -46,7 +61,7 @@ class Side:
         ends = style.edges_of(values)
         if self.is_log:
             return np.asarray(np.exp(ends))
-        return np.maximum(ends, 0.0) if values[0] >= 0.0 else ends
+        return np.maximum(ends, 0.0) if values[0] >= 0.0 and not self.words else ends
 
 
 def values_along(grid: xr.Dataset, dim: str) -> Floats:
@@ -83,12 +98,14 @@ def side_of(grid: xr.Dataset, dim: str) -> Side:
     name = _label_of(grid, dim)
     values = np.sort(np.asarray(values_along(grid, dim), dtype=np.float64))
     is_log = is_geometric(values)
+    labels = grid[name].values
+    words = () if labels.dtype.kind in "iuf" else tuple(map(str, labels))
     about = grid[name].attrs if name in grid.coords else {}
     others = [str(n) for n, c in grid.coords.items() if c.dims == (dim,) and n != name]
     if others:
         long_name = f"{about.get('long_name', name)} (and {', '.join(others)})"
         about = {**about, "long_name": long_name}
-    return Side(dim, values, about, name, is_log)
+    return Side(dim, values, about, name, is_log, words)
 
 
 def spaced(side: Side, log: Any) -> Side:

@@ -10,6 +10,7 @@ from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, on_rods, settles
 from latolato.figures.analyses.sentences import listed, percent, range_of, shakes, times
+from latolato.figures.map import WAYS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +26,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     angle, way = dataset["section_angle"], "way " + dataset["direction"].astype(object)
     angle = angle.isel(ball=0) if "ball" in angle.dims else angle
     size = float(np.clip(120.0 / knob.size, 0.7, 2.5))
-    look: dict[str, Any] = {"colours": (style.RED, style.BLUE), "short": True}
+    colours = [WAYS[each] for each in dataset["direction"].values]
+    look: dict[str, Any] = {"colours": colours, "short": True}
     draw_points(samples, knob, angle, way, **look, ms=size)
     angle = dataset["largest_angle_watched"]
     draw_points(largest, knob, angle, way, **look, ms=max(size, 1.2))

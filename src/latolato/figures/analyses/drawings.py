@@ -45,9 +45,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         write_numbers(panels[0, 0], dataset, map(str, dataset))
         head(figure, dataset)
         return figure
-    dims = map(str, dataset[name].dims)
-    single = {dim: dataset[dim].item() for dim in dims if dataset.sizes[dim] == 1}
-    drawing = Drawing(dataset, name, log=False, select=single)
+    drawing = Drawing(dataset, name, log=False, select={})
     if len(drawing.sides) == 1 or min(drawing.values.shape) <= _MOST_CURVES:
         return drawing.curves()
     return drawing.map((), None)

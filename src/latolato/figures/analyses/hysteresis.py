@@ -18,6 +18,7 @@ from latolato.figures.analyses.question import (
     settles,
 )
 from latolato.figures.analyses.sentences import listed, number
+from latolato.figures.map import WAYS
 from latolato.figures.map_title import in_words
 
 if TYPE_CHECKING:
@@ -47,12 +48,13 @@ def draw(dataset: xr.Dataset) -> Figure:
             row.frequency_ratio,
             row.largest_angle,
             "frequency " + row.direction.astype(object),
+            colours=[WAYS[way] for way in row.direction.values],
             ls="-",
             lw=style.THIN,
             ms=2.5,
         )
         axis.fill_between(row.frequency_ratio, *row.largest_angle, color=style.PALE_GREY, lw=0)
-        for way, colour in zip(row.direction.values, style.COLOURS, strict=False):
+        for way, colour in WAYS.items():
             jump, text = float(row.jump_ratio.sel(direction=way)), f"largest jump {way}"
             axis.axvline(jump, color=colour, lw=style.THIN, ls=(0, (3, 3)), zorder=0, label=text)
         style.panel_title(axis, letter, f"{amplitude}: {row.status.item()}")
