@@ -402,7 +402,7 @@ class TestBadInput:
             ),
             (
                 {"initial_angle": None, "initial_offset": 3.0},
-                "initial_offset must lie between",
+                "initial_offset counts from the lower contact angle and must lie in",
             ),
             ({"initial_angular_velocity": math.nan}, "velocity must be a number"),
             ({"initial_angular_velocity": "fast"}, "velocity must be a number"),

@@ -37,9 +37,7 @@ class RegistryGroup(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return the command of an entry, None for an unknown one."""
         name = cmd_name.replace("-", "_")
-        if name in self.entries() and name not in self.commands:
-            self.commands[name] = self.make_command(name)
-        return self.commands.get(name)
+        return self.make_command(name) if name in self.entries() else self.commands.get(cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the function to run, or raise InputError with the closest known name."""

@@ -252,10 +252,10 @@ def _check_walls(case: Case, low: float, high: float, state: State, problem: Pro
         if abs(gap - wall) <= ON_WALL:
             if case.angles == 1:
                 state.angle[0] = wall
-            elif state.angle[1] == -state.angle[0]:  # mirror images remain so
-                state.angle[0], state.angle[1] = 0.5 * wall, -0.5 * wall
-            else:
-                state.angle[0] += wall - gap
+            else:  # both alike, so that mirror images remain so
+                shift = 0.5 * (wall - gap)
+                state.angle[0] += shift
+                state.angle[1] -= shift
             return
 
 
