@@ -89,7 +89,7 @@ INSIDE = {"fine", "out of range"}
 
 
 def page_request(case: Case) -> dict[str, Any]:
-    """What the view Map is asked for this case."""
+    """The question of this case, as the view Map puts it."""
     options = case.options | case.change
     duration = options["duration"]
     observable = (case.settings.get("observables") or ["largest_angle"])[0]
@@ -101,7 +101,7 @@ def page_request(case: Case) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """What JavaScript says of each run."""
+    """Refusals by the pages' model, one for each run."""
     site = tmp_path_factory.mktemp("site")
     write_site(site)
     requests = [{"scenario": None, "options": c.options | c.change} for c in CASES.values()]
@@ -112,13 +112,13 @@ def runs(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def maps():
-    """What the view Map says of each case."""
+    """Refusals by the view Map, one for each case."""
     answers = views_in_node([page_request(case) for case in CASES.values()])
     return dict(zip(CASES, answers, strict=True))
 
 
 def text_of_sweep(case: Case) -> str:
-    """What a sweep says of its only point."""
+    """The refusal of the only point of a sweep."""
     scenario = RunRequest(None, case.options).to_scenario()
     run = {name: value for name, value in scenario.run.items() if name != "times"}
     axis = case.axis or case.change
