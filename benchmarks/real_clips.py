@@ -27,7 +27,7 @@ import numpy as np
 import latolato as ll
 from latolato.core.errors import InputError
 from latolato.experiment.quality import circle_distances
-from latolato.experiment.tracking.wander import period_of
+from latolato.experiment.period import period_of
 
 # Share of samples that may be ok where the ball is not followed, and that must be where it is.
 _FEW, _MANY = 0.05, 0.6

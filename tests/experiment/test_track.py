@@ -148,7 +148,7 @@ def test_two_balls_have_their_columns_and_a_summary(toy, tmp_path, capsys):
 def test_pivot_and_balls_are_found_without_clicks(name, request):
     clip = request.getfixturevalue(name)
     video = open_video(clip.path)
-    found, _ = propose(video, read_sample(video))
+    found, *_ = propose(video, read_sample(video))
     assert len(found.balls) == len(clip.balls)
     assert np.hypot(*(np.array(found.pivot) - clip.pivot)) < 3.0
     for ball, true in zip(found.balls, clip.balls, strict=True):
@@ -224,7 +224,7 @@ def test_without_a_pivot_balls_are_followed_from_any_frame(cropped):
 
 
 def test_the_period_of_a_swing_comes_from_its_path():
-    from latolato.experiment.tracking.wander import period_of
+    from latolato.experiment.period import period_of
 
     times = np.arange(0.0, 12.0, 1 / 30)
     angle = 0.5 * np.exp(-0.02 * times) * np.cos(2.0 * np.pi * times / 1.213 + 0.4)
@@ -236,7 +236,7 @@ def test_the_period_of_a_swing_comes_from_its_path():
 
 
 def test_a_period_that_changes_has_a_deviation_that_covers_both_halves():
-    from latolato.experiment.tracking.wander import halves_apart, period_of
+    from latolato.experiment.period import halves_apart, period_of
 
     times = np.arange(0.0, 24.0, 1 / 30)
     for late in (1.0, 1.02):
@@ -254,7 +254,7 @@ def test_a_period_that_changes_has_a_deviation_that_covers_both_halves():
 
 
 def test_swings_that_are_hidden_are_counted_or_make_no_period():
-    from latolato.experiment.tracking.wander import period_of
+    from latolato.experiment.period import period_of
 
     times = np.arange(600) / 25.0
     places = np.column_stack([100.0 * np.sin(2.0 * np.pi * times), 0.0 * times])

@@ -25,7 +25,8 @@ from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import fitting, smears
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
-from latolato.experiment.tracking.predict import Predictor
+from latolato.experiment.tracking.refine import contact_times
+from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.video import Frame
 
@@ -150,12 +151,39 @@ def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
     assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
 
 
-def test_contacts_are_told_at_their_time_also_after_the_middle_of_the_exposure():
-    predictor = Predictor(0.0, 0.2)
-    predictor.start(0.0, np.array([0.2, -0.2]), np.array([-10.0, 10.0]), 0.01)
-    expected = predictor.predict(0.005, np.array([0.005]), 0.0, until=0.015)
-    assert expected.contact_times == pytest.approx([0.01])
-    assert expected.angles == pytest.approx([0.15, -0.15])
+def _meeting(gap, rate, time, restitution=0.8):
+    """Return times and angles of two balls that meet at a time, at the bottom."""
+    times = np.arange(12) / 60.0
+    late = times - time
+    half = 0.5 * gap + np.where(late < 0.0, -rate * late, restitution * rate * late)
+    return times, np.stack([half, -half], axis=-1)
+
+
+@pytest.mark.parametrize("time", [0.0855, 0.09])
+def test_contacts_are_found_between_frames_at_the_bottom_and_at_the_top(time):
+    gap, rate = 0.2, 4.0
+    times, angles = _meeting(gap, rate, time)
+    assert contact_times(times, angles, gap) == pytest.approx([time])
+    above = np.array([math.pi, -math.pi]) - angles
+    assert contact_times(times, above, gap) == pytest.approx([time])
+    apart = angles + np.array([0.3, -0.3])
+    assert contact_times(times, apart, gap) == []
+
+
+def test_balls_that_seem_to_pass_each_other_keep_their_order():
+    # Two equal balls that bounce: detections go on as if one had passed through the other.
+    times, angles = _meeting(0.2, 4.0, 0.0855)
+    seen = angles.copy()
+    seen[6:] = angles[6:, ::-1]
+    pivot, arm = np.array([100.0, 50.0]), 80.0
+    places = pivot + arm * np.stack([np.sin(seen), np.cos(seen)], axis=-1)
+    places[5, 1] = np.nan
+    route = Route(times, places, np.isfinite(places[..., 0]), 8.0).ordered(pivot)
+    found = np.arctan2(*np.moveaxis(route.places - pivot, -1, 0))
+    known = np.isfinite(found).all(axis=1)
+    assert known.sum() == 11
+    np.testing.assert_allclose(found[known], angles[known], atol=1e-9)
+    assert route.is_seen[5].tolist() == [True, False]
 
 
 def test_normal_equations_find_a_shift_of_a_disc():
@@ -183,45 +211,6 @@ def test_colours_of_grey_planes_are_linear_light():
     half = ((110 / 219 + 0.055) / 1.055) ** 2.4
     assert np.allclose(out[0, :, 0], [0.0, 1.0, half], atol=2e-3)
     assert np.ptp(out, axis=2).max() == 0.0
-
-
-def test_a_prediction_follows_the_pendulum_between_frames():
-    system = ll.Pendulum(length=0.25, mass=0.1)
-    run = ll.simulate(
-        system, None, initial_angle=0.8, duration=0.1, times=[0.0, 1 / 60], tolerance=1e-10
-    )
-    predictor = Predictor(system.gravity / system.length, 0.0)
-    predictor.start(0.0, np.array([0.8]), np.array([0.0]), 0.01)
-    found = predictor.predict(1 / 60, np.array([1 / 60]), 0.0)
-    # Leapfrog of 2.4 ms steps: (w h)^2/24 of the change.
-    assert found.angles[0] == pytest.approx(run.angle.values[-1], abs=1e-5)
-    assert found.velocities[0] == pytest.approx(run.angular_velocity.values[-1], abs=1e-3)
-
-
-def test_accelerations_tell_the_stiffness_where_no_length_is_declared():
-    predictor = Predictor(20.0, 0.0, is_known=False)
-    unsure = predictor.noise
-    noise = np.random.default_rng(1).normal(0.0, 0.5, 60)
-    for angle, error in zip(0.8 * np.cos(np.arange(60) / 5.0), noise, strict=True):
-        predictor.learn(angle, -50.0 * math.sin(angle) + error)
-    assert predictor.stiffness == pytest.approx(50.0, rel=0.05)
-    assert predictor.noise < 0.2 * unsure
-
-
-@pytest.mark.parametrize("middle", [0.0, math.pi])
-def test_predicted_balls_bounce_and_never_pass(middle):
-    gap = 0.16
-    predictor = Predictor(0.0, gap)
-    if middle == 0.0:
-        start, speed = np.array([0.15, -0.15]), np.array([-6.0, 6.0])
-    else:
-        start, speed = np.array([math.pi - 0.15, 0.15 - math.pi]), np.array([6.0, -6.0])
-    predictor.start(0.0, start, speed, 0.01)
-    found = predictor.predict(0.05, np.array([0.02, 0.05]), 0.0)
-    between = found.angles[0] - found.angles[1]
-    assert gap - 1e-9 <= between <= 2.0 * math.pi - gap + 1e-9
-    assert len(found.contact_times) == 1
-    assert np.sign(found.velocities[0]) == -np.sign(speed[0])
 
 
 def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):

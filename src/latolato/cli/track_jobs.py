@@ -215,9 +215,9 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
 
 def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
+    from latolato.experiment.period import period_of_ball
     from latolato.experiment.quality import flag_shares, pivot_harmonic, typical_sigma
     from latolato.experiment.track_table import balls_of
-    from latolato.experiment.tracking.wander import period_of_ball
 
     attrs = table.attrs
     numbers: dict[str, Any] = {

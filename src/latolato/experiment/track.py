@@ -21,6 +21,7 @@ from latolato.experiment.calibration.pace import motion_of, pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.parameters import VIDEO_PARAMETERS
+from latolato.experiment.period import halves_apart, period_of
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Setup,
@@ -33,15 +34,17 @@ from latolato.experiment.sidecar import (
     write_sidecar,
 )
 from latolato.experiment.track_table import MEASURED, balls_of, track_table
-from latolato.experiment.tracking.follow import Corrections, follow
-from latolato.experiment.tracking.gate import clicked_ball, examine
-from latolato.experiment.tracking.learn import ImageModel, learn_image_model
+from latolato.experiment.tracking.appearance import Appearance
+from latolato.experiment.tracking.dot import dot_radius
+from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.learn import ImageModel, learn_dot_model, learn_image_model
 from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.propose import proposal_text, propose
+from latolato.experiment.tracking.refine import Corrections, refine
+from latolato.experiment.tracking.route import Route, find_route
 from latolato.experiment.tracking.sample import Sample, read_sample
 from latolato.experiment.tracking.steady import Bar, Steadier, steadied
-from latolato.experiment.tracking.wander import follow_path, halves_apart, period_of, swinging
 from latolato.experiment.video import Limits, Video, digest_of, open_video
 
 if TYPE_CHECKING:
@@ -63,11 +66,13 @@ _FEWEST = 8
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
-# Shares of the work: the first reading; of the rest, the path about an unseen pivot; of the rest,
-# learning the scene.
-_READ, _FOLLOWED, _LEARNED = 0.25, 0.35, 0.15
+# Shares of the work: the first reading; of the rest, learning the scene.
+_READ, _LEARNED = 0.3, 0.2
 # How far from where it is clicked, and from its rod, a ball may reach, as a share of the arm.
 _ABOUT = 0.15
+# By how much distances from a pivot at rest differ on an oval, in radii of the ball; and by which
+# factor those of two balls do whose arms are different.
+_OVAL, _OTHER_ARM = 0.4, 1.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
 
@@ -322,9 +327,10 @@ def prepare(
             return Task(video, _right_first(setup))
         video, sample = _read(video, setup, progress)
         known = OUTSIDE if own or (pivot is not None and setup.pivot is None) else setup.pivot
-        proposal, size = propose(
-            video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics
-        )
+        proposal, size, sample = propose(
+            video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics,
+            click_frame=settings.get("click_frame"),
+        )  # fmt: skip
         pivot_1, pivot_2 = proposal.pivot, None
         if own:
             places = [place for place in own if place is not None]
@@ -332,8 +338,9 @@ def prepare(
                 pivots = tuple(sorted(places, reverse=True))
             pivot_1, pivot_2 = pivots
         setup = replace(
-            setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True
-        )
+            setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True,
+            click_frame=proposal.click_frame if clicks is None else setup.click_frame,
+        )  # fmt: skip
         return Task(video, setup, sample, [proposal_text(setup)], size)
 
 
@@ -365,10 +372,13 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         if task.sample is None:
             task.video, task.sample = _read(video, setup, progress)
         sample = task.sample
-        if setup.has_own_pivots:
+        if setup.has_own_pivots or _has_own_arms(setup, video):
             table = _apart(task, sample, progress)
         else:
-            found = _found(task, sample, _part(progress, _READ, 1.0))
+            route = _route(task, sample)
+            if setup.pivot is not None:
+                route = route.ordered(np.array(setup.pivot))
+            found = _found(task, sample, route, _part(progress, _READ, 1.0))
             if isinstance(found, _Track):
                 table = _table(task, [found])
             else:
@@ -416,6 +426,14 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
         table.attrs["warnings"] = "; ".join(task.warnings)
     return table
+
+
+def _has_own_arms(setup: Setup, video: Video) -> bool:
+    """Return whether two balls swing about one pivot in the picture at different distances."""
+    if len(setup.balls) < 2 or setup.pivot is None or not _is_inside(setup.pivot, video):
+        return False
+    short, long = sorted(math.dist(ball, setup.pivot) for ball in setup.balls)
+    return long > _OTHER_ARM * short
 
 
 def _some_frames(count: int, one: str, many: str) -> str:
@@ -534,7 +552,9 @@ def _corrections(task: Task, sample: Sample) -> Corrections:
 def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
     """Return the table of two balls, each of which was followed about a pivot of its own."""
     tracks: list[_Track] = []
-    for b, pivot in enumerate((task.setup.pivot, task.setup.pivot_2)):
+    route = _route(task, sample)
+    pivots = task.setup.pivot, task.setup.pivot_2 or task.setup.pivot
+    for b, pivot in enumerate(pivots):
         corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
         alone = replace(
             task.setup,
@@ -545,11 +565,9 @@ def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
         )
         low = _READ + 0.5 * b * (1.0 - _READ)
         tell = _part(progress, low, low + 0.5 * (1.0 - _READ))
-        found = _found(replace(task, setup=alone), sample, tell)
+        found = _found(replace(task, setup=alone), sample, route.ball(b), tell)
         if isinstance(found, _Path):
-            balls = [np.array(ball) for ball in task.setup.balls]
-            path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
-            return _wandered(task, sample, _Path(path, found.doubt))
+            return _wandered(task, sample, _Path(_positions(task, sample, route), found.doubt))
         tracks.append(found)
     right, left = (track.seen for track in tracks)
     is_meeting = meetings(right, left)
@@ -558,26 +576,48 @@ def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
     return _table(task, tracks)
 
 
-def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _Path:
+def _route(task: Task, sample: Sample) -> Route:
+    """Return where the balls of a set-up roughly are in all frames."""
+    setup, video = task.setup, task.video
+    radius = None
+    if setup.radius and setup.length and setup.pivot:
+        radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
+    return find_route(
+        sample.copies, video.bounds, sample.times,
+        [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
+    )  # fmt: skip
+
+
+def _positions(task: Task, sample: Sample, route: Route) -> Positions:
+    """Return positions of balls about an unseen pivot: those of their route."""
+    out = Positions.unknown(sample.times, route.places.shape[1], route.radius)
+    corrections = _corrections(task, sample)
+    out.flags[route.is_seen] = "ok"
+    out.centres[route.is_seen] = route.places[route.is_seen]
+    for number, _, _, _ in task.setup.corrections:
+        frame = number - task.video.first_frame
+        for ball, place in corrections(frame).items():
+            out.centres[frame, ball], out.flags[frame, ball] = place, "manual"
+    return out
+
+
+def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) -> _Track | _Path:
     """Return balls about one pivot: in the picture, or where the arc shows it."""
-    pivot, balls = task.setup.pivot, [np.array(ball) for ball in task.setup.balls]
+    pivot = task.setup.pivot
     if pivot is not None and _is_inside(pivot, task.video):
-        scene, seen = _best_followed(task, sample, np.array(pivot), balls, progress)
+        scene, seen = _followed(task, sample, np.array(pivot), route, progress)
         return _Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
         raise InputError(
             "a bob that is not a disc can only be followed about a pivot in the picture",
             way_out="point at the pivot, or at a disc on the bob",
         )
-    corrections = _corrections(task, sample)
-    tell = _part(progress, 0.0, _FOLLOWED)
-    path = follow_path(task.video, sample, balls, tell, corrections)
+    path = _positions(task, sample, route)
     circle, doubt = _circle_of(task, path)
     if circle is None or doubt is not None:
         return _Path(path, f"{doubt}")
     before = len(task.warnings)
-    tell = _part(progress, _FOLLOWED, 1.0)
-    scene, seen = _best_followed(task, sample, circle.centre, balls, tell, path)
+    scene, seen = _followed(task, sample, circle.centre, route, progress, is_unseen=True)
     circle, doubt = _circle_of(task, seen)
     if circle is None or doubt is not None:
         del task.warnings[before:]  # they are about a track that is given up
@@ -585,77 +625,14 @@ def _found(task: Task, sample: Sample, progress: Progress | None) -> _Track | _P
     return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
 
 
-def _best_followed(
-    task: Task,
-    sample: Sample,
-    pivot: np.ndarray,
-    balls: list[np.ndarray],
-    progress: Progress | None,
-    path: Positions | None = None,
-) -> tuple[ImageModel, Positions]:
-    """Return `_followed` about a pivot or, if few samples are clean then, what has more of them.
-
-    The path of discs that move from where balls were pointed at may show that a camera at an angle
-    sees an oval, and it leads to another frame to learn from: a ball may be held at first.
-    """
-    trials: list[tuple[float, tuple[ImageModel, Positions], list[str]]] = []
-    refusals: list[InputError] = []
-
-    def attempt(from_frame: Sample, places: list[np.ndarray], tilt: Tilt | None = None) -> float:
-        before = len(task.warnings)
-        try:
-            found = _followed(task, from_frame, pivot, places, progress, path, tilt)
-            share = found[1].clean_share(~sample.repeats)
-            trials.append((share, found, task.warnings[before:]))
-        except InputError as error:
-            refusals.append(error)
-        del task.warnings[before:]
-        return max((trial[0] for trial in trials), default=0.0)
-
-    share = attempt(sample, balls)
-    is_refused = not trials
-    if share < _OFTEN and task.setup.shape == "disc":
-        seen = path
-        if seen is None:
-            seen = trials[0][1][1] if share >= _SELDOM else _path_from(task, sample, balls)
-        tilt = _tilt_of(task, seen, pivot) if seen and path is None else None
-        if tilt:
-            share = attempt(sample, balls, tilt)
-        is_known = seen is not None and _begins_at(seen, sample, balls)
-        other = swinging(sample, seen) if seen and is_known and share < _SELDOM else None
-        if other and attempt(*other, tilt) > share:
-            number = task.video.first_frame + other[0].click
-            trials[-1][2].append(f"what the ball looks like is learned from frame {number}")
-    if not trials:
-        raise refusals[0]
-    share, found, warned = max(trials, key=lambda trial: trial[0])
-    if is_refused and share < _SELDOM:  # a second look must be better than a first one
-        raise refusals[0]
-    task.warnings += warned
-    return found
-
-
-def _path_from(task: Task, sample: Sample, balls: list[np.ndarray]) -> Positions | None:
-    """The path of discs that start where balls were pointed at, None if there is none."""
-    try:
-        path = follow_path(task.video, sample, balls, corrections=_corrections(task, sample))
-    except InputError:
-        return None
-    return path if _begins_at(path, sample, balls) else None
-
-
-def _begins_at(path: Positions, sample: Sample, balls: list[np.ndarray]) -> bool:
-    """Return whether a path shows the balls where, and when, they were pointed at."""
-    number = min(max(sample.click, 0), len(path.times) - 1)
-    is_seen = bool(path.is_measured[number].all())
-    return is_seen and clicked_ball(path, balls, sample.click) is None
-
-
-def _tilt_of(task: Task, path: Positions, pivot: np.ndarray) -> Tilt | None:
-    """Return how obliquely the camera looks, from the path of balls about a pivot at rest."""
+def _tilt_of(task: Task, route: Route, pivot: np.ndarray) -> Tilt | None:
+    """Return how obliquely the camera looks, where balls run on an oval about a pivot at rest."""
     size = task.video.width, task.video.height
-    places = undistorted(path.centres[path.is_measured], size, task.setup.optics)
+    places = undistorted(route.places[route.is_seen], size, task.setup.optics)
     about = undistorted(np.broadcast_to(pivot, places.shape), size, task.setup.optics)
+    distances = np.hypot(*(places - about).T)
+    if len(places) < _FEWEST or np.ptp(np.quantile(distances, [0.05, 0.95])) < _OVAL * route.radius:
+        return None
     return fit_tilt(places, about, size)
 
 
@@ -675,36 +652,39 @@ def _followed(
     task: Task,
     sample: Sample,
     pivot: np.ndarray,
-    balls: list[np.ndarray],
+    route: Route,
     progress: Progress | None,
-    path: Positions | None = None,
-    tilt: Tilt | None = None,
+    *,
+    is_unseen: bool = False,
 ) -> tuple[ImageModel, Positions]:
     """The image model learned from a clip, and the positions of its balls about the pivot.
 
-    `path` is that of balls about a pivot that the picture does not show, `tilt` how obliquely the
-    camera looks.
+    The picture does not show the pivot if it `is_unseen`.
     """
     video, setup = task.video, task.setup
     size, radius = (video.width, video.height), setup.radius
+    balls = [np.array(ball) for ball in setup.balls]
     corrections = _corrections(task, sample)
     tell = _part(progress, 0.0, _LEARNED)
+    is_disc = setup.shape != "template"
+    tilt = None if is_unseen or not is_disc else _tilt_of(task, route, pivot)
+
+    dot = dot_radius(sample, route)
 
     def learned(radius: float | None) -> ImageModel:
-        if setup.shape == "template":
+        if not is_disc:
             half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
-            is_seen = path is None
-            return learn_template_model(video, sample, pivot, balls, half, tell, is_seen=is_seen)
-        unseen = None if path is None else path.radius
+            return learn_template_model(video, sample, pivot, balls, half, route, tell)
+        if math.isfinite(dot):
+            return learn_dot_model(sample, pivot, balls, route, dot, is_unseen=is_unseen)
+        unseen = route.radius if is_unseen else None
         return learn_image_model(
-            video, sample, pivot, balls, radius, tell, unseen_radius=unseen, tilt=tilt
+            video, sample, pivot, balls, radius, route, tell, unseen_radius=unseen, tilt=tilt
         )
 
-    if path is not None:
+    if is_unseen:
         scene = learned(None)
-        period, _ = period_of(path.times, path.centres[:, 0])
-        stiffness = (math.tau / period) ** 2 if math.isfinite(period) else 0.0
-        seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
+        seen = refine(video, sample, scene, route, _part(progress, _LEARNED, 1.0), corrections)
         return scene, _believed(task, sample, seen, balls)
     tilt = tilt or Tilt()
     arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
@@ -714,7 +694,7 @@ def _followed(
         raise InputError("pivot and ball must be at least 8 pixels apart")
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
-    if is_off and setup.shape == "disc":
+    if is_off and isinstance(scene.look, Appearance):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learned(None)
@@ -723,10 +703,7 @@ def _followed(
         if free.explained > scene.explained:
             scene = free
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
-    # On an oval angles in the picture are not those of the swing.
-    is_known = scale is not None and tilt.angle == 0.0
-    stiffness = setup.gravity / (scale.metres * scene.arm) if scale and is_known else 0.0
-    seen = follow(video, sample, scene, stiffness, _part(progress, _LEARNED, 1.0), corrections)
+    seen = refine(video, sample, scene, route, _part(progress, _LEARNED, 1.0), corrections)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
 

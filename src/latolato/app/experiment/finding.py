@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
-from latolato.experiment.tracking.wander import period_of_ball
 from latolato.figures.analyses.sentences import degrees, percent, plus_minus
 from latolato.physics.pendulum import equivalent_pendulum
 

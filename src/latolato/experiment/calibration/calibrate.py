@@ -25,7 +25,7 @@ from latolato.experiment.calibration.gravity import (
     angle_offset_sigma,
     find_gravity,
 )
-from latolato.experiment.calibration.hinge import Hinge, find_hinge, range_of
+from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.tracking.positions import Positions
@@ -181,6 +181,9 @@ def calibrate(
             )
     down = find_gravity(seen.times, tilt.flat(pivots), angles, is_clean)
     shared = angle_offset_sigma(down, hinge)
+    if tilt.angle > 0.0 and down.source != "rest position":
+        # An oval's middle moves with its axes: the hinge is no better known than the click.
+        shared = math.hypot(shared, CLICK / hinge.arm)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
         warnings.append(

@@ -9,14 +9,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.kernels.layers import Ball, Patch
 from latolato.experiment.video import Video
 
-# Angles tried around the circle per radius of the ball.
-_FINENESS = 2.5
 # First steps take residuals this much larger for what they are, to be drawn from farther away.
 _TOLERANT = 4.0
 # Balls beyond these radii need every second pixel, and every fifth one only [pixels].
@@ -80,15 +77,6 @@ class Look(Protocol):
         tolerant: int = 1,
     ) -> BallFit:
         """Move balls from where they are expected: see `fit_balls`."""
-
-    def gains(
-        self,
-        planes: tuple[np.ndarray, ...],
-        pivot: np.ndarray,
-        arm: float | np.ndarray,
-        angles: np.ndarray,
-    ) -> np.ndarray:
-        """Return how much better a ball at each angle fits than the background: 1 at most."""
 
 
 @dataclass
@@ -160,16 +148,6 @@ class Appearance:
     ) -> BallFit:
         """Move balls from where they are expected: see `fit_balls`."""
         return fit_balls(self, planes, paths, pivot, rounds, tolerant)
-
-    def gains(
-        self,
-        planes: tuple[np.ndarray, ...],
-        pivot: np.ndarray,
-        arm: float | np.ndarray,
-        angles: np.ndarray,
-    ) -> np.ndarray:
-        """Return how much better a ball at each angle fits: see `gains_at`."""
-        return gains_at(self, planes, pivot, arm, angles)
 
     def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
         """Return by how much the paint is turned at centres (sample, 2) [rad]."""
@@ -302,62 +280,3 @@ def samples_for(length: float) -> int:
     """Return how many samples make a smear of some pixels smooth; straight pieces need fewer."""
     most = max(_FEW_SAMPLES, math.ceil(length / _SPACING))
     return min(max(1, math.ceil(length / 2.0)), most)
-
-
-def best_angles(
-    look: Look,
-    planes: tuple[np.ndarray, ...],
-    pivot: np.ndarray,
-    arm: float,
-    balls: int,
-    tilt: Tilt | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
-    """The balls' most likely angles on their circle [rad], and the gains there.
-
-    With a tilt the circle is seen as an oval.
-
-    Angles are from straight down in the image, to the right positive, shape (ball,); with two
-    balls they are the pair at least a diameter apart with the largest sum.
-    """
-    count = int(2.0 * math.pi * arm / look.radius * _FINENESS)
-    angles = np.arange(count) * (2.0 * math.pi / count) - math.pi
-    gain = look.gains(planes, pivot, arm * (tilt or Tilt()).shares(angles), angles)
-    if balls == 1:
-        best = int(np.argmax(gain))
-        return angles[[best]], gain[[best]]
-    apart = 2.0 * math.asin(min(0.97 * look.radius / arm, 1.0))
-    likely = np.argsort(gain)[-min(count, 60) :]
-    one, two = np.meshgrid(likely, likely, indexing="ij")
-    gap = np.abs((angles[one] - angles[two] + math.pi) % (2.0 * math.pi) - math.pi)
-    total = np.where(gap >= apart, gain[one] + gain[two], -np.inf)
-    first, second = np.unravel_index(int(np.argmax(total)), total.shape)
-    chosen = likely[[first, second]]
-    return angles[chosen], gain[chosen]
-
-
-def gains_at(
-    look: Appearance,
-    planes: tuple[np.ndarray, ...],
-    pivot: np.ndarray,
-    arm: float | np.ndarray,
-    angles: np.ndarray,
-) -> np.ndarray:
-    """Return how much better a ball at each angle explains a frame than the background does.
-
-    It is 0 out of the picture, where most of the circle about a far pivot lies.
-    """
-    stride = int(min(max(look.radius / 7.0, 2.0), 6.0))
-    centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm)
-    end = look.corner + look.behind.shape[1::-1]
-    shown = np.all((centres > look.corner - look.radius) & (centres < end + look.radius), axis=1)
-    gain = np.zeros(len(angles))
-    if not shown.any():
-        return gain
-    centres = centres[shown]
-    low = np.floor(centres.min(axis=0) - look.radius - 2).astype(int)
-    size = np.ceil(centres.max(axis=0) + look.radius + 2).astype(int) - low
-    shape = (int(size[1]) // stride + 1, int(size[0]) // stride + 1)
-    patch = look.patch(planes, low, shape, stride)
-    turns = look.turns(centres, pivot)
-    gain[shown] = kernels.gains(patch, stride, centres, turns, look.drawn, look.scale)
-    return gain

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.experiment.tracking.blobs import import_cv2
+from latolato.experiment.tracking.detect import import_cv2
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import TOO_FAR, Bar, camera_motions, distance_of, reduced
@@ -118,7 +118,7 @@ def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0
     """Check that the balls are where they were clicked, in the frame of a number.
 
     A ball that was not measured then must be a few frames later or before, as far away as it may
-    have moved. It can miss a frame before start or after end.
+    have moved, or rest there when it is seen. It can miss a frame before start or after end.
     """
     if not 0 <= number < len(track.times):
         return None
@@ -128,17 +128,18 @@ def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0
             continue
         near = int(seen[np.argmin(np.abs(seen - number))])
         late, place = abs(near - number), track.centres[near, ball]
-        if late > _SOON:
+        steps = np.hypot(*np.diff(track.centres[:, ball], axis=0).T)
+        reach = track.radius + _BESIDE
+        if late and np.isfinite(steps).any():
+            reach += min(late, _SOON) * float(np.nanquantile(steps, 0.98))
+        away = min(float(np.hypot(*(place - click))) for click in clicks)
+        step = float(np.nanmean(steps[max(near - 1, 0) : near + 2])) if len(steps) else math.nan
+        if late > _SOON and (away > reach or step > _RESTING):  # it may have rested there
             return Finding(
                 "the ball was not seen where it was pointed at: the nearest frame that shows it is "
                 f"{late} frames away",
                 "point at the middle of the ball",
             )
-        steps = np.hypot(*np.diff(track.centres[:, ball], axis=0).T)
-        reach = track.radius + _BESIDE
-        if late and np.isfinite(steps).any():
-            reach += late * float(np.nanquantile(steps, 0.98))
-        away = min(float(np.hypot(*(place - click))) for click in clicks)
         if away > reach:
             return Finding(
                 f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
@@ -236,8 +237,10 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     Those beside it may change too if nearly all under it do and the rest of the picture rests: the
     disc is then about a part of the ball, and the user is warned. It can miss any part of a larger
     thing that moves, a place beside the ball's centre by less than half a radius, and what happens
-    between the frames of the sample.
+    between the frames of the sample. A dot is found by what changes, and needs no such check.
     """
+    if track.is_dot:
+        return None
     numbers, shares = change_shares(sample, track)
     doubtful = np.zeros(track.is_measured.shape, bool)
     is_part = False

@@ -15,10 +15,9 @@ from latolato.experiment.tracking.appearance import (
     Colours,
     Look,
     arc,
-    best_angles,
 )
-from latolato.experiment.tracking.blobs import Backdrop, Disc
 from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.dot import Dot
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
     PivotTracker,
@@ -27,6 +26,7 @@ from latolato.experiment.tracking.pivot import (
     locate_all,
     velocities,
 )
+from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
@@ -37,19 +37,24 @@ _NOISE, _BLUR = 0.03, 0.8
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 # How often balls are fitted and their look is learned again.
 _ROUNDS = 3
-# How much more a paint that turns must explain than one that stays.
-_TURNS = 1.05
-# Gain at which a place on the circle is taken for a ball.
-_LIKELY = 0.2
-# How far about a click something that moves is looked for, as a share of the arm, and by which
-# factor radii of the same disc may differ.
-_ABOUT, _SIZE = 0.4, 1.5
+# Typical share that colours that stay explain from which those that turn are not tried, and by how
+# much these must explain more.
+_PLAIN, _TURNS = 0.85, 1.05
+# By how much turns between fitted places differ from what the route says, as a share, unless balls
+# met between them.
+_FASTER = 0.3
+# Error of the radius of a ball whose pattern turns, as a share.
+_PATTERN = 0.05
+# By which factor radii of the same disc may differ, and those of two measurements of it.
+_SIZE, _MEASURED = 1.5, 1.15
+# Fewest places that tell whether a pivot rests, and how much less distances from it must vary then.
+_FEWEST, _RESTS = 12, 0.5
+# How many frames in which a ball is slow show what it looks like.
+_SLOW = 4
 # How clear a disc about a click must be, as a share of the clearest one.
 _CLEAR = 0.85
 # How often a disc is looked for again that lies this share of its radius aside.
 _AGAIN, _ASIDE = 3, 0.15
-# Fewest turns between two frames that tell how fast balls are.
-_FEWEST_TURNS = 4
 
 
 @dataclass
@@ -66,26 +71,21 @@ class ImageModel:
         Distance from pivot to ball centre [pixels].
     balls : int
         How many balls are followed.
-    starts, speeds : numpy.ndarray, shape (ball,)
-        Angles in the clicked frame from straight down in the image [rad], right ball first, and
-        how much they grow per frame interval; NaN if the next frame does not tell.
     explained : float
         Share of a ball's pixels that typically look like one; a pattern lowers it.
-    stiffness : float
-        Gravity over length, estimated from the swing seen [1/s^2]; 0 if it is unknown.
     tilt : Tilt
         How obliquely the camera looks at the swing.
+    lean : float
+        By which angle what is followed is ahead of the middle of what moves [rad].
     """
 
     pivot: PivotTracker
     look: Look
     arm: float
     balls: int
-    starts: np.ndarray
-    speeds: np.ndarray
     explained: float = 1.0
-    stiffness: float = 0.0
     tilt: Tilt = field(default_factory=Tilt)
+    lean: float = 0.0
 
     def reach(self, angles: np.ndarray) -> np.ndarray:
         """Return the distance from pivot to ball at angles in the picture [pixels]."""
@@ -102,6 +102,7 @@ def learn_image_model(
     pivot: np.ndarray,
     balls: list[np.ndarray],
     radius: float | None,
+    route: Route,
     progress: Callable[[float], None] | None = None,
     *,
     unseen_radius: float | None = None,
@@ -119,6 +120,8 @@ def learn_image_model(
         Centre of each ball in the clicked frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
+    route : Route
+        Where the balls roughly are in all frames.
     unseen_radius : float, optional
         Of balls about a pivot that the picture does not show, which is assumed at rest: their rough
         radius [pixels].
@@ -134,29 +137,20 @@ def learn_image_model(
     colours, tilt = Colours.of(video), tilt or Tilt()
     arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
     centres = [np.array(ball, float) for ball in balls]
-    # The disc about each click: of the size that is declared or guessed, or of what moves there.
     size = radius or unseen_radius or 0.08 * arm
-    for k, click in enumerate(centres):
-        trials = [(click, size, k > 0 or radius is not None)]
-        trials += [
-            (d.centre, d.radius, True) for d in _moving_about(video, frames, click, arm, radius)
-        ]
-        found = [_settled(frames[0], colours, trial, pivot) for trial in trials]
-        # The rim of what moves is known: another circle nearby is that of a pattern.
-        found[1:] = [
-            one
-            for one, trial in zip(found[1:], trials[1:], strict=True)
-            if _is_alike(one[1], trial[1])
-        ]
-        # Across a highlight colours step as across the ball: the largest of the clear ones.
-        clear = _CLEAR * max(step for _, _, step in found)
-        centres[k], each, _ = max((one for one in found if one[2] >= clear), key=lambda one: one[1])
-        size = each if k == 0 else size
+    shots: list[tuple[int, np.ndarray]] = []
+    for b, click in enumerate(balls):
+        own, size = _discs(frames, colours, route, b, click, size, pivot, radius)
+        shots += own
+        centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     arm = float(np.mean([np.hypot(*tilt.flat(centre - pivot)) for centre in centres]))
     medians = median_planes(frames[::3])
     pivot = np.asarray(pivot, float)
-    if unseen_radius is None and tilt.angle == 0.0:
-        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
+    if unseen_radius is None:
+        tracker, shifts = _learned_pivot(frames, medians[0], pivot, arm, route, tilt)
+        if not tracker.is_still:  # what looked like an oval is the pivot's motion
+            tilt = Tilt()
+            arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
     else:
         tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
     pivots = tracker.place(shifts)
@@ -168,20 +162,22 @@ def learn_image_model(
     low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
-    for centre in centres:
-        uncover(behind, low, frames[0], colours, centre, size)
+    for k, centre in shots:
+        uncover(behind, low, frames[k], colours, centre, size)
     behind = filled(behind)
-    paint = first_paint(frames[0], centres, np.zeros(len(centres)), colours, size)
-    weight = np.eye(3) / _first_noise(paint, behind, np.array(centres) - low, size) ** 2
+    paint = first_paint([(frames[k], centre, 0.0) for k, centre in shots], colours, size)
+    weight = (
+        np.eye(3) / _first_noise(paint, behind, np.array([at for _, at in shots]) - low, size) ** 2
+    )
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
-    starts = np.sort([math.atan2(*(centre - pivot)) for centre in centres])[::-1]
-    unknown = np.full(len(balls), np.nan)
-    scene = ImageModel(tracker, look, arm, len(balls), starts, unknown, tilt=tilt)
-    sightings: list[Sighting] = []
+    if route.is_smeared:
+        look.exposure = route.exposure
+    scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
+    turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
+    sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
     for round_ in range(_ROUNDS):
-        if round_ == 0:
-            sightings = find_balls(scene, frames, pivots, centres)
-        sightings = fit_sample(scene, frames, sightings, pivots, tolerant=3 if round_ == 0 else 1)
+        if round_ > 0:
+            sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
         if not sightings:
             raise InputError(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
@@ -208,43 +204,185 @@ def learn_image_model(
                 pivots = tracker.place(shifts)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    learn_swing(scene, sightings, sample.interval)
+    scene.explained = float(np.median([one.explained for one in sightings]))
+    if look.is_spinning:  # a pattern may look like the wall at the edge
+        look.radius_sigma = math.hypot(look.radius_sigma, _PATTERN * look.radius)
     return scene
 
 
-def learn_swing(scene: ImageModel, sightings: list[Sighting], interval: float) -> None:
-    """Learn how much of balls is explained, how fast they are, and what that says about their fall.
+def _first_fit(
+    scene: ImageModel, frames: list[Frame], pivots: np.ndarray, route: Route, turning: np.ndarray
+) -> list[Sighting]:
+    """Return the balls of the sample fitted with colours that stay or that turn: as explains more.
 
-    As if they fell freely: from rest at the angle ``a``, ``w^2 = 2 g/l (1 - cos a)`` at the bottom.
+    `turning` are the colours that turn with the rod.
     """
-    scene.explained = float(np.median([one.explained for one in sightings]))
-    near = scene.look.radius / scene.arm
-    for b, start in enumerate(scene.starts):
-        own = [one for one in sightings if one.frame == 0 and abs(one.angle - start) < near]
-        if own:
-            scene.speeds[b] = own[0].speed
-    turns = np.array([abs(one.speed) for one in sightings])
-    if np.isfinite(turns).sum() < _FEWEST_TURNS or interval == 0.0:
-        return
-    fastest = float(np.nanquantile(turns, 0.95)) / interval
-    widest = min(0.5 * float(np.ptp([one.angle for one in sightings])), math.pi)
-    scene.stiffness = fastest**2 / max(2.0 * (1.0 - math.cos(widest)), 1e-6)
+    look = scene.look
+    assert isinstance(look, Appearance)
+
+    def fitted() -> list[Sighting]:
+        first = first_sightings(scene, frames, pivots, route)
+        return fit_sample(scene, frames, first, pivots, tolerant=3)
+
+    def explained(sightings: list[Sighting]) -> float:
+        return float(np.sum([one.explained for one in sightings]))
+
+    staying, paint = fitted(), look.paint
+    if not staying or explained(staying) > _PLAIN * len(staying):
+        return staying
+    look.is_spinning, look.paint = True, turning
+    look.whitened()
+    turned = fitted()
+    if explained(turned) > _TURNS * explained(staying):
+        return turned
+    look.is_spinning, look.paint = False, paint
+    look.whitened()
+    return staying
 
 
-def _moving_about(
-    video: Video, frames: list[Frame], click: np.ndarray, arm: float, radius: float | None
-) -> list[Disc]:
-    """Return the discs that move about a click in the first frame, of about a declared radius."""
-    first, beyond = video.bounds
-    low = np.maximum(np.floor(click - _ABOUT * arm).astype(int), first)
-    high = np.minimum(np.ceil(click + _ABOUT * arm).astype(int) + 1, beyond)
-    discs = Backdrop(frames[::3], (low, high)).discs(frames[0])
-    return [
-        disc
-        for disc in discs
-        if np.hypot(*(disc.centre - click)) < disc.radius
-        and (radius is None or _is_alike(disc.radius, radius))
+def learn_dot_model(
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    route: Route,
+    radius: float,
+    *,
+    is_unseen: bool,
+) -> ImageModel:
+    """The image model of a clip whose balls are too small for an edge.
+
+    Parameters are those of `learn_image_model`, and the dots' radius [pixels]; the picture does not
+    show the pivot if it `is_unseen`.
+
+    Raises
+    ------
+    InputError
+        If the sample shows no ball.
+    """
+    frames = sample.from_click
+    medians = median_planes(frames[::3])
+    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
+    if is_unseen:
+        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
+    else:
+        tracker, shifts = _learned_pivot(frames, medians[0], pivot, arm, route)
+    rest = [
+        np.abs(frame.luma.astype(np.int16) - medians[0])
+        for frame in frames[:: max(1, len(frames) // 8)]
     ]
+    noise = 1.4826 * float(np.median(np.median(rest, axis=0)))
+    dot = Dot(medians[0], max(4.0 * noise, 4.0), radius, 0.5, route.exposure)
+    scene = ImageModel(tracker, dot, arm, len(balls))
+    sightings = first_sightings(scene, frames, tracker.place(shifts), route)
+    if not sightings:
+        raise InputError("no dot that moves was found", way_out="point at a larger ball")
+    found = [
+        dot.middles(frames[one.frame][2:], [one.path(arm, dot.exposure)], 1.0)[0]
+        for one in sightings
+    ]
+    # Of a dot that saturates, smears have more light.
+    dot.change = float(np.quantile([total for total, _ in found], 0.1))
+    scene.arm = float(
+        np.median(
+            [
+                np.hypot(*(place - one.pivot))
+                for (_, place), one in zip(found, sightings, strict=True)
+            ]
+        )
+    )
+    return scene
+
+
+def _learned_pivot(
+    frames: list[Frame],
+    behind: np.ndarray,
+    click: np.ndarray,
+    arm: float,
+    route: Route,
+    tilt: Tilt | None = None,
+) -> tuple[PivotTracker, np.ndarray]:
+    """Return a tracker of the pivot and its shifts in the sample: see `learn_pivot`.
+
+    Balls whose distance from a pivot at rest varies less, on the oval of a camera at an angle, tell
+    that it rests: what was followed is something else.
+    """
+    tracker, shifts = learn_pivot(frames, behind, click, arm)
+    if not tracker.is_still:
+        pivots = tracker.place(shifts)
+        moving, still = [], []
+        for k, frame in enumerate(frames):
+            if 0 <= frame.number < len(route.times):
+                own = route.places[frame.number][route.is_seen[frame.number]]
+                moving += np.hypot(*(own - pivots[k]).T).tolist()
+                still += np.hypot(*(tilt or Tilt()).flat(own - click).T).tolist()
+        if len(still) >= _FEWEST and _spread(still) < _RESTS * _spread(moving):
+            return PivotTracker.unseen(click), np.zeros((len(frames), 2))
+    return tracker, shifts
+
+
+def _spread(values: list[float]) -> float:
+    """Return how far values typically are from their median."""
+    return float(np.median(np.abs(np.array(values) - np.median(values))))
+
+
+def _discs(
+    frames: list[Frame],
+    colours: Colours,
+    route: Route,
+    ball: int,
+    click: np.ndarray,
+    size: float,
+    pivot: np.ndarray,
+    radius: float | None,
+) -> tuple[list[tuple[int, np.ndarray]], float]:
+    """Return frames of the sample with a ball's centre in each, and its radius [pixels].
+
+    They are the clicked frame, the first, unless the ball is smeared there by more than its width,
+    and some in which it is slow: a hand may hold it in the first. Each shows the disc of the size
+    that is declared or guessed, or of what moves there.
+    """
+    speeds = np.linalg.norm(route.velocities[0][:, ball], axis=-1)
+    smears = speeds * float(np.median(np.diff(route.times))) * route.exposure
+    numbers = [frame.number for frame in frames]
+    in_clip = [k for k, n in enumerate(numbers) if 0 <= n < len(smears)]
+    known = route.is_seen[:, ball] & np.isfinite(smears)
+    seen = [k for k in in_clip if known[numbers[k]]]
+    slow = sorted((k for k in seen if k > 0), key=lambda k: float(smears[numbers[k]]))[:_SLOW]
+    is_moving = not route.is_traced and (radius is None or _is_alike(route.radius, radius))
+    found: list[tuple[int, np.ndarray, float, float]] = []
+    if 0 not in seen or smears[numbers[0]] < 2.0 * route.radius or not slow:
+        trials = [(np.array(click, float), size, ball > 0 or radius is not None)]
+        if 0 in seen and is_moving:
+            trials.append((route.places[numbers[0], ball], route.radius, True))
+        discs = [_settled(frames[0], colours, trial, pivot) for trial in trials]
+        # The rim of what moves is known: another circle nearby is that of a pattern.
+        if len(discs) > 1 and not _is_alike(discs[1][1], trials[1][1]):
+            del discs[1]
+        # Across a highlight colours step as across the ball: the largest of the clear ones.
+        clear = _CLEAR * max(step for _, _, step in discs)
+        found.append((0, *max((d for d in discs if d[2] >= clear), key=lambda d: d[1])))
+    if is_moving:
+        near = found[0][2] if found else route.radius
+        others = [
+            (k, *_settled(frames[k], colours, (route.places[numbers[k], ball], near, True), pivot))
+            for k in slow
+        ]
+        others = [one for one in others if radius is None or _is_alike(one[2], radius)]
+        typical = float(np.median([one[2] for one in others])) if others else near
+        # What most frames show is the ball; in a hand it may look larger.
+        if others and found and not _is_same(found[0][2], typical):
+            found.clear()
+        found += [one for one in others if _is_same(one[2], typical)]
+        if not found and others:
+            found = [min(others, key=lambda one: abs(one[2] - typical))]
+    if not found:
+        found = [(slow[0], route.places[numbers[slow[0]], ball], size, 0.0)]
+    return [one[:2] for one in found], float(np.median([one[2] for one in found]))
+
+
+def _is_same(one: float, other: float) -> bool:
+    """Return whether two measurements may be of one radius."""
+    return 1.0 / _MEASURED < one / other < _MEASURED
 
 
 def _is_alike(one: float, other: float) -> bool:
@@ -287,72 +425,23 @@ def _first_noise(
     return float(np.clip(_NOISE_SHARE * min(contrasts), _LEAST_NOISE, _NOISE))
 
 
-def find_balls(
-    scene: ImageModel, frames: list[Frame], pivots: np.ndarray, centres: list[np.ndarray]
+def first_sightings(
+    scene: ImageModel, frames: list[Frame], pivots: np.ndarray, route: Route
 ) -> list[Sighting]:
-    """Find the balls in the sample with colours that stay or that turn: as explains more."""
-    look = scene.look
-    assert isinstance(look, Appearance)
-    paint, some = look.paint, range(0, len(frames), 2)
-
-    def explained() -> float:
-        gains = [
-            best_angles(look, frames[k][2:], pivots[k], scene.arm, scene.balls, scene.tilt)[1]
-            for k in some
-        ]
-        return float(np.maximum(gains, 0.0).sum())
-
-    staying = explained()
-    angles = np.array([math.atan2(*(centre - pivots[0])) for centre in centres])
-    look.is_spinning = True
-    look.paint = first_paint(frames[0], centres, angles, look.colours, look.radius)
-    look.whitened()
-    if explained() < _TURNS * staying:
-        look.is_spinning, look.paint = False, paint
-        look.whitened()
-    return find_all(scene, frames, pivots)
-
-
-def find_all(scene: ImageModel, frames: list[Frame], pivots: np.ndarray) -> list[Sighting]:
-    """Find the balls in every frame of the sample, on the whole circle."""
-    look, sightings = scene.look, []
+    """Return the balls in the frames of the sample, where the route says that they are."""
+    sightings, drift = [], np.nan_to_num(velocities(frames, pivots))
+    speeds = route.velocities[0] * float(np.median(np.diff(route.times)))
     for k, frame in enumerate(frames):
-        angles, gain = best_angles(look, frame[2:], pivots[k], scene.arm, scene.balls, scene.tilt)
-        for angle, share in zip(angles, gain, strict=True):
-            if share > _LIKELY:
-                at = np.array([angle])
-                centre = arc(pivots[[k]], at, scene.reach(at))[0]
-                sightings.append(
-                    Sighting(
-                        k, centre, pivots[k], float(angle), math.nan, float(share), np.zeros(2)
-                    )
-                )
+        if not 0 <= frame.number < len(route.times):
+            continue
+        for b in np.flatnonzero(route.is_seen[frame.number]):
+            away = route.places[frame.number, b] - pivots[k]
+            angle = math.atan2(*away) + scene.lean
+            centre = arc(pivots[k], np.array(angle), scene.reach(np.array(angle)))
+            u, v = speeds[frame.number, b] - drift[k]
+            turn = (u * away[1] - v * away[0]) / float(away @ away)
+            sightings.append(Sighting(k, centre, pivots[k], angle, turn, 1.0, drift[k], int(b)))
     return sightings
-
-
-def _set_speeds(sightings: list[Sighting], frames: list[Frame], balls: int) -> None:
-    """Tell balls how far they turn to the next frame, or from the last one; NaN if unknown.
-
-    Only pairs of frames in which all balls were found tell: another ball would be taken for the
-    one that is missing.
-    """
-    seen: dict[int, list[Sighting]] = {}
-    for one in sightings:
-        one.speed = math.nan
-        seen.setdefault(frames[one.frame].number, []).append(one)
-    for number, own in seen.items():
-        others = seen.get(number + 1, [])
-        if len(own) != balls or len(others) != balls:
-            continue
-        turn = np.array([[other.angle - one.angle for other in others] for one in own])
-        turn = np.mod(turn + np.pi, 2.0 * np.pi) - np.pi
-        partner = np.argmin(np.abs(turn), axis=1)
-        if len(set(partner.tolist())) < balls:
-            continue
-        for k, one in enumerate(own):
-            one.speed = float(turn[k, partner[k]])
-            if math.isnan(others[partner[k]].speed):
-                others[partner[k]].speed = one.speed
 
 
 def fit_sample(
@@ -377,5 +466,16 @@ def fit_sample(
                 one.angle, one.explained = float(np.arctan2(away[0], away[1])), float(share)
                 if scene.off(away) < 0.6 * look.radius:
                     kept.append(one)
-    _set_speeds(kept, frames, scene.balls)
+    _update_speeds(kept, frames)
     return kept
+
+
+def _update_speeds(sightings: list[Sighting], frames: list[Frame]) -> None:
+    """Tell balls how far they turn to the next frame of a pair, where their fits say it better."""
+    at = {(frames[one.frame].number, one.ball): one for one in sightings}
+    for (number, ball), one in at.items():
+        other = at.get((number + 1, ball))
+        if other is not None and not math.isnan(one.speed):
+            turn = one.speed + math.remainder(other.angle - one.angle - one.speed, math.tau)
+            if abs(turn - one.speed) < _FASTER * abs(one.speed):
+                one.speed = other.speed = turn

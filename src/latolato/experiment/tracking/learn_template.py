@@ -9,9 +9,10 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import Colours
-from latolato.experiment.tracking.learn import ImageModel, find_all, fit_sample, learn_swing
+from latolato.experiment.tracking.learn import ImageModel, first_sightings, fit_sample
 from latolato.experiment.tracking.paint import filled
-from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
+from latolato.experiment.tracking.pivot import learn_pivot
+from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.teach import Sighting
 from latolato.experiment.tracking.template import Template
@@ -43,9 +44,8 @@ def learn_template_model(
     pivot: np.ndarray,
     balls: list[np.ndarray],
     half: float | None,
+    route: Route,
     progress: Callable[[float], None] | None = None,
-    *,
-    is_seen: bool = True,
 ) -> ImageModel:
     """The image model of a clip whose bobs are followed by a template.
 
@@ -59,8 +59,8 @@ def learn_template_model(
         The point of each bob that is followed, in the clicked frame [pixels].
     half : float or None
         Half the side of the patch about the click [pixels]; None: 0.15 of the arm.
-    is_seen : bool
-        Whether the picture shows the pivot; otherwise it is assumed at rest.
+    route : Route
+        Where the bobs roughly are in all frames.
 
     Raises
     ------
@@ -71,10 +71,7 @@ def learn_template_model(
     arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
     medians = median_planes(frames[::3])
     pivot = np.asarray(pivot, float)
-    if is_seen:
-        tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
-    else:
-        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
+    tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
     pivots = tracker.place(shifts)
     reach = math.ceil(half or SHARE * arm)
     side = 2 * reach + 1
@@ -86,12 +83,12 @@ def learn_template_model(
     )  # fmt: skip
     first = Sighting(0, balls[0], pivots[0], _angle(balls[0], pivots[0]), 0.0, 1.0, np.zeros(2))
     _learn(look, frames, [first], medians)
-    starts = np.sort([_angle(ball, pivots[0]) for ball in balls])[::-1]
-    scene = ImageModel(tracker, look, arm, len(balls), starts, np.full(len(balls), np.nan))
+    scene = ImageModel(tracker, look, arm, len(balls))
+    scene.lean = _lean(route, sample.click, balls, pivots[0])
     sightings: list[Sighting] = []
     for round_ in range(_ROUNDS):
         if round_ == 0:
-            sightings = find_all(scene, frames, pivots)
+            sightings = first_sightings(scene, frames, pivots, route)
         sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
         others = {one.frame for one in sightings if one.frame > 1}
         if not others:
@@ -106,8 +103,20 @@ def learn_template_model(
         _learn(look, frames, teachers[:_TEACHERS], medians)
         if progress:
             progress((round_ + 1) / _ROUNDS)
-    learn_swing(scene, sightings, sample.interval)
+    scene.explained = float(np.median([one.explained for one in sightings]))
     return scene
+
+
+def _lean(route: Route, number: int, balls: list[np.ndarray], pivot: np.ndarray) -> float:
+    """Return by which angle what is pointed at is ahead of the middle of what moves [rad]."""
+    if not (0 <= number < len(route.times) and route.is_seen[number].all()):
+        return 0.0
+    places = route.places[number]
+    each = [
+        math.remainder(_angle(ball, pivot) - _angle(place, pivot), math.tau)
+        for ball, place in zip(balls, places, strict=True)
+    ]
+    return float(np.mean(each))
 
 
 def _angle(place: np.ndarray, pivot: np.ndarray) -> float:

@@ -30,6 +30,8 @@ def uncover(
     picture = colours.window(frame[2:], corner, behind.shape[:2])
     inside = away < 0.8 * radius
     outside = (away > 1.3 * radius) & (away < 1.7 * radius)
+    known = np.isfinite(behind).all(axis=-1)
+    inside, outside = inside & known, outside & known
     if not inside.any() or not outside.any():
         return
     own = np.nanmedian(np.abs(behind - picture)[inside].sum(axis=-1))
@@ -50,14 +52,11 @@ def filled(behind: np.ndarray) -> np.ndarray:
 
 
 def first_paint(
-    frame: Frame, centres: list[np.ndarray], turns: np.ndarray, colours: Colours, radius: float
+    shots: list[tuple[Frame, np.ndarray, float]], colours: Colours, radius: float
 ) -> np.ndarray:
-    """Return the mean colours of the balls in the first frame about their centres."""
-    each = [
-        painted(frame, centre, turn, colours, radius, 0.88 * radius)
-        for centre, turn in zip(centres, turns, strict=True)
-    ]
-    return filled(np.mean(each, axis=0))
+    """Return the typical colours of balls: frame, centre and turn of each [pixels, rad]."""
+    each = [painted(frame, at, turn, colours, radius, 0.88 * radius) for frame, at, turn in shots]
+    return filled(np.median(each, axis=0))
 
 
 def painted(

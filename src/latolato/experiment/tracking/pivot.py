@@ -36,6 +36,8 @@ _JUDGES = 8
 _MOVES, _SUFFICES = 4.0, 0.5
 # Share of the way sideways that is looked at, beyond which a rod has drawn a template.
 _DRAWN = 0.5
+# Range of luma about a pivot below which nothing shows it, as in a dark room: it then rests.
+_PLAIN = 10.0
 # Fewest pixels a template may be compared at.
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
@@ -53,6 +55,9 @@ _ASIDE, _ROOM = 2.0, 3.0
 # Steps of a wide search, the share of its places about which all are looked at, and how many these
 # are at least.
 _COARSE, _LIKELY, _FEWEST_LIKELY = 4, 0.03, 30
+# How much worse than usual a template fits that is looked for everywhere, and how much better it
+# must fit there; error of a smear that is worth a second look [pixels].
+_WORSE, _WORSE_BY, _BETTER, _SMEAR = 1.4, 0.1, 0.7, 1.0
 # How far beyond the shifts of the sample the pivot may move: pixels, and share of their range.
 _SLACK, _SLACK_SHARE = 4.0, 0.3
 
@@ -207,6 +212,8 @@ def learn_pivot(
     room = int(min(*np.minimum(click, size - 1 - click)))
     if room < 4:
         raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
+    if float(np.ptp(_patch(behind, click.astype(float), min(max(_SIZES), room)))) < _PLAIN:
+        return PivotTracker.unseen(click), np.zeros((len(frames), 2))
     tracker = _distinct(frames, behind, click.astype(float), arm, room)
     shifts = _first_shifts(tracker, frames, arm)
     # A pivot at rest is not learned again: rods that swing about it would join.
@@ -434,3 +441,53 @@ def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:
     out = np.empty((2 * half + 1, 2 * half + 1))
     kernels.resample(plane, centre[0] - half, centre[1] - half, out)
     return out
+
+
+class PivotFollower:
+    """Finds the pivot in one frame after the other, each near where the last ones lead."""
+
+    def __init__(self, tracker: PivotTracker, interval: float) -> None:
+        self.tracker, self.interval = tracker, interval
+        # Times and shifts of the last frames, and how badly the template usually fits.
+        self.shifts: list[tuple[float, np.ndarray]] = []
+        self.cost = 0.0
+
+    def place_in(self, frame: Frame, is_stale: bool) -> np.ndarray:
+        """Return the pivot's place in a frame, or where it should be if that shows an older one."""
+        tracker = self.tracker
+        guess, velocity, room = None, np.zeros(2), 0.0
+        if len(self.shifts) >= 3:
+            # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
+            guess, velocity, room = self._extrapolated(frame.time)
+            guess = np.clip(guess, *tracker.reach)
+        shift, cost = tracker.locate(frame.luma, guess, velocity, room)
+        if guess is not None and cost > _WORSE * self.cost + _WORSE_BY:
+            wide, wide_cost = tracker.locate(frame.luma, None, velocity)
+            if wide_cost < _BETTER * cost:
+                shift, cost = wide, wide_cost
+        if guess is not None:
+            exact = self._arrived(frame.time, shift)
+            if np.max(np.abs(exact - velocity)) * tracker.exposure > _SMEAR:
+                shift, cost = tracker.locate(frame.luma, shift, exact)
+        if guess is not None and is_stale and not tracker.is_still:
+            shift, cost = guess, self.cost
+        self.cost = 0.9 * self.cost + 0.1 * cost if guess is not None else cost
+        self.shifts = [*self.shifts[-3:], (frame.time, shift)]
+        return tracker.place(shift)
+
+    def _extrapolated(self, time: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """Return the shift and velocity per interval to be expected, and half the last bend."""
+        (t0, p0), (t1, p1), (t2, p2) = self.shifts[-3:]
+        early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
+        bend = 2.0 * (late - early) / (t2 - t0)
+        passed = time - t2
+        guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
+        velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
+        return guess, velocity, 0.5 * float(np.max(np.abs(bend))) * self.interval**2
+
+    def _arrived(self, time: float, shift: np.ndarray) -> np.ndarray:
+        """Return the velocity per interval at a frame whose shift is known."""
+        (t0, p0), (t1, p1) = self.shifts[-2:]
+        early, late = (p1 - p0) / (t1 - t0), (shift - p1) / (time - t1)
+        bend = 2.0 * (late - early) / (time - t0)
+        return np.asarray((late + 0.5 * bend * (time - t1)) * self.interval)

@@ -41,6 +41,8 @@ class Positions:
         Radius of a ball [pixels].
     body : numpy.ndarray of bool, shape (row, column), or None
         What a bob covers that is no disc, about its centre as it hangs straight down.
+    is_dot : bool
+        Whether balls are dots, found by the middle of what changes.
     """
 
     times: np.ndarray
@@ -52,6 +54,7 @@ class Positions:
     flags: np.ndarray
     radius: float
     body: np.ndarray | None = None
+    is_dot: bool = False
 
     @classmethod
     def unknown(cls, times: np.ndarray, balls: int, radius: float = math.nan) -> Positions:

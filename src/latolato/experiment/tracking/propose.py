@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.appearance import Colours
-from latolato.experiment.tracking.blobs import Backdrop, Disc
-from latolato.experiment.tracking.disc import disc_at
+from latolato.experiment.tracking.detect import detect
+from latolato.experiment.tracking.link import Trajectory, link_clicked, link_movers
 from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
-# Discs are of one ball if their changes point the same way, and their radii agree by this factor.
-_ALIKE, _SIZE = 0.75, 1.7
-# Share of frames that must show a ball, and show two for two to be proposed.
-_SEEN, _TWICE = 0.3, 0.4
-# Share of frames in which something stays in one column beside a ball: it is the pivot's.
-_STAYS = 0.6
+# How many things that move are looked at, and how many places of each are enough for a circle.
+_MOVERS, _ENOUGH = 6, 120
+# Fewest frames, share of the frames and way in radii that show a ball; share that shows a second.
+_FEWEST, _SEEN, _TRAVELS, _TWICE = 12, 0.3, 2.0, 0.4
+# How much less likely something is a ball that does not run on a circle.
+_UNROUND = 0.2
+# By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
+_ABOUT = 0.5
+# By how much colours [steps of 255], radii and ways of two balls may differ.
+_SAME_COLOUR, _SIZE, _AS_FAR = 45.0, 1.7, 0.3
+# How near centres of circles are that are one pivot, as a share of the larger arm.
+_ONE_PIVOT = 0.03
 # Pixels, and share of the arm, that a ball may lie off the circle.
 _OFF, _OFF_SHARE = 3.0, 0.02
 # Residual from which a circle is good enough to look no further: pixels and share of the arm.
@@ -34,12 +39,6 @@ _VAGUE = 0.04
 _FINE = 160.0
 # Where else the pivot may be in the first frame, above and below the centre, as shares of the arm.
 _TRIALS = (0.0, -0.07, 0.07)
-# Share of the radius by which edges must lie beside discs to be believed instead.
-_ASIDE = 0.15
-# A disc is a part of a ball if it is smaller than this share of the edge's radius.
-_PART = 0.88
-# Frames in which discs are measured again by their edge.
-_EDGES = 9
 
 
 def proposal_text(setup: Setup) -> str:
@@ -68,8 +67,9 @@ def propose(
     balls: Sequence[Sequence[float]] | None = None,
     count: int | None = None,
     optics: Optics | None = None,
-) -> tuple[Setup, float]:
-    """Positions of pivot and balls in the clicked frame, and a ball's radius [pixels].
+    click_frame: int | None = None,
+) -> tuple[Setup, float, Sample]:
+    """Positions of pivot and balls in a frame, a ball's radius [pixels], and the sample from there.
 
     The right-hand ball comes first; no pivot is in the picture if none is found.
 
@@ -83,6 +83,8 @@ def propose(
         How many balls swing; None to find out.
     optics : Optics, optional
         The lens: circles are ovals in what it shows.
+    click_frame : int, optional
+        The frame in which they are to be found; by default the first one that shows all balls.
 
     Raises
     ------
@@ -91,45 +93,130 @@ def propose(
 
     Notes
     -----
-    Discs are what differs from the median over time. Their circle is fitted together with one
-    harmonic of the pivot; if the residual is too large, the pivot is followed in the picture from
-    the circle's centre, and both are repeated until they agree. It can miss: balls that
-    rest in most of the clip, balls of the wall's colour, arcs of less than about 20 degrees.
+    What differs from the median over time is linked through all frames; balls are what goes far on
+    a circle. That is fitted together with one harmonic of the pivot; if the residual is too large,
+    the pivot is followed in the picture from the circle's centre, and both are repeated until they
+    agree. It can miss: balls that rest in most of the clip, balls of the wall's colour, arcs of
+    less than about 20 degrees.
     """
-    frames = sample.from_click
-    backdrop = Backdrop(frames, video.bounds)
-    seen = [backdrop.discs(frame) for frame in frames]
-    members = _one_class(seen, None if balls is None else np.array(balls, float))
-    if members is None:
-        raise InputError("no moving ball was found", way_out="point at pivot and ball")
-    if count is None:
-        counts = [len(group) for group in members if group]
-        count = 2 if np.mean(np.array(counts) >= 2) > _TWICE else 1
-    members = [group[:count] for group in members]
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
-    colours = Colours.of(video)
-    radius = float(np.median([disc.radius for group in members for disc in group]))
-    shift, radius = _by_edge(frames, colours, members, radius, known)
-    places = [np.array([d.centre + shift for d in group]).reshape(-1, 2) for group in members]
-    lens, size = optics or Optics(), (video.width, video.height)
-    places = [undistorted(group, size, lens) for group in places]
-    orbit = _pivot(video, frames, places) if pivot is None else None
-    hinge = known if known is not None else orbit.centre if orbit else None
-    if orbit is not None:
-        hinge = distorted(orbit.centre, size, lens)
-    if balls is not None:
-        starts = [np.array(ball, float) for ball in balls]
+    blobs = detect(sample.copies, video.bounds)
+    if balls is None:
+        movers = link_movers(blobs, sample.copies, _MOVERS)
+        tracks = _swinging(movers, sample.times, count, known)
     else:
-        number = video.first_frame + sample.click
-        found = _starts(places, orbit, count, radius, number)
-        starts = [distorted(ball, size, lens) for ball in found]
+        tracks = []
+        for ball in balls:
+            click = np.array(ball, float)
+            track, blobs = link_clicked(blobs, sample.copies, click, sample.click, None)
+            tracks.append(track)
+    radius = float(np.median([track.radius for track in tracks]))
+    lens, size = optics or Optics(), (video.width, video.height)
+    starts = None if balls is None else [np.array(ball, float) for ball in balls]
+    if starts is None:
+        sample = _begun(video, sample, tracks, is_free=click_frame is None)
+        starts = [track.places[sample.click] for track in tracks]
+    hinge = known
+    if pivot is None:
+        orbit = _pivot(video, sample, [undistorted(t.places, size, lens) for t in tracks])
+        hinge = None if orbit is None else distorted(orbit.centre, size, lens)
     starts.sort(key=lambda ball: -float(ball[0]))
     setup = Setup(
         pivot=None if hinge is None else _rounded(hinge),
         balls=tuple(_rounded(ball) for ball in starts),
         is_proposed=True,
+        click_frame=video.first_frame + sample.click,
     )
-    return setup, radius
+    return setup, radius, sample
+
+
+def _swinging(
+    tracks: list[Trajectory], times: np.ndarray, count: int | None, pivot: np.ndarray | None
+) -> list[Trajectory]:
+    """Return the one or two of the things that move that swing.
+
+    The ball is seen often, goes far, is large, and runs on a circle about a pivot that rests or is
+    driven, about the one that is known if any is; a second one looks like it and goes about as far.
+    """
+    scores = []
+    for track in tracks:
+        travel = float(np.hypot(*track.extent)) if track.is_seen.sum() >= _FEWEST else 0.0
+        share = float(track.is_seen.mean())
+        if share < _SEEN or travel < _TRAVELS * track.radius:
+            scores.append(0.0)
+            continue
+        some = _some(track.places)
+        if pivot is None:
+            orbit = better(*_circles([track.places[some]], times[some]))
+            is_round = orbit is not None and orbit.residual < max(_OFF, _OFF_SHARE * orbit.arm)
+        else:
+            away = np.hypot(*(track.places[some] - pivot).T)
+            is_round = bool(np.ptp(np.quantile(away, [0.1, 0.9])) < _ABOUT * np.median(away))
+        scores.append(share * travel * track.radius * (1.0 if is_round else _UNROUND))
+    if not max(scores, default=0.0) > 0.0:
+        raise InputError("no moving ball was found", way_out="point at pivot and ball")
+    first = tracks[int(np.argmax(scores))]
+    others = [
+        (score, track)
+        for score, track in zip(scores, tracks, strict=True)
+        if track is not first and score > 0.0 and _is_second(first, track)
+    ]
+    second = max(others, key=lambda one: one[0], default=None)
+    if count == 2 and second is None:
+        raise InputError(
+            "only one moving ball was found, not two", way_out="point at pivot and both balls"
+        )
+    return [first] if second is None or count == 1 else [first, second[1]]
+
+
+def _is_second(first: Trajectory, other: Trajectory) -> bool:
+    """Return whether something that moves may be the other ball of a pair."""
+    one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
+    is_alike = float(np.linalg.norm((one - two) * [0.5, 1.0, 1.0])) < _SAME_COLOUR
+    is_as_large = 1.0 / _SIZE < other.radius / first.radius < _SIZE
+    goes_as_far = np.hypot(*other.extent) > _AS_FAR * np.hypot(*first.extent)
+    return bool(is_alike and is_as_large and goes_as_far and other.is_seen.mean() > _TWICE)
+
+
+def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: bool) -> Sample:
+    """Return a sample that begins with a frame that shows all balls.
+
+    Raises
+    ------
+    InputError
+        If the frame that was asked for does not show them, and it is not free to choose.
+    """
+    shown = np.all([track.is_seen for track in tracks], axis=0)
+    if sample.click < len(shown) and shown[sample.click]:
+        return sample
+    frames = {frame.number: frame for frame in sample.frames}
+    pairs = [n for n in sorted(frames) if shown[n] and n + 1 in frames and shown[n + 1]]
+    if not is_free or not pairs:
+        raise InputError(
+            f"{len(tracks)} {'balls were' if len(tracks) == 2 else 'ball was'} found in "
+            f"{shown.sum()} of {len(shown)} frames, but not in frame "
+            f"{video.first_frame + sample.click}",
+            way_out="point at pivot and ball, or look in another frame (--click-frame)",
+        )
+    return replace(sample, clicked=[frames[pairs[0]], frames[pairs[0] + 1]])
+
+
+def _some(places: np.ndarray) -> np.ndarray:
+    """Return the numbers of frames that are enough for a circle."""
+    known = np.flatnonzero(np.isfinite(places[:, 0]))
+    return known[:: max(1, len(known) // _ENOUGH)]
+
+
+def _circles(tracks: list[np.ndarray], times: np.ndarray) -> tuple[Orbit | None, Orbit | None]:
+    """Return the circle of tracks about one pivot at rest, and about a driven one."""
+    groups = [
+        np.array([place for place in places if np.isfinite(place[0])]).reshape(-1, 2)
+        for places in zip(*tracks, strict=True)
+    ]
+    still = circle(groups, np.zeros((len(groups), 2)))
+    if still is not None and _is_round(still):
+        return still, None
+    return still, driven_circle(groups, times)
 
 
 def _rounded(place: np.ndarray) -> Place:
@@ -137,100 +224,35 @@ def _rounded(place: np.ndarray) -> Place:
     return round(float(place[0]), 1), round(float(place[1]), 1)
 
 
-def _one_class(seen: list[list[Disc]], balls: np.ndarray | None) -> list[list[Disc]] | None:
-    """Return the discs of each frame that are balls: those alike that travel farthest."""
-    best: tuple[float, list[list[Disc]]] | None = None
-    left = [list(group) for group in seen]
-    for _ in range(4):
-        tops = [group[0] for group in left if group]
-        if balls is not None and seen[0]:
-            near = min(seen[0], key=lambda d: float(np.min(np.hypot(*(balls - d.centre).T))))
-            if np.min(np.hypot(*(balls - near.centre).T)) < 1.5 * near.radius:
-                tops = [near]
-        if not tops:
-            break
-        typical = sorted(tops, key=lambda disc: disc.contrast * disc.radius)[len(tops) // 2]
-        alike = [[disc for disc in group if _is_alike(disc, typical)] for group in left]
-        alike = _without_column(alike)
-        centres = np.array([disc.centre for group in alike for disc in group]).reshape(-1, 2)
-        share = float(np.mean([bool(group) for group in alike]))
-        if share > _SEEN:
-            travel = float(np.hypot(*np.ptp(centres, axis=0)))
-            width = float(np.ptp(centres[:, 0]))
-            size = typical.radius * typical.contrast
-            score = (travel + width) * share * size if travel > 2.0 * typical.radius else 0.0
-            if score > 0.0 and (best is None or score > best[0]):
-                best = (score, alike)
-        if balls is not None:
-            break
-        left = [[disc for disc in group if not _is_alike(disc, typical)] for group in left]
-    return best[1] if best else None
+def _pivot(video: Video, sample: Sample, tracks: list[np.ndarray]) -> Orbit | None:
+    """Return the circle about the pivot whose motion makes the balls' paths most nearly one.
 
-
-def _without_column(groups: list[list[Disc]]) -> list[list[Disc]]:
-    """Return discs without those that stay in one column beside others: parts of the pivot."""
-    discs = [disc for group in groups for disc in group]
-    if not discs:
-        return groups
-    columns = np.array([disc.centre[0] for disc in discs])
-    half = 0.6 * float(np.median([disc.radius for disc in discs]))
-    crowd = [np.sum(np.abs(columns - column) < half) for column in columns]
-    column = columns[int(np.argmax(crowd))]
-
-    def is_in(disc: Disc) -> bool:
-        return bool(abs(disc.centre[0] - column) < half)
-
-    pairs = [group for group in groups if any(map(is_in, group)) and not all(map(is_in, group))]
-    if len(pairs) < _STAYS * sum(bool(group) for group in groups):
-        return groups
-    return [
-        [disc for disc in group if not is_in(disc)] if not all(map(is_in, group)) else []
-        for group in groups
-    ]
-
-
-def _is_alike(disc: Disc, other: Disc) -> bool:
-    """Return whether two discs may be the same ball, one of them perhaps smeared."""
-    sizes = disc.radius / other.radius
-    cosine = float(disc.change @ other.change) / max(
-        float(np.linalg.norm(disc.change) * np.linalg.norm(other.change)), 1e-9
-    )
-    bright = disc.contrast / max(other.contrast, 1e-9)
-    return 1.0 / _SIZE < sizes < _SIZE and cosine > _ALIKE and 0.25 < bright < 4.0
-
-
-def _by_edge(
-    frames: list[Frame],
-    colours: Colours,
-    members: list[list[Disc]],
-    radius: float,
-    pivot: np.ndarray | None,
-) -> tuple[np.ndarray, float]:
-    """Return how far the balls' edges lie off the discs, and their radius, in sharp frames."""
-    discs = [(k, disc) for k, group in enumerate(members) for disc in group]
-    sharp = sorted(discs, key=lambda one: -one[1].contrast)[: 4 * _EDGES : 4]
-    shifts = []
-    for k, disc in sharp:
-        towards = disc.centre - [0.0, 10.0 * radius] if pivot is None else pivot
-        centre, size, _ = disc_at(frames[k], colours, disc.centre, radius, towards, False)
-        centre, size, _ = disc_at(frames[k], colours, centre, size, towards, True)
-        shifts.append((*(centre - disc.centre), size))
-    *shift, size = np.median(np.array(shifts), axis=0)
-    # A disc's own centre is finer than its edge's, unless the wall hides a part of the ball.
-    is_clear = math.hypot(*shift) > _ASIDE * size and radius < _PART * size
-    return np.array(shift) if is_clear else np.zeros(2), float(size)
-
-
-def _pivot(video: Video, frames: list[Frame], places: list[np.ndarray]) -> Orbit | None:
-    """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
-    times = np.array([frame.time for frame in frames])
-    first = better(circle(places, np.zeros((len(places), 2))), driven_circle(places, times))
-    if first is None:
-        return None
-    best = first if _is_round(first) else _followed(video, frames, places, first)
+    `tracks` are places (frame, 2). Balls at different distances from one pivot at rest have a
+    circle each; that of the first is returned.
+    """
+    times, size = sample.times, np.array([video.width, video.height])
+    each = [_circles([track[_some(track)]], times[_some(track)])[0] for track in tracks]
+    own = [one for one in each if one is not None and _is_round(one)]
+    if len(own) == len(tracks) == 2:
+        apart = float(np.hypot(*(own[0].centre - own[1].centre)))
+        best = own[0] if apart < _ONE_PIVOT * max(one.arm for one in own) else None
+    else:
+        some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
+        # A driven pivot is where it is in the first of the frames.
+        some = np.append(min(sample.click, len(times) - 1), some)
+        first = better(*_circles([track[some] for track in tracks], times[some]))
+        if first is None:
+            return None
+        frames = sample.from_click
+        numbers = [frame.number for frame in frames]
+        places = [
+            np.array([t[n] for t in tracks if 0 <= n < len(t) and np.isfinite(t[n, 0])])
+            for n in numbers
+        ]
+        places = [group.reshape(-1, 2) for group in places]
+        best = first if _is_round(first) else _followed(video, frames, places, first)
     if best is None or best.residual > max(_OFF, _OFF_SHARE * best.arm):
         return None
-    size = np.array([video.width, video.height])
     inside = (best.centre >= 0.0).all() and (best.centre <= size - 1.0).all()
     return best if inside and best.vague < _VAGUE else None
 
@@ -279,31 +301,3 @@ def _coarse(frame: Frame, fold: int) -> Frame:
     parts = frame.luma[:rows, :columns].reshape(rows // fold, fold, columns // fold, fold)
     luma = np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
     return Frame(frame.number, frame.time, luma, luma[:2, :2], luma[:2, :2])
-
-
-def _starts(
-    places: list[np.ndarray], orbit: Orbit | None, count: int, radius: float, number: int
-) -> list[np.ndarray]:
-    """Return the balls in the clicked frame, from there or from where they are a frame later."""
-    for k in (0, 1):  # a pair of frames: where balls are in the second is near enough
-        group = places[k]
-        shift = orbit.shifts[min(k, len(orbit.shifts) - 1)] if orbit else np.zeros(2)
-        on_circle = [
-            place
-            for place in group
-            if orbit is None
-            or abs(np.hypot(*(place - shift - orbit.centre)) - orbit.arm)
-            < max(2.0 * radius, 0.05 * orbit.arm)
-        ]
-        if len(on_circle) >= count:
-            return list(on_circle[:count])
-    shown = sum(len(group) >= count for group in places)
-    if not shown:
-        raise InputError(
-            "only one moving ball was found, not two", way_out="point at pivot and both balls"
-        )
-    raise InputError(
-        f"{count} {'balls were' if count == 2 else 'ball was'} found in {shown} of {len(places)} "
-        f"frames, but not in frame {number}",
-        way_out="point at pivot and ball, or look in another frame (--click-frame)",
-    )

@@ -11,6 +11,7 @@ from heapq import heappop, heappush
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.experiment.tracking.detect import Copier, Copies
 from latolato.experiment.video import Frame, Video
 
 # Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
@@ -52,6 +53,8 @@ class Sample:
         Copies of the frames that changed most.
     is_converted : bool
         Whether pictures are repeated again and again, and the times are therefore even ones.
+    copies : Copies
+        Small pictures of all frames.
     """
 
     times: np.ndarray
@@ -60,6 +63,7 @@ class Sample:
     changes: np.ndarray = field(default_factory=lambda: np.full(1, math.nan))
     changed: list[Frame] = field(default_factory=list)
     is_converted: bool = False
+    copies: Copies = field(default_factory=Copies.none)
 
     @property
     def click(self) -> int:
@@ -133,8 +137,10 @@ def read_sample(
     changes = [math.nan]
     changed: list[tuple[float, int, Frame]] = []
     before = None
+    copier = Copier()
     for frame in video.frames():
         times.append(frame.time)
+        copier.add(frame)
         thin = max(1, math.isqrt(frame.luma.size // _COMPARED))
         luma = frame.luma[::thin, ::thin].astype(np.int16)
         if before is not None:
@@ -164,7 +170,10 @@ def read_sample(
     if click != 0 and not clicked:
         raise InputError(f"the video has no frame {click + video.first_frame}")
     most = [frame for _, _, frame in changed]
-    sample = Sample(np.array(times), kept, clicked, np.array(changes[: len(times)]), most)
+    sample = Sample(
+        np.array(times), kept, clicked, np.array(changes[: len(times)]), most,
+        copies=copier.copies,
+    )  # fmt: skip
     repeats = sample.repeats
     even = even_times(sample.times, repeats, sample.changes)
     # A repeated picture teaches no speed.

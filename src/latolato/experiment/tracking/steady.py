@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.experiment.tracking.blobs import import_cv2
+from latolato.experiment.tracking.detect import Copies, import_cv2, small_picture
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 
@@ -243,7 +243,7 @@ def _moved(plane: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     """Return a plane whose places are moved by a matrix."""
     cv2 = import_cv2()
     moved: np.ndarray = cv2.warpAffine(
-        np.ascontiguousarray(plane), matrix, plane.shape[::-1],
+        np.ascontiguousarray(plane), matrix, plane.shape[1::-1],
         flags=cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE,
     )  # fmt: skip
     return moved
@@ -295,6 +295,25 @@ def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[
         [steadier(frame) for frame in some]
         for some in (sample.frames, sample.clicked, sample.changed)
     )
+    copies = _steady_copies(sample.copies, sample.from_click[0], hidden)
     return replace(video, steadier=steadier), replace(
-        sample, frames=frames, clicked=clicked, changed=changed
+        sample, frames=frames, clicked=clicked, changed=changed, copies=copies
     )
+
+
+def _steady_copies(copies: Copies, first: Frame, hidden: Sequence[Bar]) -> Copies:
+    """Return small pictures as a camera at rest would have taken them, where it was in `first`."""
+
+    def as_frame(picture: np.ndarray) -> Frame:
+        return Frame(0, 0.0, *np.moveaxis(picture, -1, 0))
+
+    rows, columns = copies.pictures.shape[1:3]
+    share = 1.0 / float(copies.scale.mean())
+    bars = [Bar(copies.small(b.start), copies.small(b.end), b.reach * share) for b in hidden]
+    surroundings = Surroundings(as_frame(small_picture(first, (columns, rows))), bars)
+    matrix, pictures = np.eye(2, 3), np.empty_like(copies.pictures)
+    for k, picture in enumerate(copies.pictures):
+        motion = surroundings.motion(as_frame(picture))
+        matrix = matrix if motion is None else motion.matrix
+        pictures[k] = _moved(picture, matrix)
+    return replace(copies, pictures=pictures)

@@ -28,6 +28,9 @@ _HARDLY, _FEWEST_SHOTS = 0.4, 3
 _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 # Balls around which noise is learned.
 _RINGS = 16
+# Share of what one kind of colours leaves unexplained that another may leave to be believed
+# instead: at first, and later.
+_TURNS, _STAYS = 0.95, 0.9
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
 _SLOW = 0.4
 
@@ -43,6 +46,7 @@ class Sighting:
     speed: float
     explained: float
     drift: np.ndarray
+    ball: int = 0
 
     def path(self, arm: float, exposure: float) -> np.ndarray:
         """Return the ball's centres within the exposure, shape (sample, 2)."""
@@ -68,15 +72,18 @@ def learn_look(
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
-    _learn_paint(look, frames, teachers, arm)
+    _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     _learn_noise(look, frames, good)
     return arm
 
 
 def _learn_paint(
-    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float, share: float
 ) -> None:
-    """Learn the balls' colours, and whether they turn with the rod or stay as the light does."""
+    """Learn the balls' colours, and whether they turn with the rod or stay as the light does.
+
+    What was believed so far stays unless the other leaves less than a share of what it leaves.
+    """
     inner = look.radius - 1.6 * look.blur - 0.3
     best: tuple[float, bool, np.ndarray] | None = None
     for is_spinning in (look.is_spinning, not look.is_spinning):
@@ -96,8 +103,7 @@ def _learn_paint(
             ).cost
             for one in teachers
         )  # fmt: skip
-        # What was believed so far stays until the other is clearly better.
-        if best is None or cost < 0.9 * best[0]:
+        if best is None or cost < share * best[0]:
             best = (cost, is_spinning, look.paint)
     assert best is not None
     _, look.is_spinning, look.paint = best

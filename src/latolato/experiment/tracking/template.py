@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import map_coordinates, spline_filter
 
-from latolato.experiment.tracking.appearance import BallFit, Colours, arc
+from latolato.experiment.tracking.appearance import BallFit, Colours
 
 # Steps below this are the last, and longer ones than this share of the half width are cut [pixels].
 _CONVERGED, _LONGEST = 0.005, 0.5
@@ -25,8 +25,6 @@ _DIMMEST, _BRIGHTEST = 0.6, 1.6
 _INSIDE = 0.5
 # Share of the body that is explained where nothing hides it.
 _WHOLE = 0.85
-# Pixels across which a template is compared in a search.
-_COARSE = 12
 # Standard deviation of a coded value that is not below rounding, as a share of white.
 _ROUNDING = 0.004
 
@@ -87,40 +85,6 @@ class Template:
         """Return the patch about a centre of a frame, turned back; NaN outside the picture."""
         window = _Window(self.colours, planes, centre, math.ceil(1.5 * self.half) + 3)
         return window.at(centre + _turned(self.offsets, angle))
-
-    def gains(
-        self,
-        planes: tuple[np.ndarray, ...],
-        pivot: np.ndarray,
-        arm: float | np.ndarray,
-        angles: np.ndarray,
-    ) -> np.ndarray:
-        """Return how well the template fits at angles: 1 as itself, 0 if three quarters differ.
-
-        That is twice the correlation coefficient less one, over the three colours together.
-        """
-        step = max(1, 2 * self.half // _COARSE)
-        part = np.s_[self.half % step :: step, self.half % step :: step]
-        model, weight = self.picture[part].reshape(-1, 3), self.weight[part].ravel()
-        used = weight > 0.0
-        model, weight = model[used], weight[used]
-        offsets = self.offsets[part].reshape(-1, 2)[used]
-        centres = arc(np.broadcast_to(pivot, (len(angles), 2)), angles, arm)
-        low, high = centres.min(axis=0), centres.max(axis=0)
-        reach = math.ceil(0.5 * float((high - low).max()) + 1.5 * self.half) + 3
-        window = _Window(self.colours, planes, 0.5 * (low + high), reach, order=1)
-        places = centres[:, None] + np.stack([_turned(offsets, a) for a in angles])
-        seen = window.at(places)
-        weights = np.where(np.isfinite(seen[..., 0]), weight, 0.0)[..., None]
-        total = weights.sum(axis=1)
-        seen = np.nan_to_num(seen)
-        own = seen - (weights * seen).sum(axis=1, keepdims=True) / np.maximum(total, 1e-9)[:, None]
-        mean = (weights * model).sum(axis=1, keepdims=True) / np.maximum(total, 1e-9)[:, None]
-        other = model - mean
-        both = np.sum(weights * own * other, axis=(1, 2))
-        sizes = np.sum(weights * own**2, axis=(1, 2)) * np.sum(weights * other**2, axis=(1, 2))
-        correlation = both / np.sqrt(np.maximum(sizes, 1e-18))
-        return np.where(total[:, 0] > _INSIDE * weight.sum(), 2.0 * correlation - 1.0, -1.0)
 
     def fit(
         self,

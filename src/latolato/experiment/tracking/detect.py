@@ -1,0 +1,274 @@
+"""What moves in each frame of a clip: small pictures of all frames, and blobs that differ in them.
+
+A blob is a connected set of pixels that differ from the median picture of the clip. Rods and
+shadows are cut off: a rod is thinner than half the ball at its end, and a shadow differs by less
+than the ball that casts it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from latolato.core.errors import import_extra
+from latolato.experiment.video import Frame
+
+# Pixels of a small picture, and of those of a whole clip together.
+_PIXELS, _ALL_PIXELS = 100_000, 90_000_000
+# Frames of which the median picture is made.
+_SAMPLED = 61
+# Differences of colour count more than those of light, which shadows have too.
+_CHROMA = 2
+# A difference is one above this many standard deviations of the noise, and above some steps of 255.
+_CLEAR, _LEAST = 6.0, 9.0
+# Part of a thing's own difference from which a pixel belongs to it, and not to its shadow.
+_OWN = 0.45
+# How far colours may be from one that is looked for [steps of 255]; light may be twice as far.
+_SAME_COLOUR, _WEIGHTS = 20.0, np.array([2.0, 1.0, 1.0])
+# Fewest pixels of a small picture that make a blob.
+_FEWEST = 3
+# Blobs of a frame that are kept, the clearest first.
+_MOST = 40
+
+
+class Blobs(NamedTuple):
+    """What moves in one frame.
+
+    Attributes
+    ----------
+    places : numpy.ndarray, shape (blob, 2)
+        Centres, column and row [pixels of the video].
+    radii, lengths : numpy.ndarray, shape (blob,)
+        Half the width of an ellipse of the same second moments, and half its length [pixels].
+    contrasts : numpy.ndarray, shape (blob,)
+        How much a blob differs from the background [steps of 255].
+    colours, walls : numpy.ndarray, shape (blob, 3)
+        Median luma, blue and red chroma, and those of the background there.
+    """
+
+    places: np.ndarray
+    radii: np.ndarray
+    lengths: np.ndarray
+    contrasts: np.ndarray
+    colours: np.ndarray
+    walls: np.ndarray
+
+    @classmethod
+    def of(cls, rows: list[tuple[float, ...]], scale: np.ndarray) -> Blobs:
+        """Return blobs of rows of numbers in pixels of a small picture, the clearest first."""
+        table = np.array(rows, float).reshape(-1, 11)
+        table = table[np.argsort(-table[:, 4] * table[:, 2], kind="stable")[:_MOST]]
+        mean = math.sqrt(float(scale.prod()))
+        places = (table[:, :2] + 0.5) * scale - 0.5
+        radii, lengths = mean * table[:, 2:4].T
+        return cls(places, radii, lengths, table[:, 4], table[:, 5:8], table[:, 8:])
+
+    def without(self, number: int) -> Blobs:
+        """Return the other blobs."""
+        return Blobs(*(np.delete(values, number, axis=0) for values in self))
+
+
+@dataclass(frozen=True)
+class Copies:
+    """Small pictures of all frames of a clip.
+
+    Attributes
+    ----------
+    pictures : numpy.ndarray, shape (frame, row, column, 3)
+        Luma, blue and red chroma, in steps of 255.
+    size : tuple of int
+        Width and height of the frames that they were made of [pixels].
+    """
+
+    pictures: np.ndarray
+    size: tuple[int, int]
+
+    @classmethod
+    def none(cls) -> Copies:
+        """Return no pictures."""
+        return cls(np.zeros((0, 1, 1, 3), np.uint8), (1, 1))
+
+    @property
+    def scale(self) -> np.ndarray:
+        """Columns and rows of the video in a pixel of a small picture."""
+        rows, columns = self.pictures.shape[1:3]
+        return np.asarray(np.array(self.size) / np.array([columns, rows]))
+
+    @cached_property
+    def background(self) -> np.ndarray:
+        """Median picture of the clip, shape (row, column, 3)."""
+        count = len(self.pictures)
+        some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED)).astype(int))
+        middle = len(some) // 2
+        # By strips of rows: the pictures of a whole clip need not be in memory twice.
+        strips = (
+            np.partition(self.pictures[some, row : row + 32], middle, axis=0)[middle]
+            for row in range(0, self.pictures.shape[1], 32)
+        )
+        return np.concatenate(list(strips))
+
+    def small(self, places: np.ndarray) -> np.ndarray:
+        """Places (..., 2) of the video in pixels of small pictures."""
+        return np.asarray((places + 0.5) / self.scale - 0.5)
+
+    def colour(self, number: int, place: np.ndarray, radius: float) -> np.ndarray:
+        """Return the median colour within a radius of a place in a frame, shape (3,) [255]."""
+        u, v = self.small(place)
+        reach = max(0.7 * radius / float(self.scale.mean()), 0.5)
+        rows, columns = self.pictures.shape[1:3]
+        left, right = max(0, round(u - reach)), min(columns, round(u + reach) + 1)
+        top, bottom = max(0, round(v - reach)), min(rows, round(v + reach) + 1)
+        part = self.pictures[number, top:bottom, left:right].reshape(-1, 3)
+        return np.asarray(np.median(part, axis=0)) if len(part) else np.full(3, math.nan)
+
+
+class Copier:
+    """Makes small pictures of frames as they are decoded; of long clips smaller ones."""
+
+    def __init__(self) -> None:
+        self.pictures: list[np.ndarray] = []
+        self.shape = (0, 0)
+        self.size = (0, 0)
+
+    def add(self, frame: Frame) -> None:
+        """Keep a small picture of a frame."""
+        if not self.pictures:
+            rows, columns = frame.luma.shape
+            shrink = max(1.0, math.sqrt(rows * columns / _PIXELS))
+            self.size = columns, rows
+            self.shape = max(1, round(columns / shrink)), max(1, round(rows / shrink))
+        self.pictures.append(small_picture(frame, self.shape))
+        if len(self.pictures) * self.shape[0] * self.shape[1] > _ALL_PIXELS:
+            cv2 = import_cv2()
+            columns, rows = self.shape
+            self.shape = max(1, round(0.71 * columns)), max(1, round(0.71 * rows))
+            self.pictures = [
+                cv2.resize(picture, self.shape, interpolation=cv2.INTER_AREA)
+                for picture in self.pictures
+            ]
+
+    @property
+    def copies(self) -> Copies:
+        """The small pictures of the frames so far."""
+        return Copies(np.stack(self.pictures), self.size)
+
+
+def small_picture(frame: Frame, shape: tuple[int, int]) -> np.ndarray:
+    """Return a frame in a small picture of a width and a height, shape (row, column, 3)."""
+    cv2 = import_cv2()
+    planes = [
+        cv2.resize(np.ascontiguousarray(plane), shape, interpolation=cv2.INTER_AREA)
+        for plane in frame[2:]
+    ]
+    return np.asarray(cv2.merge(planes))
+
+
+def detect(
+    copies: Copies, bounds: tuple[np.ndarray, np.ndarray], colour: np.ndarray | None = None
+) -> list[Blobs]:
+    """Return what moves in each frame.
+
+    Parameters
+    ----------
+    copies : Copies
+        Small pictures of all frames.
+    bounds : tuple of numpy.ndarray, shape (2,)
+        First column and row that are looked at, and the first ones beyond [pixels].
+    colour : numpy.ndarray, shape (3,), optional
+        Luma and chroma of what is looked for [steps of 255]; by default anything.
+
+    Notes
+    -----
+    It can miss: what rests in most of the clip, what has the colour of the background, and what is
+    smaller than about three pixels of a small picture, which has 100,000 of them or fewer.
+    """
+    cv2 = import_cv2()
+    wall = copies.background
+    some = copies.pictures[:: max(1, len(copies.pictures) // 12)]
+    typical = np.median([_difference(cv2, picture, wall) for picture in some], axis=0)
+    limit = max(_LEAST, _CLEAR * (1.4826 * float(np.median(typical)) + 0.3))
+    (left, top), (right, bottom) = (np.rint(copies.small(edge)).astype(int) for edge in bounds)
+    part = np.s_[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
+    corner = np.array([max(left, 0), max(top, 0)])
+    return [
+        _blobs(cv2, picture[part], wall[part], corner, limit, copies.scale, colour)
+        for picture in copies.pictures
+    ]
+
+
+def _difference(cv2: Any, picture: np.ndarray, wall: np.ndarray) -> np.ndarray:
+    """Return how much each pixel differs [steps of 255]."""
+    luma, blue, red = cv2.split(cv2.absdiff(picture, wall))
+    return np.asarray(cv2.max(luma, cv2.multiply(cv2.max(blue, red), _CHROMA)))
+
+
+def _blobs(
+    cv2: Any,
+    picture: np.ndarray,
+    wall: np.ndarray,
+    corner: np.ndarray,
+    limit: float,
+    scale: np.ndarray,
+    colour: np.ndarray | None,
+) -> Blobs:
+    """Return the blobs of one picture, which begins at a corner of the whole one."""
+    apart = cv2.GaussianBlur(_difference(cv2, picture, wall), (3, 3), 0)
+    _, mask = cv2.threshold(apart, limit, 1, cv2.THRESH_BINARY)
+    if colour is not None:
+        low, high = colour - _SAME_COLOUR * _WEIGHTS, colour + _SAME_COLOUR * _WEIGHTS
+        mask = cv2.bitwise_and(mask, cv2.inRange(picture, low, high))
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    rows: list[tuple[float, ...]] = []
+    for number in range(1, count):
+        x, y, width, height, area = (int(n) for n in stats[number])
+        if area < _FEWEST:
+            continue
+        part = np.s_[y : y + height, x : x + width]
+        own = labels[part] == number
+        for u, v, *rest in _split(cv2, own, apart[part], picture[part], wall[part]):
+            rows.append((u + x + corner[0], v + y + corner[1], *rest))
+    return Blobs.of(rows, scale)
+
+
+def _split(
+    cv2: Any, own: np.ndarray, apart: np.ndarray, picture: np.ndarray, wall: np.ndarray
+) -> list[tuple[float, ...]]:
+    """Return the blobs in one connected thing, without rods and shadows.
+
+    Each is its column, row, half width, half length, contrast, three colours, and the wall's.
+    """
+    limit = _OWN * float(np.quantile(apart[own], 0.9))
+    clear = np.pad((own & (apart > limit)).astype(np.uint8), 2)
+    depth = cv2.distanceTransform(clear, cv2.DIST_L2, 5)
+    reach = int(0.5 * float(depth.max()))
+    if reach >= 1:
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+        clear = cv2.morphologyEx(
+            cv2.morphologyEx(clear, cv2.MORPH_CLOSE, disc), cv2.MORPH_OPEN, disc
+        )
+    count, labels = cv2.connectedComponents(clear)
+    rows = []
+    for number in range(1, count):
+        v, u = np.nonzero(labels[2:-2, 2:-2] == number)
+        if not len(u):
+            continue
+        weight = apart[v, u].astype(float)
+        place = np.array([u, v]) @ weight / weight.sum()
+        away = np.array([u, v]) - place[:, None]
+        # Moments of pixels as squares; those of a disc are a quarter of its squared radius.
+        moments = (weight * away) @ away.T / weight.sum() + np.eye(2) / 12.0
+        minor, major = 2.0 * np.sqrt(np.linalg.eigvalsh(moments))
+        typical = np.median(weight)
+        core = v[weight >= typical], u[weight >= typical]
+        colours = (np.median(each[core], axis=0) for each in (picture, wall))
+        rows.append((*place, minor, major, typical, *np.concatenate(list(colours))))
+    return rows
+
+
+def import_cv2() -> Any:
+    """Return OpenCV."""
+    return import_extra("cv2", "video", "finding balls and drawing on videos")

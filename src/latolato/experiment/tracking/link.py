@@ -1,0 +1,350 @@
+"""Paths of what moves: chains of blobs through all frames of a clip, seen from both ends at once.
+
+The best chain is found by dynamic programming (Viterbi): each blob is worth something by itself, a
+step that the speed before it does not lead to costs, and so does a frame without a blob. Nothing is
+predicted, lost or searched for again: what comes later tells which way was right.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from latolato.experiment.tracking.detect import Blobs, Copies
+
+# Frames that a chain may bridge with its speed, and what each of them costs.
+_BRIDGED, _MISSED = 8, 0.25
+# What a chain costs that goes on anywhere else, and how much more as something hardly alike; a step
+# at the edge of what is expected, the longest one in those, and what a step costs from one frame to
+# the next that is longer still.
+_JUMP, _OTHER, _STEP, _MOST_STEP, _LEAP = 2.5, 1.5, 0.6, 3.0, 0.6
+# How far from where its speed leads a blob is expected: radii, share of the step, pixels; and where
+# the speed is unknown.
+_NEAR, _BENT, _LOOSE = 1.0, 0.35, 2.0
+_FIRST, _FIRST_LOOSE = 6.0, 8.0
+# Contrast from which a blob is clear, which is that of the clearest in half of the frames, between
+# these [steps of 255]; share of it from which one counts, and how much less a long one counts.
+_CLEAR, _CLEAREST, _FAINT, _LONG = 12.0, 40.0, 0.25, 0.15
+# Colours that differ by so many steps of 255 are hardly alike; light counts half, for it changes
+# with shading. The least share of a colour in a smear, and how much directions of colour count.
+_ALIKE, _WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
+# Logarithm of the ratio of radii that are hardly alike.
+_SIZE = 0.7
+# What a step between blobs that are hardly alike costs, and how much more one of quite others.
+_UNLIKE, _MOST_UNLIKE = 0.4, 4.0
+# How quickly the look of a chain follows that of its blobs, and how many that ended are kept.
+_FOLLOWS, _ENDS = 0.2, 30
+# What a blob at a click is worth, and how near it must be: radii and pixels.
+_CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
+# A blob that is where others are in this share of the frames rests.
+_RESTS = 0.5
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Where something that moves is in each frame.
+
+    Attributes
+    ----------
+    places : numpy.ndarray, shape (frame, 2)
+        Column and row [pixels]; NaN where it was not detected.
+    radii, lengths : numpy.ndarray, shape (frame,)
+        Of its blobs [pixels].
+    colours : numpy.ndarray, shape (frame, 3)
+        Of its blobs [steps of 255].
+    """
+
+    places: np.ndarray
+    radii: np.ndarray
+    lengths: np.ndarray
+    colours: np.ndarray
+
+    @property
+    def is_seen(self) -> np.ndarray:
+        """In which frames it was detected, shape (frame,)."""
+        return np.asarray(np.isfinite(self.places[:, 0]))
+
+    @property
+    def radius(self) -> float:
+        """Typical half width [pixels]."""
+        return float(np.nanmedian(self.radii)) if self.is_seen.any() else math.nan
+
+    @property
+    def extent(self) -> np.ndarray:
+        """Width and height of what it passes, but for a fiftieth at each end [pixels]."""
+        low, high = np.quantile(self.places[self.is_seen], [0.02, 0.98], axis=0)
+        return np.asarray(high - low)
+
+
+def best_chain(blobs: list[Blobs], worth: list[np.ndarray], radius: float) -> np.ndarray:
+    """Return the number of the best chain's blob in each frame, -1 for none, shape (frame,).
+
+    Parameters
+    ----------
+    blobs : list of Blobs
+        What moves in each frame.
+    worth : list of numpy.ndarray, shape (blob,)
+        What each blob is worth by itself, 1 for one that is surely right.
+    radius : float
+        Of what is followed, roughly [pixels].
+
+    Notes
+    -----
+    A blob keeps the speed and the typical look of the best chain that ends there, so a chain that
+    is worse up to a blob and better beyond it may be missed. A chain that ends may go on anywhere
+    later, for a price.
+    """
+    nodes: list[_Nodes] = []
+    ended = _Nodes.at(-1, np.zeros((0, 4)))
+    best, at = 0.0, (-1, -1)
+    for frame, own in enumerate(blobs):
+        count, looks = len(own.radii), _looks(own)
+        now = _Nodes.at(frame, looks)
+        expired = frame - _BRIDGED - 1
+        if expired >= 0:
+            ended = ended.joined(nodes[expired])
+        if count and len(ended.totals):
+            now.take(ended, ended.totals - _JUMP - _OTHER * _unlike(looks, ended.looks), None)
+        for before in range(max(0, frame - _BRIDGED), frame):
+            if count and len(nodes[before].totals):
+                last, apart = nodes[before], frame - before
+                cost, step = _steps(own, blobs[before].places, last.speeds, apart, radius)
+                cost = cost + _UNLIKE * _unlike(looks, last.looks)
+                now.take(last, last.totals - cost, step)
+        for source in now.origins[now.origins[:, 0] >= 0]:
+            nodes[source[0]].goes_on[source[1]] = True
+        now.totals += worth[frame]
+        now.looks += _FOLLOWS * (looks - now.looks)
+        nodes.append(now)
+        if count and now.totals.max() > best:
+            best, at = float(now.totals.max()), (frame, int(np.argmax(now.totals)))
+    chain = np.full(len(blobs), -1)
+    while at[0] >= 0:
+        chain[at[0]] = at[1]
+        frame, number = nodes[at[0]].origins[at[1]].tolist()
+        at = frame, number
+    return chain
+
+
+@dataclass
+class _Nodes:
+    """The best chains that end at each blob of a frame, or anywhere before.
+
+    Their worth, speed [pixels per frame], look (see `_looks`), the frame and number of the blob
+    before, those of the blob itself, and whether another chain goes on from there.
+    """
+
+    totals: np.ndarray
+    speeds: np.ndarray
+    looks: np.ndarray
+    origins: np.ndarray
+    numbers: np.ndarray
+    goes_on: np.ndarray
+
+    @classmethod
+    def at(cls, frame: int, looks: np.ndarray) -> _Nodes:
+        """Return chains that begin with the blobs of a frame, of some looks."""
+        count = len(looks)
+        numbers = np.column_stack([np.full(count, frame), np.arange(count)])
+        return cls(
+            np.zeros(count), np.full((count, 2), np.nan), looks.copy(), np.full((count, 2), -1),
+            numbers, np.zeros(count, bool),
+        )  # fmt: skip
+
+    def take(self, before: _Nodes, totals: np.ndarray, steps: np.ndarray | None) -> None:
+        """Let blobs go on from earlier ones where that is worth more.
+
+        `totals` (blob, earlier) is the worth, `steps` (blob, earlier, 2) the speed.
+        """
+        own = np.arange(len(self.totals))
+        source = np.argmax(totals, axis=1)
+        value = totals[own, source]
+        better = value > self.totals
+        source = source[better]
+        self.totals[better], self.origins[better] = value[better], before.numbers[source]
+        self.speeds[better] = np.nan if steps is None else steps[own[better], source]
+        self.looks[better] = before.looks[source]
+
+    def joined(self, later: _Nodes) -> _Nodes:
+        """Return these chains and those of a frame that do not go on, the best of them."""
+        ends = ~later.goes_on
+        both = [
+            np.concatenate([getattr(self, name), getattr(later, name)[ends]])
+            for name in ("totals", "speeds", "looks", "origins", "numbers", "goes_on")
+        ]
+        best = np.argsort(-both[0], kind="stable")[:_ENDS]
+        return _Nodes(*(values[best] for values in both))
+
+
+def _looks(blobs: Blobs) -> np.ndarray:
+    """Return what tells blobs from each other, shape (blob, 4): 1 if they are hardly alike.
+
+    That is which way their colour differs from the background, for a smear is a mixture of the
+    two, and their size.
+    """
+    change = (blobs.colours - blobs.walls) * _WEIGHTS
+    length = np.maximum(np.linalg.norm(change, axis=1), _ALIKE)
+    size = np.log(np.maximum(blobs.radii, 0.1)) / _SIZE
+    return np.column_stack([_DIRECTION * change / length[:, None], size])
+
+
+def _unlike(looks: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return how unlike looks are, shape (look, other): 1 for hardly alike."""
+    squares = np.sum((looks[:, None] - others) ** 2, axis=-1)
+    return np.asarray(np.minimum(squares, _MOST_UNLIKE))
+
+
+def _steps(
+    own: Blobs, places: np.ndarray, speeds: np.ndarray, apart: int, radius: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what steps from earlier places cost, shape (blob, earlier), and their speeds."""
+    step = own.places[:, None] - places
+    is_known = np.isfinite(speeds[:, 0])
+    led = np.where(is_known[:, None], speeds, 0.0) * apart
+    off = np.linalg.norm(step - led, axis=-1)
+    reach = np.where(
+        is_known,
+        _NEAR * radius + _BENT * np.linalg.norm(led, axis=-1) + _LOOSE,
+        _FIRST * radius * apart + _FIRST_LOOSE,
+    )
+    cost = _STEP * (off / reach) ** 2 + _MISSED * (apart - 1)
+    # From one frame to the next it may leap: a fast ball at few frames a second.
+    far = np.where(off > _MOST_STEP * reach, np.inf, cost)
+    return np.minimum(far, _LEAP if apart == 1 else np.inf), step / apart
+
+
+def worth_of(
+    blobs: Blobs, clear: float, colour: np.ndarray | None = None, radius: float | None = None
+) -> np.ndarray:
+    """Return what blobs are worth by themselves, shape (blob,): clear, round, and alike.
+
+    `clear` is the contrast of a clear one [steps of 255].
+    """
+    long = blobs.lengths / np.maximum(blobs.radii, 0.1)
+    share = np.clip((blobs.contrasts / clear - _FAINT) / (1.0 - _FAINT), 0.0, 1.0)
+    worth = share * np.clip(1.0 + _LONG * (4.0 - long), 0.2, 1.0)
+    if colour is not None:
+        # The nearest mixture of the colour and the wall there: a smear is one.
+        whole = (colour - blobs.walls) * _WEIGHTS
+        seen = (blobs.colours - blobs.walls) * _WEIGHTS
+        share = np.sum(whole * seen, axis=1) / np.maximum(np.sum(whole**2, axis=1), 1.0)
+        away = seen - np.clip(share, _FAINTEST, 1.0)[:, None] * whole
+        worth = worth * (0.1 + 0.9 * np.exp(-np.sum((away / _ALIKE) ** 2, axis=1)))
+    if radius is not None:
+        worth = worth * np.exp(-((np.log(np.maximum(blobs.radii, 0.1) / radius) / _SIZE) ** 2))
+    return np.asarray(worth)
+
+
+def _clear(blobs: list[Blobs]) -> float:
+    """Return the contrast of a clear blob: what is clearest in half of the frames that show any."""
+    tops = [float(own.contrasts.max()) for own in blobs if len(own.contrasts)]
+    return float(np.clip(np.median(tops), _CLEAR, _CLEAREST)) if tops else _CLEAREST
+
+
+def link_clicked(
+    blobs: list[Blobs], copies: Copies, click: np.ndarray, number: int, radius: float | None
+) -> tuple[Trajectory, list[Blobs]]:
+    """Return the path of what is clicked in a frame, and the blobs that are left.
+
+    The click is a detection as any other, and surely right: where no blob is near it, as of a ball
+    that rests in most of the clip, it is one by itself.
+
+    Parameters
+    ----------
+    blobs, copies : list of Blobs, Copies
+        What moves in each frame, and small pictures of these.
+    click : numpy.ndarray, shape (2,)
+        Column and row [pixels].
+    number : int
+        The frame; one beyond the clip is not looked at.
+    radius : float or None
+        Of what is clicked [pixels], None if it is not known.
+    """
+    blobs, colour = list(blobs), None
+    worth = None
+    if 0 <= number < len(blobs):
+        own = blobs[number]
+        away = np.linalg.norm(own.places - click, axis=1)
+        near = away < np.maximum(_AT_CLICK * own.lengths, _AT_CLICK_LOOSE * copies.scale.mean())
+        if near.any():
+            at = int(np.argmin(np.where(near, away, np.inf)))
+            radius, colour = float(own.radii[at]), own.colours[at]
+        else:
+            size = radius or 2.0 * float(copies.scale.mean())
+            colour, at = copies.colour(number, click, size), len(own.radii)
+            row = (click, size, size, _CLEAREST, colour, colour)
+            blobs[number] = own = Blobs(
+                *(np.concatenate([values, [one]]) for values, one in zip(own, row, strict=True))
+            )
+        worth = np.full(len(own.radii), -_CLICKED)
+        worth[at] = _CLICKED
+    clear = _clear(blobs)
+    worths = [worth_of(each, clear, colour, radius) for each in blobs]
+    if worth is not None:
+        worths[number] = worth
+    return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * float(copies.scale.mean())))
+
+
+def link_movers(blobs: list[Blobs], copies: Copies, most: int) -> list[Trajectory]:
+    """Return the paths of what moves, the best ones first, at most some.
+
+    Blobs that are always at the same place count little: they are where something was in most of
+    the clip, or flickers.
+    """
+    resting = _resting(blobs, copies)
+    clear = _clear(blobs)
+    worths = [
+        worth_of(own, clear) * (1.0 - 0.9 * rests)
+        for own, rests in zip(blobs, resting, strict=True)
+    ]
+    paths: list[Trajectory] = []
+    for _ in range(most):
+        radii = np.concatenate(
+            [own.radii[worth > 0.5] for own, worth in zip(blobs, worths, strict=True)]
+        )
+        if not len(radii):
+            break
+        chain = best_chain(blobs, worths, float(np.median(radii)))
+        path, blobs = _taken(blobs, chain)
+        worths = [
+            np.delete(worth, at) if at >= 0 else worth
+            for worth, at in zip(worths, chain, strict=True)
+        ]
+        paths.append(path)
+    return paths
+
+
+def _taken(blobs: list[Blobs], chain: np.ndarray) -> tuple[Trajectory, list[Blobs]]:
+    """Return a chain as a path, and the blobs that are left."""
+    count = len(blobs)
+    places, radii = np.full((count, 2), np.nan), np.full(count, np.nan)
+    lengths, colours = np.full(count, np.nan), np.full((count, 3), np.nan)
+    left = list(blobs)
+    for frame in np.flatnonzero(chain >= 0).tolist():
+        own, at = blobs[frame], chain[frame]
+        places[frame], radii[frame] = own.places[at], own.radii[at]
+        lengths[frame], colours[frame] = own.lengths[at], own.colours[at]
+        left[frame] = own.without(at)
+    return Trajectory(places, radii, lengths, colours), left
+
+
+def _resting(blobs: list[Blobs], copies: Copies) -> list[np.ndarray]:
+    """Return which blobs are where others are in many frames, shape (blob,) for each frame."""
+    rows, columns = copies.pictures.shape[1:3]
+    seen = np.zeros((rows // 2 + 1, columns // 2 + 1))
+    cells = [np.clip((copies.small(own.places) / 2.0).astype(int), 0, None) for own in blobs]
+    for own in cells:
+        u, v = own.T
+        seen[np.minimum(v, seen.shape[0] - 1), np.minimum(u, seen.shape[1] - 1)] += 1.0
+    # A blob may lie across the border of two cells.
+    padded = np.pad(seen, 1)
+    around = sum(
+        padded[j : j + seen.shape[0], i : i + seen.shape[1]] for j in range(3) for i in range(3)
+    )
+    often = np.asarray(around) > _RESTS * len(blobs)
+    return [
+        often[np.minimum(own[:, 1], seen.shape[0] - 1), np.minimum(own[:, 0], seen.shape[1] - 1)]
+        for own in cells
+    ]

@@ -1,0 +1,314 @@
+"""Where balls roughly are in every frame: linked from both sides before anything is learned."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from latolato.experiment.tracking.detect import Blobs, Copies, detect, import_cv2
+from latolato.experiment.tracking.link import Trajectory, link_clicked
+
+# Frames without a detection that are bridged, and how far apart the ends of a longer gap may be
+# for a ball to have rested there [radii].
+_BRIDGED, _RESTED = 12, 1.5
+# A blob is a part of a ball if it is smaller than this share of the typical one.
+_PARTLY = 0.8
+# From this ratio of length to width on a thing may be more than the ball: a rod with it.
+_LONG = 2.5
+# Fewest fast blobs that show the exposure.
+_FEWEST = 6
+# Two balls are one blob where they are nearer than this and only one is detected [radii].
+_MERGED = 3.5
+# A ball that goes no farther than this never leaves its place [radii].
+_STAYS = 3.0
+# Half the side of the patch that is compared then, and how far it may move between frames [radii].
+_PATCH, _STEP = 1.3, 1.5
+
+
+@dataclass
+class Route:
+    """Where balls are in every frame.
+
+    Attributes
+    ----------
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    places : numpy.ndarray, shape (frame, ball, 2)
+        Column and row [pixels], between detections interpolated; NaN where unknown.
+    is_seen : numpy.ndarray, shape (frame, ball)
+        Where a ball was detected as a whole.
+    radius : float
+        Of a ball, roughly [pixels].
+    exposure : float
+        Share of the time between frames that the length of smears shows, roughly.
+    is_traced : bool
+        Whether balls hardly leave their places: then only their rims are detected.
+    """
+
+    times: np.ndarray
+    places: np.ndarray
+    is_seen: np.ndarray
+    radius: float
+    exposure: float = 0.0
+    is_traced: bool = False
+
+    @property
+    def is_smeared(self) -> bool:
+        """Whether smears are typically longer than balls are wide, as of small bright dots."""
+        speeds = np.linalg.norm(self.velocities[0], axis=-1)[self.is_seen]
+        if not np.isfinite(speeds).any():
+            return False
+        smear = float(np.nanmedian(speeds) * np.median(np.diff(self.times))) * self.exposure
+        return smear > 2.0 * self.radius
+
+    @cached_property
+    def velocities(self) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities and accelerations, each (frame, ball, 2) [pixels/s, pixels/s^2].
+
+        Where a ball turns at once, as at a contact, the velocity is that of the smoother side; NaN
+        where unknown.
+        """
+        return velocities(self.times, self.places, self.radius)
+
+    def ball(self, number: int) -> Route:
+        """Return the route of one ball."""
+        one = slice(number, number + 1)
+        return replace(self, places=self.places[:, one], is_seen=self.is_seen[:, one])
+
+    def ordered(self, pivot: np.ndarray) -> Route:
+        """Return the route of two balls in their order about a pivot: they cannot pass each other.
+
+        Equal balls that meet exchange their speeds, which looks like passing through each other.
+        The right-hand ball comes first; beyond the top, what follows from the way there does.
+        """
+        if self.places.shape[1] == 1:
+            return self
+        raw = np.arctan2(*np.moveaxis(self.places - pivot, -1, 0))
+        both = np.isfinite(raw).all(axis=1)
+        swap = np.zeros(len(raw), bool)
+        edges = np.flatnonzero(np.diff(np.r_[False, both, False]))
+        for begin, end in zip(edges[::2], edges[1::2], strict=True):
+            turns = np.unwrap(raw[begin:end], axis=0)
+            between = turns[:, 0] - turns[:, 1]
+            # Where both are nearest to the bottom, their angles are what they seem.
+            lowest = int(np.argmin(np.abs(raw[begin:end]).max(axis=1)))
+            now = raw[begin + lowest, 0] - raw[begin + lowest, 1]
+            between += math.tau * np.rint((now - between[lowest]) / math.tau)
+            swap[begin:end] = np.remainder(between + math.tau, 2.0 * math.tau) < math.tau
+        # A ball that is seen alone is the one that it was, or else the one that it will be.
+        known = np.flatnonzero(both)
+        if len(known):
+            before = np.searchsorted(known, np.arange(len(raw)), side="right") - 1
+            swap = swap[known[np.maximum(before, 0)]]
+        order = np.where(swap[:, None], [1, 0], [0, 1])
+        return replace(
+            self,
+            places=np.take_along_axis(self.places, order[..., None], axis=1),
+            is_seen=np.take_along_axis(self.is_seen, order, axis=1),
+        )
+
+    def angles(self, pivot: np.ndarray) -> np.ndarray:
+        """Angles about a place from straight down, without leaps by whole turns (frame, ball)."""
+        raw = np.arctan2(*np.moveaxis(self.places - pivot, -1, 0))
+        for b in range(raw.shape[1]):
+            known = np.isfinite(raw[:, b])
+            raw[known, b] = np.unwrap(raw[known, b])
+        return np.asarray(raw)
+
+
+def velocities(
+    times: np.ndarray, places: np.ndarray, radius: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocities and accelerations of places (frame, ball, 2) by their neighbours.
+
+    Where no velocity is known it is NaN, and where no acceleration is it is 0.
+    """
+    steps = np.full(places.shape, np.nan)
+    steps[1:] = np.diff(places, axis=0) / np.diff(times)[:, None, None]
+    before, after = steps, np.roll(steps, -1, axis=0)
+    after[-1] = np.nan
+    interval = float(np.median(np.diff(times)))
+    bends = (after - before) / interval
+    known = np.isfinite(bends).all(axis=-1)
+    typical = float(np.nanmedian(np.linalg.norm(bends, axis=-1))) if known.any() else 0.0
+    limit = max(4.0 * typical, 0.5 * radius / interval**2)
+    is_smooth = known & (np.linalg.norm(bends, axis=-1) <= limit)
+    # One side only: the one whose step is more like the step before it, or after it.
+    rough_before = np.linalg.norm(before - np.roll(before, 1, axis=0), axis=-1)
+    rough_after = np.linalg.norm(np.roll(after, -1, axis=0) - after, axis=-1)
+    rough_before[:2], rough_after[-2:] = np.inf, np.inf
+    with np.errstate(invalid="ignore"):
+        takes_before = np.nan_to_num(rough_before, nan=np.inf) <= np.nan_to_num(
+            rough_after, nan=np.inf
+        )
+    takes_before = np.where(np.isfinite(before).all(axis=-1), takes_before, False)
+    takes_before |= ~np.isfinite(after).all(axis=-1)
+    one_sided = np.where(takes_before[..., None], before, after)
+    velocity = np.where(is_smooth[..., None], 0.5 * (before + after), one_sided)
+    return velocity, np.where(is_smooth[..., None], bends, 0.0)
+
+
+def find_route(
+    copies: Copies,
+    bounds: tuple[np.ndarray, np.ndarray],
+    times: np.ndarray,
+    clicks: list[np.ndarray],
+    number: int,
+    radius: float | None,
+    is_stale: np.ndarray,
+) -> Route:
+    """Return where balls are that are pointed at in a frame.
+
+    Parameters
+    ----------
+    copies : Copies
+        Small pictures of all frames.
+    bounds : tuple of numpy.ndarray, shape (2,)
+        First column and row in which balls are looked for, and the first ones beyond [pixels].
+    times : numpy.ndarray, shape (frame,)
+        Time stamps [s].
+    clicks : list of numpy.ndarray, shape (2,)
+        Column and row of each ball [pixels].
+    number : int
+        The frame that they belong to.
+    radius : float or None
+        Of a ball [pixels], None if it is not known.
+    is_stale : numpy.ndarray of bool, shape (frame,)
+        Which frames show an older picture.
+    """
+    left = detect(copies, bounds)
+    empty = Blobs.of([], copies.scale)
+    for frame in np.flatnonzero(is_stale).tolist():
+        if frame != number:
+            left[frame] = empty
+    tracks: list[Trajectory] = []
+    for click in clicks:
+        if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies):
+            # It is a part of something larger that moves with it: its colour tells it.
+            colour = copies.colour(number, click, radius or 2.0 * float(copies.scale.mean()))
+            own = detect(copies, bounds, colour)
+            track, _ = link_clicked(own, copies, click, number, radius)
+        else:
+            track, left = link_clicked(left, copies, click, number, radius)
+        tracks.append(track)
+    size = radius or float(np.median([track.radius for track in tracks]))
+    places = np.stack([track.places for track in tracks], axis=1)
+    is_traced = [not t.is_seen.any() or np.hypot(*t.extent) < _STAYS * size for t in tracks]
+    for b in np.flatnonzero(is_traced):
+        places[:, b] = _traced(copies, clicks[b], number, size)
+    detected = places.copy()
+    if len(tracks) == 2:
+        filled = _bridged(times, places, size)
+        near = np.linalg.norm(filled[:, 0] - filled[:, 1], axis=-1) < _MERGED * size
+        is_one = near & (np.isfinite(places[..., 0]).sum(axis=1) == 1)
+        places[is_one] = detected[is_one] = np.nan
+    sizes = np.stack([track.radii for track in tracks], axis=1)
+    with np.errstate(invalid="ignore"):
+        places[sizes < _PARTLY * np.nanmedian(sizes, axis=0)] = np.nan
+    # At the edge of what is looked at a ball is cut.
+    with np.errstate(invalid="ignore"):
+        is_whole = (places > bounds[0] + size).all(axis=-1) & (places < bounds[1] - size).all(
+            axis=-1
+        )
+    is_seen = np.isfinite(places[..., 0]) & is_whole
+    places = _bridged(times, places, size)
+    # Where nothing better is known, a part of a ball tells where it is.
+    places = np.where(np.isfinite(places), places, detected)
+    route = Route(times, places, is_seen, size, is_traced=any(is_traced))
+    return replace(route, exposure=_exposure(route, tracks))
+
+
+def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies) -> bool:
+    """Return whether what is clicked moves by itself, or nothing moves there."""
+    away = np.linalg.norm(blobs.places - click, axis=1)
+    if not (away < blobs.lengths + copies.scale.mean()).any():
+        return True
+    at = int(np.argmin(away))
+    is_long = blobs.lengths[at] > _LONG * blobs.radii[at]
+    return not is_long and bool(away[at] < blobs.radii[at] + copies.scale.mean())
+
+
+def _exposure(route: Route, tracks: list[Trajectory]) -> float:
+    """Return which share of the time between frames is exposed, by the length of smears.
+
+    A line of length ``l`` has the same second moments as an ellipse of half length ``l/sqrt(3)``.
+    """
+    speeds = np.linalg.norm(route.velocities[0], axis=-1) * np.median(np.diff(route.times))
+    radii, lengths = (
+        np.stack([getattr(track, name) for track in tracks], axis=1)
+        for name in ("radii", "lengths")
+    )
+    smears = np.sqrt(3.0 * np.maximum(lengths**2 - radii**2, 0.0))
+    with np.errstate(invalid="ignore"):
+        fast = route.is_seen & (speeds > max(np.nanquantile(speeds, 0.7), route.radius))
+    shares = smears[fast] / speeds[fast]
+    if np.isfinite(shares).sum() < _FEWEST:
+        return 0.0
+    return float(np.clip(np.nanmedian(shares), 0.0, 1.0))
+
+
+def _bridged(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray:
+    """Return places (frame, ball, 2) with short gaps filled by smooth curves."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    out = places.copy()
+    for b in range(places.shape[1]):
+        known = np.flatnonzero(np.isfinite(places[:, b, 0]))
+        if len(known) < 3:
+            continue
+        at = places[known, b]
+        curve = Akima1DInterpolator(times[known], at, axis=0)
+        gaps, apart = np.diff(known), np.linalg.norm(np.diff(at, axis=0), axis=1)
+        for k in np.flatnonzero(gaps > 1).tolist():
+            inside = np.arange(known[k] + 1, known[k + 1])
+            if gaps[k] <= _BRIDGED:
+                out[inside, b] = curve(times[inside])
+            elif apart[k] < _RESTED * radius:
+                share = (times[inside] - times[known[k]]) / (times[known[k + 1]] - times[known[k]])
+                out[inside, b] = at[k] + share[:, None] * (at[k + 1] - at[k])
+    return out
+
+
+def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np.ndarray:
+    """Return places (frame, 2) of a ball that never leaves its place, by its picture at the click.
+
+    Such a ball is in the median picture, so what differs from that is only its rim.
+    """
+    cv2 = import_cv2()
+    scale, count = copies.scale, len(copies.pictures)
+    number = min(max(number, 0), count - 1)
+    half = max(2, round(_PATCH * radius / float(scale.mean())))
+    reach = max(2, round(_STEP * radius / float(scale.mean())))
+    padded = [
+        cv2.copyMakeBorder(picture, *(half + reach + 1,) * 4, cv2.BORDER_REPLICATE)
+        for picture in copies.pictures
+    ]
+    start = copies.small(click) + half + reach + 1
+    patch = cv2.getRectSubPix(padded[number], (2 * half + 1,) * 2, tuple(start.tolist()))
+    out = np.full((count, 2), np.nan)
+    for frames in (range(number, count), range(number - 1, -1, -1)):
+        at = start.copy()
+        for frame in frames:
+            u, v = np.rint(at).astype(int)
+            part = padded[frame][
+                v - half - reach : v + half + reach + 1, u - half - reach : u + half + reach + 1
+            ]
+            if min(part.shape[:2]) < 2 * half + 1:
+                break
+            match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
+            _, _, _, (x, y) = cv2.minMaxLoc(match)
+            at = np.array([u - reach + x + _top(match[y], x), v - reach + y + _top(match[:, x], y)])
+            out[frame] = (at - half - reach - 1 + 0.5) * scale - 0.5
+    return out
+
+
+def _top(values: np.ndarray, at: int) -> float:
+    """Return how far from its largest value the top of a parabola through the neighbours is."""
+    if not 0 < at < len(values) - 1:
+        return 0.0
+    left, middle, right = (float(value) for value in values[at - 1 : at + 2])
+    bend = left - 2.0 * middle + right
+    return 0.5 * (left - right) / bend if bend < 0.0 else 0.0
