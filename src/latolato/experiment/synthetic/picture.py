@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, kernel
+from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
 from latolato.experiment.synthetic.wall import make_wall
+from latolato.experiment.tracking.blobs import import_cv2
 
 # Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
 _SMOOTH = 0.45
@@ -126,14 +128,8 @@ class Studio:
         if scene.is_parked:
             self._draw_parked(wall)
         self._wall = wall
-        self._weights = _gaussian(camera.blur)
-        self._pad = len(self._weights) // 2
-        front, self._front_colour = self._post()
-        self._front = front
-        seen = wall.copy()
-        self._cover(seen, 0, 0, None)
-        self._blur(seen)
-        self._seen = seen
+        self._pad = math.ceil(3.5 * camera.blur)
+        self._seen = self._blurred(self._covered(wall, 0, 0, None))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
@@ -145,7 +141,7 @@ class Studio:
         ----------
         number : int
             Of the frame; fixes its noise.
-        states : ndarray, shape (moment, line, 6)
+        states : ndarray, shape (moment, line, point, 2)
             Undistorted u, v of pivot and balls [pixel].
         hand_x : float, optional
             Where the hand is [m].
@@ -159,9 +155,9 @@ class Studio:
         chroma = np.empty((2, height // 2, width // 2), np.uint8)
         shot = 1.0 / camera.electrons
         read = (camera.read_noise / camera.electrons) ** 2
-        kernel("develop")(
-            self._seen, part, corner[0], corner[1], self._gain, self._noise, offsets,
-            shot, read, self._tones, luma, chroma[0], chroma[1],
+        develop(
+            self._seen, part, corner, self._gain, self._noise, offsets,
+            shot, read, self._tones, luma, chroma,
         )  # fmt: skip
         turns = camera.rotation // 90
         planes = [np.rot90(plane, turns) for plane in (luma, *chroma)]
@@ -178,15 +174,12 @@ class Studio:
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
         camera = self.camera
+        if camera.rotation in (90, 180):  # stored lines from the picture's other end
+            states = np.ascontiguousarray(states[:, ::-1])
         axis = 1 if camera.rotation in (90, 270) else 0
-        kernel("paint")(
-            total, u0, v0, wall, states, self.balls, axis, int(camera.rotation in (90, 180)),
-            not camera.has_lens, *self._maps, self.look, self.colours,
-        )  # fmt: skip
+        paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        total += wall
-        self._cover(total, u0, v0, hand_x)
-        self._blur(total)
+        total = self._blurred(self._covered(wall + total, u0, v0, hand_x))
         # Blurring has continued the part's edges, where the background goes on.
         height, width = wall.shape[0], wall.shape[1]
         rows = slice(pad if v0 > 0 else 0, height - (pad if v1 < camera.height else 0))
@@ -195,15 +188,14 @@ class Studio:
 
     def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
         """Return the part of a ball's disc that something in front hides; u, v undistorted."""
-        scene = self.scene
-        if scene.post_width <= 0.0 and hand_x is None:
-            return 0.0
         radius = self.radii[ball] * self.view.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
-        alpha = self._hidden(u + radius * du[inside], v + radius * dv[inside], hand_x)
-        return float(alpha.mean())
+        hidden = np.zeros(int(inside.sum()))
+        for alpha, _ in self._front(u + radius * du[inside], v + radius * dv[inside], hand_x):
+            hidden = np.maximum(hidden, alpha)
+        return float(hidden.mean())
 
     def picture(self, states: Floats, hand_x: float | None = None) -> Image:
         """Return the whole picture in linear light, shape (height, width, 3), without noise."""
@@ -219,9 +211,8 @@ class Studio:
     def _box(self, states: Floats, hand_x: float | None) -> tuple[int, int, int, int]:
         """Return first and last column and row of what differs from the background."""
         scene, view, look = self.scene, self.view, self.look
-        used = states[:, :, : 2 + 2 * self.balls].reshape(-1, 1 + self.balls, 2)
-        low, high = used.min(axis=(0, 1)), used.max(axis=(0, 1))
-        margin = max(look.radius_1, look.radius_2, look.rod, look.bolt)
+        low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
+        margin = max(*look.radii, look.rod, look.bolt)
         margin = max(margin, math.hypot(look.block_u, look.block_v)) + 2.0
         low, high = low - margin, high + margin
         if look.shadow > 0.0:
@@ -254,7 +245,7 @@ class Studio:
     def _pixel_maps(self) -> tuple[Image, Image]:
         """Return the undistorted place of every pixel, or nothing without a lens."""
         if not self.camera.has_lens:
-            return np.zeros((1, 1), np.float32), np.zeros((1, 1), np.float32)
+            return np.zeros((0, 0), np.float32), np.zeros((0, 0), np.float32)
         v, u = np.mgrid[0 : self.camera.height, 0 : self.camera.width].astype(np.float64)
         u, v = self.view.straightened(u, v)
         return u.astype(np.float32), v.astype(np.float32)
@@ -291,42 +282,32 @@ class Studio:
     def _draw_parked(self, wall: Image) -> None:
         """Draw the parked ball with its shadow, resting on nothing that moves."""
         u, v = self.view.flat(self.scene.parked_x, self.scene.parked_y)
-        state = np.zeros((1, 1, 6))
-        state[0, 0, :4] = float(u), float(v), float(u), float(v)
+        states = np.array([[[(float(u), float(v))] * 2]])
         look = self.look._replace(rod=0.0, block_u=0.0, block_v=0.0, bolt=0.0)
         total = np.zeros_like(wall)
-        kernel("paint")(
-            total, 0, 0, wall, state, 1, 0, 0, not self.camera.has_lens, *self._maps, look,
-            self.colours,
-        )  # fmt: skip
+        paint(total, (0, 0), wall, states, 0, self._maps, look, self.colours)
         wall += total
 
-    def _post(self) -> tuple[Image | None, Image | None]:
-        """Return how much of each pixel the post hides, and its colour there."""
-        scene = self.scene
-        if scene.post_width <= 0.0:
-            return None, None
-        shape = (self.camera.height, self.camera.width)
-        u, v = self._places(shape, 0, 0)
-        x = self._scene_places(u, v)[0] - scene.post_x * self.view.scale
-        half = 0.5 * scene.post_width * self.view.scale
-        alpha = np.clip(0.5 + half - np.abs(x), 0.0, 1.0).astype(np.float32)
-        shade = 0.55 + 0.45 * np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0, 1))
-        colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
-        shape_3 = (*shape, 3)
-        tinted = np.broadcast_to(shade.astype(np.float32)[..., None] * colour, shape_3)
-        return np.broadcast_to(alpha, shape), tinted
+    def _front(self, u: Any, v: Any, hand_x: float | None) -> Iterator[tuple[Any, Any]]:
+        """Yield how much the post and then the hand hide at undistorted points, and their colours.
 
-    def _hidden(self, u: Floats, v: Floats, hand_x: float | None) -> Floats:
-        """Return how much post and hand hide at undistorted points."""
+        The colours are linear, shape (..., 3).
+        """
         scene, scale = self.scene, self.view.scale
-        alpha = np.zeros(np.shape(u))
         if scene.post_width > 0.0:
             x = self._scene_places(u, v)[0] - scene.post_x * scale
-            alpha = np.clip(0.5 + 0.5 * scene.post_width * scale - np.abs(x), 0.0, 1.0)
+            half = 0.5 * scene.post_width * scale
+            round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
+            colour = linear_colour("post_colour", scene.post_colour)
+            yield (
+                np.clip(0.5 + half - np.abs(x), 0.0, 1.0),
+                (0.55 + 0.45 * round_)[..., None] * np.array(colour),
+            )
         if hand_x is not None:
-            alpha = np.maximum(alpha, np.clip(0.5 - self._hand_gap(u, v, hand_x), 0.0, 1.0))
-        return alpha
+            gap, size = self._hand_gap(u, v, hand_x), scene.hand_radius * scale
+            shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
+            colour = linear_colour("hand_colour", scene.hand_colour)
+            yield np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * np.array(colour)
 
     def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
         """Return the signed distance [pixel] from a palm, four fingers and an arm."""
@@ -340,31 +321,24 @@ class Studio:
         gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
         return gap * size
 
-    def _cover(self, part: Image, u0: int, v0: int, hand_x: float | None) -> None:
-        """Put post and hand in front of a part of the picture."""
-        rows, columns = slice(v0, v0 + part.shape[0]), slice(u0, u0 + part.shape[1])
-        if self._front is not None and self._front_colour is not None:
-            alpha = self._front[rows, columns, None]
-            part += alpha * (self._front_colour[rows, columns] - part)
-        if hand_x is None:
-            return
-        gap = self._hand_gap(*self._places(part.shape[:2], u0, v0), hand_x)
-        size = self.scene.hand_radius * self.view.scale
-        alpha = np.clip(0.5 - gap, 0.0, 1.0).astype(np.float32)[..., None]
-        shade = (0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)).astype(np.float32)
-        colour = np.array(linear_colour("hand_colour", self.scene.hand_colour), np.float32)
-        part += alpha * (shade[..., None] * colour - part)
+    def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
+        """Return a part of the picture with post and hand in front."""
+        for alpha, colour in self._front(*self._places(part.shape[:2], u0, v0), hand_x):
+            part = part + alpha[..., None] * (colour - part)
+        return np.asarray(part, np.float32)
 
-    def _blur(self, image: Image) -> None:
-        """Blur an image in place by the optics."""
-        if self._pad:
-            kernel("blur")(image, np.empty_like(image), self._weights)
+    def _blurred(self, image: Image) -> Image:
+        """Return an image blurred by the optics; its edges are continued."""
+        if self._pad == 0:
+            return image
+        cv2, size = import_cv2(), 2 * self._pad + 1
+        edge = {"sigmaX": self.camera.blur, "borderType": cv2.BORDER_REPLICATE}
+        return np.asarray(cv2.GaussianBlur(image, (size, size), **edge))
 
 
 def moments_needed(camera: Camera, states: Floats) -> int:
-    """Return how many moments an exposure takes; `states` has its first and last, (2, line, 6)."""
-    moved = np.abs(np.diff(states, axis=0)).reshape(-1, 3, 2)
-    largest = float(np.hypot(moved[..., 0], moved[..., 1]).max())
+    """Return how many moments an exposure takes, from its first and last state."""
+    largest = float(np.linalg.norm(np.diff(states, axis=0), axis=-1).max())
     return min(max(camera.sub_exposures, math.ceil(largest / _SMOOTH)), _MOST_MOMENTS)
 
 
@@ -379,8 +353,7 @@ def _look(scene: Scene, view: View, radii: tuple[float, ...]) -> Look:
         light = light / size
     shadow = scale * turn @ np.array([scene.shadow_x, scene.shadow_y])
     return Look(
-        radius_1=scale * radii[0],
-        radius_2=scale * radii[-1],
+        radii=(scale * radii[0], scale * radii[-1]),
         rod=0.5 * scale * scene.rod_width,
         block_u=0.5 * scale * scene.block_width,
         block_v=0.5 * scale * scene.block_height,
@@ -417,13 +390,6 @@ def _capsule(x: Any, y: Any, start: tuple[float, float], end: tuple[float, float
     along = ((x - start[0]) * du + (y - start[1]) * dv) / (du * du + dv * dv)
     along = np.clip(along, 0.0, 1.0)
     return np.hypot(x - start[0] - along * du, y - start[1] - along * dv) - r
-
-
-def _gaussian(sigma: float) -> Image:
-    """Return the weights of a Gaussian blur, normed."""
-    half = math.ceil(3.5 * sigma) if sigma > 0.0 else 0
-    weights = np.exp(-0.5 * (np.arange(-half, half + 1) / max(sigma, 1e-9)) ** 2)
-    return np.asarray(weights / weights.sum(), np.float32)
 
 
 def _gain(camera: Camera) -> Image:

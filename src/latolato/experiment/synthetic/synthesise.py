@@ -16,8 +16,6 @@ from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
-from latolato.experiment.synthetic.picture import Studio, View, moments_needed
-from latolato.experiment.synthetic.render import Floats
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.track_table import track_table
 from latolato.experiment.video import digest_of
@@ -25,6 +23,9 @@ from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.experiment.synthetic.picture import Studio, View
+    from latolato.experiment.synthetic.render import Floats
 
 SUFFIXES = (".mp4",)
 # The motion between two instants of the dense run is taken as straight: at 30 m/s^2 and 1 m this
@@ -185,7 +186,7 @@ class Take:
         return np.asarray(self.stamps / TICKS)
 
     def states(self, number: int) -> Floats:
-        """Return u, v of pivot and balls in a frame's exposure, shape (moment, line, 6)."""
+        """Return u, v of pivot and balls in a frame's exposure, (moment, line, point, 2)."""
         time = self.begin + float(self.times[number])
         return exposure_states(self.motion, self.camera, self.studio.view, time)
 
@@ -206,6 +207,8 @@ def prepare(
     run: xr.Dataset, scene: Scene | None = None, camera: Camera | None = None, *, seed: int = 0
 ) -> Take:
     """Return the video of a run before it is encoded; see `synthesise_video`."""
+    from latolato.experiment.synthetic.picture import Studio, View
+
     scene, camera = scene or Scene(), camera or Camera()
     if seed < 0:
         raise InputError("must be a whole number of at least 0", parameter="seed", value=seed)
@@ -374,7 +377,9 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
 
 
 def exposure_states(motion: Motion, camera: Camera, view: View, time: float) -> Floats:
-    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, 6)."""
+    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, point, 2)."""
+    from latolato.experiment.synthetic.picture import moments_needed
+
     rows = camera.rows if camera.row_time > 0.0 else 1
     late = camera.row_time * (np.arange(rows) - camera.stamp_row * (rows - 1))
     half = 0.5 * camera.exposure / camera.fps
@@ -387,14 +392,14 @@ def exposure_states(motion: Motion, camera: Camera, view: View, time: float) -> 
 
 
 def _states(motion: Motion, view: View, times: Floats) -> Floats:
-    """Return undistorted u, v of pivot and balls at instants, shape (..., 6)."""
+    """Return undistorted u, v of pivot and balls at instants, shape (..., point, 2)."""
     height, angles = motion.at(times)
-    states = np.zeros((*times.shape, 6))
-    states[..., 0], states[..., 1] = view.flat(np.zeros_like(height), height)
-    for ball, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
-        x, y = length * np.sin(angle), height - length * np.cos(angle)
-        states[..., 2 + 2 * ball], states[..., 3 + 2 * ball] = view.flat(x, y)
-    return states
+    points = [view.flat(np.zeros_like(height), height)]
+    points += [
+        view.flat(length * np.sin(angle), height - length * np.cos(angle))
+        for angle, length in zip(angles, motion.lengths, strict=True)
+    ]
+    return np.moveaxis(np.array(points), (0, 1), (-2, -1)).copy()
 
 
 def hand_places(scene: Scene, times: Floats) -> list[float | None]:
