@@ -15,9 +15,6 @@ from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
 from latolato.experiment.synthetic.wall import make_wall
 from latolato.experiment.tracking.blobs import import_cv2
 
-# Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
-_SMOOTH = 0.45
-_MOST_MOMENTS = 400
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
@@ -25,7 +22,7 @@ _CODES = 1 << 14
 _HAND_REACH, _ARM = 2.3, 60.0
 
 
-class View:
+class Projection:
     """Where points of the scene appear in the picture.
 
     Parameters
@@ -86,15 +83,15 @@ class View:
         return self.middle[0] + factor * du, self.middle[1] + factor * dv
 
 
-class Studio:
+class Renderer:
     """Makes the frames of one video.
+
+    Its `background` is what does not move, in linear light, shape (height, width, 3).
 
     Parameters
     ----------
     scene, camera : Scene, Camera
         The camera with its scale and pivot.
-    view : View
-        Where points appear.
     radii : tuple of float
         Radius of each ball [m].
     heights : tuple of float
@@ -109,27 +106,26 @@ class Studio:
         self,
         scene: Scene,
         camera: Camera,
-        view: View,
         *,
         radii: tuple[float, ...],
         heights: tuple[float, float],
         length: float,
         seed: int,
     ) -> None:
-        self.scene, self.camera, self.view, self.seed = scene, camera, view, seed
-        self.balls, self.length = len(radii), length
-        self.radii = radii
+        self.scene, self.camera, self.seed = scene, camera, seed
+        self.radii, self.length = radii, length
+        self.projection = Projection(camera)
         random = np.random.default_rng([seed, 0])
         shape = (camera.height, camera.width)
         self._maps = self._pixel_maps()
-        self.look, self.colours = _look(scene, view, radii), _colours(scene)
+        self.look, self.colours = _look(scene, self.projection, radii), _colours(scene)
         wall = make_wall(scene, shape, random)
         self._draw_rail(wall, heights)
         if scene.is_parked:
             self._draw_parked(wall)
         self._wall = wall
         self._pad = math.ceil(3.5 * camera.blur)
-        self._seen = self._blurred(self._covered(wall, 0, 0, None))
+        self.background = self._blurred(self._covered(wall, 0, 0, None))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
@@ -156,7 +152,7 @@ class Studio:
         shot = 1.0 / camera.electrons
         read = (camera.read_noise / camera.electrons) ** 2
         develop(
-            self._seen, part, corner, self._gain, self._noise, offsets,
+            self.background, part, corner, self._gain, self._noise, offsets,
             shot, read, self._tones, luma, chroma,
         )  # fmt: skip
         turns = camera.rotation // 90
@@ -188,7 +184,7 @@ class Studio:
 
     def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
         """Return the part of a ball's disc that something in front hides; u, v undistorted."""
-        radius = self.radii[ball] * self.view.scale
+        radius = self.radii[ball] * self.projection.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
@@ -200,17 +196,13 @@ class Studio:
     def picture(self, states: Floats, hand_x: float | None = None) -> Image:
         """Return the whole picture in linear light, shape (height, width, 3), without noise."""
         part, (u, v) = self.light(states, hand_x)
-        whole = self._seen.copy()
+        whole = self.background.copy()
         whole[v : v + part.shape[0], u : u + part.shape[1]] = part
         return whole
 
-    def empty(self) -> Image:
-        """Return the picture of what does not move, in linear light, without noise."""
-        return self._seen.copy()
-
     def _box(self, states: Floats, hand_x: float | None) -> tuple[int, int, int, int]:
         """Return first and last column and row of what differs from the background."""
-        scene, view, look = self.scene, self.view, self.look
+        scene, projection, look = self.scene, self.projection, self.look
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
         margin = max(*look.radii, look.rod, look.bolt)
         margin = max(margin, math.hypot(look.block_u, look.block_v)) + 2.0
@@ -224,7 +216,7 @@ class Studio:
             x = hand_x + _HAND_REACH * scene.hand_radius * np.array([-1.0, 1.0, -1.0, 1.0])
             top = -scene.hand_depth * self.length + _HAND_REACH * scene.hand_radius
             y = np.array([top, top, top - _ARM * scene.hand_radius, top - _ARM * scene.hand_radius])
-            corners = np.stack(view.flat(x, y), axis=1)
+            corners = np.stack(projection.flat(x, y), axis=1)
             low = np.minimum(low, corners.min(axis=0))
             high = np.maximum(high, corners.max(axis=0))
         camera = self.camera
@@ -233,7 +225,7 @@ class Studio:
             us, vs = np.meshgrid(
                 low[0] + edge * (high[0] - low[0]), low[1] + edge * (high[1] - low[1])
             )
-            us, vs = view.distorted(us, vs)
+            us, vs = projection.distorted(us, vs)
             low = np.array([us.min() - 2.0, vs.min() - 2.0])
             high = np.array([us.max() + 2.0, vs.max() + 2.0])
         grow = 2 * self._pad + 1
@@ -247,7 +239,7 @@ class Studio:
         if not self.camera.has_lens:
             return np.zeros((0, 0), np.float32), np.zeros((0, 0), np.float32)
         v, u = np.mgrid[0 : self.camera.height, 0 : self.camera.width].astype(np.float64)
-        u, v = self.view.straightened(u, v)
+        u, v = self.projection.straightened(u, v)
         return u.astype(np.float32), v.astype(np.float32)
 
     def _places(self, shape: tuple[int, int], u0: int, v0: int) -> tuple[Any, Any]:
@@ -261,13 +253,16 @@ class Studio:
 
     def _scene_places(self, u: Any, v: Any) -> tuple[Any, Any]:
         """Return x, y [pixel, from the mean pivot, y up] of undistorted points."""
-        view = self.view
-        du, dv = u - view.origin[0], v - view.origin[1]
-        return view.cosine * du - view.sine * dv, -view.sine * du - view.cosine * dv
+        projection = self.projection
+        du, dv = u - projection.origin[0], v - projection.origin[1]
+        return (
+            projection.cosine * du - projection.sine * dv,
+            -projection.sine * du - projection.cosine * dv,
+        )
 
     def _draw_rail(self, wall: Image, heights: tuple[float, float]) -> None:
         """Draw the rail that guides the block."""
-        scene, scale = self.scene, self.view.scale
+        scene, scale = self.scene, self.projection.scale
         if scene.rail_width <= 0.0:
             return
         x, y = self._scene_places(*self._places(wall.shape[:2], 0, 0))
@@ -281,7 +276,7 @@ class Studio:
 
     def _draw_parked(self, wall: Image) -> None:
         """Draw the parked ball with its shadow, resting on nothing that moves."""
-        u, v = self.view.flat(self.scene.parked_x, self.scene.parked_y)
+        u, v = self.projection.flat(self.scene.parked_x, self.scene.parked_y)
         states = np.array([[[(float(u), float(v))] * 2]])
         look = self.look._replace(rod=0.0, block_u=0.0, block_v=0.0, bolt=0.0)
         total = np.zeros_like(wall)
@@ -293,7 +288,7 @@ class Studio:
 
         The colours are linear, shape (..., 3).
         """
-        scene, scale = self.scene, self.view.scale
+        scene, scale = self.scene, self.projection.scale
         if scene.post_width > 0.0:
             x = self._scene_places(u, v)[0] - scene.post_x * scale
             half = 0.5 * scene.post_width * scale
@@ -311,7 +306,7 @@ class Studio:
 
     def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
         """Return the signed distance [pixel] from a palm, four fingers and an arm."""
-        scene, scale = self.scene, self.view.scale
+        scene, scale = self.scene, self.projection.scale
         x, y = self._scene_places(u, v)
         size = scene.hand_radius * scale
         x, y = (x - hand_x * scale) / size, (y + scene.hand_depth * self.length * scale) / size
@@ -336,17 +331,11 @@ class Studio:
         return np.asarray(cv2.GaussianBlur(image, (size, size), **edge))
 
 
-def moments_needed(camera: Camera, states: Floats) -> int:
-    """Return how many moments an exposure takes, from its first and last state."""
-    largest = float(np.linalg.norm(np.diff(states, axis=0), axis=-1).max())
-    return min(max(camera.sub_exposures, math.ceil(largest / _SMOOTH)), _MOST_MOMENTS)
-
-
-def _look(scene: Scene, view: View, radii: tuple[float, ...]) -> Look:
+def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Look:
     """Return sizes in pixels and the light."""
-    scale = view.scale
+    scale = projection.scale
     # Light and shadow are directions of the scene, which the camera sees turned.
-    turn = np.array([[view.cosine, -view.sine], [-view.sine, -view.cosine]])
+    turn = np.array([[projection.cosine, -projection.sine], [-projection.sine, -projection.cosine]])
     light = turn @ np.array([scene.light_x, scene.light_y])
     size = float(np.hypot(*light))
     if size > 1.0:
@@ -358,8 +347,8 @@ def _look(scene: Scene, view: View, radii: tuple[float, ...]) -> Look:
         block_u=0.5 * scale * scene.block_width,
         block_v=0.5 * scale * scene.block_height,
         bolt=scale * scene.bolt_radius,
-        cosine=view.cosine,
-        sine=view.sine,
+        cosine=projection.cosine,
+        sine=projection.sine,
         light_u=float(light[0]),
         light_v=float(light[1]),
         light_w=math.sqrt(max(1.0 - float(light @ light), 0.0)),
