@@ -431,12 +431,20 @@ def turning_points(
         near = slice(k - 1, k + 2)
         if time[k + 1] - time[k - 1] > 3.0 * pause or (flag[near] != "ok").any():
             continue
-        t, x = time[near] - time[k], size[near]
-        a, b, c = np.polyfit(t, x, 2)
-        if a < 0.0:
-            top = float(np.clip(-b / (2.0 * a), t[0], t[2]))
-            when[i], sizes[i] = time[k] + top, a * top * top + b * top + c
+        when[i], sizes[i] = parabola_top(time[near], size[near])
     return when, sizes, sigma[places]
+
+
+def parabola_top(x: Floats, y: Floats) -> tuple[float, float]:
+    """Place and height of the top of the parabola through three samples.
+
+    Those of the second sample where the parabola opens upwards.
+    """
+    a, b, c = np.polyfit(x - x[1], y, 2)
+    if a >= 0.0:
+        return float(x[1]), float(y[1])
+    top = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
+    return float(x[1] + top), float(a * top * top + b * top + c)
 
 
 def _extreme(

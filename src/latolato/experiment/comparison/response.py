@@ -22,6 +22,7 @@ from latolato.experiment.comparison.uncertainties import (
     variable,
 )
 from latolato.experiment.trial_table import checked_trials
+from latolato.experiment.trials import parabola_top
 from latolato.physics.pendulum import OneBall, System
 from latolato.sweeps.plan import make_plan
 
@@ -127,9 +128,12 @@ def compare_response(
         observables=observables,
         **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
     )
-    moved = _moved_sets(system, widths, amplitudes, doubt, count, random)
-    curves, at_trials = _curves(plan, moved, ratios, trials)
-    curves = curves.reshape(count, len(names), points)
+    varied = drawn(system, widths, count, random)
+    off = np.vstack([np.zeros(len(names)), random.standard_normal((count - 1, len(names)))])
+    moved = amplitudes + doubt * off
+    if "length" in varied:  # which is the picture's scale
+        moved = moved * (varied["length"] / system.balls[0].length)[:, None]
+    curves, at_trials = _curves(plan, moved, varied, ratios, trials)
     seen, computed_peaks = [], []
     sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
@@ -167,43 +171,28 @@ def compare_response(
 
 
 def _curves(
-    plan: Plan, moved: Mapping[str, Floats], ratios: Floats, trials: xr.Dataset
+    plan: Plan, amplitudes: Floats, varied: Mapping[str, Floats], ratios: Floats, trials: xr.Dataset
 ) -> tuple[Floats, Floats]:
-    """Return settled angles along curves, shape (draw x set, ratio), and at the trials."""
+    """Return settled angles along curves, shape (draw, set, ratio), and at the trials.
+
+    `amplitudes` has the shape (draw, set), each of `varied` the shape (draw,).
+    """
+    shape = (*amplitudes.shape, len(ratios))
+    along = {"drive_amplitude": amplitudes[..., None],
+             "drive_frequency": ratios * plan.system.natural_frequency,
+             **{name: values[:, None, None] for name, values in varied.items()}}  # fmt: skip
     frequency, _ = frequencies_of(trials, plan.system)
-    rates = ratios * plan.system.natural_frequency
-    columns = {name: np.repeat(values, len(rates)) for name, values in moved.items()}
-    columns["drive_frequency"] = np.tile(rates, len(moved["drive_amplitude"]))
-    at_trials = {
-        name: np.full(len(frequency), getattr(plan.system, name))
-        for name in moved
-        if name != "drive_amplitude"
-    }
-    at_trials |= {"drive_amplitude": trials["drive_amplitude"].values, "drive_frequency": frequency}
-    run = run_at(plan, {n: np.concatenate([v, at_trials[n]]) for n, v in columns.items()})
+    at_trials = {"drive_amplitude": trials["drive_amplitude"].values, "drive_frequency": frequency}
+    at_trials |= {name: np.full(len(frequency), getattr(plan.system, name)) for name in varied}
+    run = run_at(
+        plan,
+        {
+            name: np.concatenate([np.broadcast_to(values, shape).ravel(), at_trials[name]])
+            for name, values in along.items()
+        },
+    )
     late = run[LATE].values
-    return late[: -len(frequency)].reshape(-1, len(rates)), late[-len(frequency) :]
-
-
-def _moved_sets(
-    system: System,
-    widths: Mapping[str, float],
-    amplitudes: Floats,
-    doubt: Floats,
-    count: int,
-    random: np.random.Generator,
-) -> dict[str, Floats]:
-    """Return amplitude and uncertain parameters of each set in each draw, shape (draw x set,)."""
-    values = drawn(system, widths, count, random)
-    moved = []
-    for k in range(count):
-        off = random.standard_normal(len(amplitudes)) if k else np.zeros(len(amplitudes))
-        trial = amplitudes + doubt * off
-        if "length" in values:  # which is the picture's scale
-            trial = trial * values["length"][k] / system.balls[0].length
-        moved.append(trial)
-    own = {name: np.repeat(each, len(amplitudes)) for name, each in values.items()}
-    return {"drive_amplitude": np.concatenate(moved), **own}
+    return late[: -len(frequency)].reshape(shape), late[-len(frequency) :]
 
 
 def peak_of(
@@ -254,24 +243,20 @@ def peak_of(
 
 def _peak_variables(kind: str, peaks: list[Peak]) -> dict[str, Any]:
     """Return place, deviation, height and kind of the peaks of all sets as variables."""
-    places = variable(
-        "set_name", [p.place for p in peaks], "frequency_ratio", f"place of the {kind} peak"
+    about = (
+        ("place", "frequency_ratio", f"place of the {kind} peak"),
+        ("sigma", "frequency_ratio", f"deviation of the place of the {kind} peak"),
+        ("height", LATE, f"height of the {kind} peak"),
     )
-    sigmas = variable(
-        "set_name",
-        [p.sigma for p in peaks],
-        "frequency_ratio",
-        f"deviation of the place of the {kind} peak",
-    )
-    heights = variable("set_name", [p.height for p in peaks], LATE, f"height of the {kind} peak")
-    return {
-        f"peak_{kind}_place": places,
-        f"peak_{kind}_sigma": sigmas,
-        f"peak_{kind}_height": heights,
-        f"peak_{kind}_kind": plain(
-            "set_name", [p.kind for p in peaks], f"how the {kind} peak was found"
-        ),
+    variables = {
+        f"peak_{kind}_{part}": variable(
+            "set_name", [getattr(peak, part) for peak in peaks], quantity, words
+        )
+        for part, quantity, words in about
     }
+    kinds = [peak.kind for peak in peaks]
+    variables[f"peak_{kind}_kind"] = plain("set_name", kinds, f"how the {kind} peak was found")
+    return variables
 
 
 def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
@@ -283,11 +268,7 @@ def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
     near = slice(top - 1, top + 2)
     if heights[near].min() < _CLIFF * y:
         return top, x, y, "cliff"
-    a, b, c = np.polyfit(places[near] - x, heights[near], 2)
-    if a >= 0.0:
-        return top, x, y, "parabola"
-    shift = float(np.clip(-b / (2.0 * a), places[top - 1] - x, places[top + 1] - x))
-    return top, x + shift, float(a * shift * shift + b * shift + c), "parabola"
+    return top, *parabola_top(places[near], heights[near]), "parabola"
 
 
 def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
