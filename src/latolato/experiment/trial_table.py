@@ -14,7 +14,6 @@ import numpy as np
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
-from latolato.io.shown_units import name_and_unit
 from latolato.observables.angles import MotionClass
 from latolato.physics.pendulum import GRAVITY
 
@@ -338,7 +337,7 @@ def read_trials(
                 checked_choice("class", kind.strip().lower(), CLASSES)
             except InputError as error:
                 raise InputError(f"trial {trial} in line {lines[trial - 1]}: {error}") from None
-        trials = _trials_of(
+        trials = trials_of_cells(
             cells, header, gravity, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
         )
         if header.get("table") != _KIND:
@@ -347,32 +346,16 @@ def read_trials(
         return trials
 
 
-def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
-    """Return the trial table that the text of a CSV holds, in the form that `write_trials` writes.
-
-    The *Map* page reads the same form; `read_trials` reads all others too.
-
-    Examples
-    --------
-    >>> rows = ["drive_amplitude,frequency_ratio,class", "12 mm,2.0,strong"]
-    >>> trials = parse_trials(chr(10).join(rows))
-    >>> trials.drive_amplitude.values.tolist(), str(trials["class"].values[0])
-    ([0.012], 'strong')
-    """
-    from latolato.io.column_files import parse_columns
-
-    parts, header = parse_columns(text)
-    cells = {name_and_unit(heading): list(values) for heading, (values, _) in parts.items()}
-    return _trials_of(cells, header, gravity, lambda trial: f"trial {trial}")
-
-
-def _trials_of(
+def trials_of_cells(
     cells: Mapping[tuple[str, str], list[str]],
     header: Mapping[str, Any],
     gravity: float | None,
     place: Callable[[int], str],
 ) -> xr.Dataset:
-    """Return the trial table in cells below names and units; `place` names a trial by its row."""
+    """Return the trial table in the cells below each name and unit.
+
+    `header` holds the attributes of the file, `place` names a trial by its row in messages.
+    """
     from latolato.scenario.units import to_si
 
     for former in _FORMER:
