@@ -87,7 +87,7 @@ def test_a_pair_is_followed_through_its_impacts():
     table = motion_table(PAIR, drive, duration=8.0, initial_offset=0.3)
     result = ll.compare(table, PAIR)
     assert float(result.residual_rms) < 3e-3
-    assert float(np.nanmin(result.likeness)) > 0.99
+    assert float(np.nanmin(result.coherence)) > 0.99
 
 
 def test_a_decay_is_compared_with_its_own_fit():

@@ -85,7 +85,7 @@ def compare_motion(
     xarray.Dataset
         On ``sample``: `time`, `angle`, `angle_computed`, `angle_computed_sigma` (spread of the
         draws), `angle_residual`, `phase_difference` (measured ahead of computed: positive; of the
-        ball's own swing) and `likeness` (1 where both swings have the same shape). As numbers: the
+        ball's own swing) and `coherence` (1 where both swings have the same shape). As numbers: the
         residual and the phase in the last third, and both largest and settled angles.
 
     Raises
@@ -101,7 +101,7 @@ def compare_motion(
     Phases are those of the analytic signals (Hilbert) z of both angles about their mean over two
     drive periods: the argument of the mean of ``z_measured conj(z_computed)`` over two drive
     periods, NaN at both ends and where samples are missing. A phase of chaotic or resting motion
-    means little: see `likeness`.
+    means little: see `coherence`.
     """
     import xarray as xr
 
@@ -133,10 +133,12 @@ def compare_motion(
     spread = _spread(system, widths, solution, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)
-    phase, likeness = np.full(len(data), np.nan), np.full(len(data), np.nan)
+    phase, coherence = np.full(len(data), np.nan), np.full(len(data), np.nan)
     for series in np.unique(data.series):
         own = data.series == series
-        phase[own], likeness[own] = phases(data.times[own], data.values[own], computed[own], period)
+        phase[own], coherence[own] = phases(
+            data.times[own], data.values[own], computed[own], period
+        )
     late = data.times >= last - (last - first) / 3.0
     followed = _followed(data, residual, 2.0 * period)
     noise = noise_of(data.values[data.series == data.series[0]])
@@ -163,7 +165,7 @@ def compare_motion(
             "sample", residual, "angle_residual", "measured minus computed angle"
         ),
         "phase_difference": plain("sample", phase, "phase of measured over computed swing", "rad"),
-        "likeness": plain("sample", likeness, "similarity of measured and computed swing"),
+        "coherence": plain("sample", coherence, "similarity of measured and computed swing"),
         **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
     }
     attributes = {
