@@ -18,8 +18,8 @@ from latolato.experiment.tracking.blobs import import_cv2
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
-# How far fingers reach from the palm's middle, and the length of the arm, in palm radii.
-_HAND_REACH, _ARM = 2.3, 60.0
+# Length of the hand's arm in palm radii.
+_ARM = 60.0
 
 
 class Projection:
@@ -142,7 +142,7 @@ class Renderer:
         hand_x : float, optional
             Where the hand is [m].
         """
-        part, corner = self.light(states, hand_x)
+        light = self.picture(states, hand_x)
         camera = self.camera
         height, width = camera.height, camera.width
         random = np.random.default_rng([self.seed, 1, number])
@@ -151,36 +151,32 @@ class Renderer:
         chroma = np.empty((2, height // 2, width // 2), np.uint8)
         shot = 1.0 / camera.electrons
         read = (camera.read_noise / camera.electrons) ** 2
-        develop(
-            self.background, part, corner, self._gain, self._noise, offsets,
-            shot, read, self._tones, luma, chroma,
-        )  # fmt: skip
+        develop(light, self._gain, self._noise, offsets, shot, read, self._tones, luma, chroma)
         turns = camera.rotation // 90
         planes = [np.rot90(plane, turns) for plane in (luma, *chroma)]
         stored = np.concatenate([np.ascontiguousarray(plane).ravel() for plane in planes])
         return stored.reshape(-1, planes[0].shape[1])
 
-    def light(self, states: Floats, hand_x: float | None) -> tuple[Image, tuple[int, int]]:
-        """Return the linear light of the part that differs from the background, and its corner.
-
-        The part, shape (rows, columns, 3), is optically blurred; the corner is its u and v.
-        """
+    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
+        """Return the picture in linear light, shape (height, width, 3), without noise."""
         u0, v0, u1, v1 = self._box(states, hand_x)
-        pad = self._pad
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
-        camera = self.camera
+        camera, pad = self.camera, self._pad
         if camera.rotation in (90, 180):  # stored lines from the picture's other end
             states = np.ascontiguousarray(states[:, ::-1])
         axis = 1 if camera.rotation in (90, 270) else 0
         paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        total = self._blurred(self._covered(wall + total, u0, v0, hand_x))
+        part = self._blurred(self._covered(wall + total, u0, v0, hand_x))
         # Blurring has continued the part's edges, where the background goes on.
-        height, width = wall.shape[0], wall.shape[1]
-        rows = slice(pad if v0 > 0 else 0, height - (pad if v1 < camera.height else 0))
-        columns = slice(pad if u0 > 0 else 0, width - (pad if u1 < camera.width else 0))
-        return np.ascontiguousarray(total[rows, columns]), (u0 + columns.start, v0 + rows.start)
+        left, top = pad if u0 > 0 else 0, pad if v0 > 0 else 0
+        right, bottom = pad if u1 < camera.width else 0, pad if v1 < camera.height else 0
+        whole = self.background.copy()
+        whole[v0 + top : v1 - bottom, u0 + left : u1 - right] = part[
+            top : len(part) - bottom, left : part.shape[1] - right
+        ]
+        return whole
 
     def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
         """Return the part of a ball's disc that something in front hides; u, v undistorted."""
@@ -193,16 +189,11 @@ class Renderer:
             hidden = np.maximum(hidden, alpha)
         return float(hidden.mean())
 
-    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
-        """Return the whole picture in linear light, shape (height, width, 3), without noise."""
-        part, (u, v) = self.light(states, hand_x)
-        whole = self.background.copy()
-        whole[v : v + part.shape[0], u : u + part.shape[1]] = part
-        return whole
-
     def _box(self, states: Floats, hand_x: float | None) -> tuple[int, int, int, int]:
         """Return first and last column and row of what differs from the background."""
-        scene, projection, look = self.scene, self.projection, self.look
+        camera, projection, look = self.camera, self.projection, self.look
+        if hand_x is not None:
+            return 0, 0, camera.width, camera.height
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
         margin = max(*look.radii, look.rod, look.bolt)
         margin = max(margin, math.hypot(look.block_u, look.block_v)) + 2.0
@@ -212,14 +203,6 @@ class Renderer:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
-        if hand_x is not None:
-            x = hand_x + _HAND_REACH * scene.hand_radius * np.array([-1.0, 1.0, -1.0, 1.0])
-            top = -scene.hand_depth * self.length + _HAND_REACH * scene.hand_radius
-            y = np.array([top, top, top - _ARM * scene.hand_radius, top - _ARM * scene.hand_radius])
-            corners = np.stack(projection.flat(x, y), axis=1)
-            low = np.minimum(low, corners.min(axis=0))
-            high = np.maximum(high, corners.max(axis=0))
-        camera = self.camera
         if camera.has_lens:
             edge = np.linspace(0.0, 1.0, 33)
             us, vs = np.meshgrid(

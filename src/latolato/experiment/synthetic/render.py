@@ -266,9 +266,7 @@ def paint(
 
 @_jit
 def develop(
-    wall: Image,
-    part: Image,
-    corner: tuple[int, int],
+    picture: Image,
     gain: Image,
     noise: Image,
     offsets: NDArray[np.int64],
@@ -280,23 +278,17 @@ def develop(
 ) -> None:
     """Turn linear light into the 8-bit planes of BT.709: noise, tone curve, YUV 4:2:0.
 
-    `part` stands in the picture `wall` at its corner. `noise` holds normal numbers, read from
-    the row's offset on; the noise of a value x in [0, 1] is ``sqrt(shot x + read)``.
+    `noise` holds normal numbers, read from the row's offset on; the noise of a value x in [0, 1]
+    is ``sqrt(shot x + read)``.
     """
-    rows, columns = wall.shape[0], wall.shape[1]
-    end_u, end_v = corner[0] + part.shape[1], corner[1] + part.shape[0]
+    rows, columns = picture.shape[0], picture.shape[1]
     top = len(codes) - 1
     halves = np.zeros((columns // 2, 2), np.float32)
     for i in range(rows):
         at = offsets[i]
-        inside = corner[1] <= i < end_v
         for j in range(columns):
-            r, g, b = wall[i, j, 0], wall[i, j, 1], wall[i, j, 2]
-            if inside and corner[0] <= j < end_u:
-                k, m = i - corner[1], j - corner[0]
-                r, g, b = part[k, m, 0], part[k, m, 1], part[k, m, 2]
             light = gain[i, j]
-            r, g, b = light * r, light * g, light * b
+            r, g, b = light * picture[i, j, 0], light * picture[i, j, 1], light * picture[i, j, 2]
             r += noise[at] * math.sqrt(shot * max(r, 0.0) + read)
             g += noise[at + 1] * math.sqrt(shot * max(g, 0.0) + read)
             b += noise[at + 2] * math.sqrt(shot * max(b, 0.0) + read)
