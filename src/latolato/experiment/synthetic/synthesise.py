@@ -18,6 +18,7 @@ from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.track_table import track_table
+from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.video import digest_of
 from latolato.io.files import check_suffix
 
@@ -260,6 +261,7 @@ def check_target(path: str | Path, truth: str | Path | None = None) -> None:
     check_suffix(path, SUFFIXES, "the name of a synthetic video")
     check_folder(Path(path))
     import_av()
+    import_cv2()
     if truth is not None:
         check_suffix(truth, table.SUFFIXES, "the name of a track table")
         check_result(truth)
