@@ -259,18 +259,13 @@ def collect_trials(
     if not rows:
         inside = f"{len(files)} file{'s' * (len(files) != 1)}"
         raise InputError(f"no trial was found in {inside}: {' | '.join(failed)}")
-    columns = {name: [row[name] for row in rows] for name in rows[0]}
     by_folder = sets == "folder" or (sets == "auto" and len(set(folders)) > 1 and all(folders))
-    columns["set"] = folders if by_folder else sets_of(
-        columns["drive_amplitude"], columns["drive_amplitude_sigma"]
-    )  # fmt: skip
-    columns["set_by"] = ["folder" if by_folder else "amplitude"] * len(rows)
-    trials = trial_table(columns, {"gravity": gravity, "failed": " | ".join(failed)})
-    order = sorted(
-        range(len(rows)), key=lambda i: (columns["set"][i], columns["drive_frequency"][i])
-    )
-    number = trials["trial"].values
-    return trials.isel(trial=order).assign_coords(trial=("trial", number, trials["trial"].attrs))
+    amplitudes = [[row[f"drive_amplitude{end}"] for row in rows] for end in ("", "_sigma")]
+    for row, name in zip(rows, folders if by_folder else sets_of(*amplitudes), strict=True):
+        row |= {"set": name, "set_by": "folder" if by_folder else "amplitude"}
+    rows.sort(key=lambda row: (row["set"], row["drive_frequency"]))
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    return trial_table(columns, {"gravity": gravity, "failed": " | ".join(failed)})
 
 
 def files_of(sources: Sequence[Any]) -> list[Any]:
