@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -213,9 +214,8 @@ def phases(times: Floats, one: Floats, other: Floats, period: float) -> tuple[Fl
     product = mean(cross.real, window) + 1j * mean(cross.imag, window)
     size = np.sqrt(mean(np.abs(a) ** 2, window) * mean(np.abs(b) ** 2, window))
     # A sample of the grid that has none of the record's beside it was made up.
-    near = np.abs(times[np.clip(np.searchsorted(times, grid), 0, len(times) - 1)] - grid)
-    before = np.abs(times[np.clip(np.searchsorted(times, grid) - 1, 0, len(times) - 1)] - grid)
-    made_up = np.minimum(near, before) > 0.75 * pause
+    nearest = np.rint(np.interp(grid, times, np.arange(len(times)))).astype(int)
+    made_up = np.abs(times[nearest] - grid) > 0.75 * pause
     shaky = mean(made_up.astype(float), box) > 0.5
     shaky[: 2 * width] = shaky[-2 * width :] = True
     phase = np.where(shaky, np.nan, np.angle(product))
@@ -241,28 +241,20 @@ def _spread(
     seed: int,
 ) -> Floats:
     """Return the deviation of the computed angles because starts and parameters are uncertain."""
-    from dataclasses import replace
-
     random = np.random.default_rng(seed)
     varied = drawn(system, widths, count + 1, random)
-    moved = random.multivariate_normal(
-        np.zeros(len(solution.names)), solution.covariance, size=count
-    )
-    squares, answered = np.zeros(len(data)), 0
+    best = [solution.values[name] for name in solution.names]
+    starts = random.multivariate_normal(best, solution.covariance, size=count)
     middle = motion(system, data)(solution.values)
-    for k in range(count):
-        law: Any = system
-        if varied:
-            law = replace(law, **{name: float(values[k + 1]) for name, values in varied.items()})
-        start = {
-            name: solution.values[name] + float(step)
-            for name, step in zip(solution.names, moved[k], strict=True)
-        }
-        trial = motion(law, data)(start)
+    differences = []
+    for k, start in enumerate(starts.tolist(), start=1):
+        law = replace(system, **{name: float(values[k]) for name, values in varied.items()})
+        trial = motion(law, data)(dict(zip(solution.names, start, strict=True)))
         if np.isfinite(trial).all():
-            squares += (trial - middle) ** 2
-            answered += 1
-    return np.sqrt(squares / max(answered, 1))
+            differences.append(trial - middle)
+    if not differences:
+        return np.zeros(len(data))
+    return np.asarray(np.sqrt(np.mean(np.square(differences), axis=0)))
 
 
 def _period(drive: Any, system: System) -> float:
