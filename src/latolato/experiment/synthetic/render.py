@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 Image = NDArray[np.float32]
 Colour = tuple[float, float, float]
 Extent = tuple[float, float]
-_Kernel = TypeVar("_Kernel", bound=Callable[..., Any])
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 # Reflected by a metal ball: what lies below, around and above, and the width of the horizon.
 _FLOOR, _CEILING, _HORIZON = 0.12, 1.0, 0.35
@@ -54,18 +54,18 @@ class Look(NamedTuple):
 PATTERN, ROD, BLOCK, BOLT = range(2, 6)
 
 
-def _jit(function: _Kernel, **more: Any) -> _Kernel:
-    """Compile a function; its machine code is kept between processes."""
-    options: Any = {"error_model": "numpy", "fastmath": {"contract"}, **more}
-    return cast(_Kernel, numba.njit(cache=True, nogil=True, **options)(function))
+def _compiled(function: _Function, **more: Any) -> _Function:
+    """Compile a function with the options of all kernels, and more."""
+    options: Any = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True, **more}
+    return cast(_Function, numba.njit(**options)(function))
 
 
-def _part(function: _Kernel) -> _Kernel:
+def _part(function: _Function) -> _Function:
     """Compile a part of `paint` into it.
 
-    Counting references to arrays, and handing over a `Look`, would cost more than all painting.
+    Handing over a `Look`, and counting references to arrays, would cost more than all painting.
     """
-    return _jit(function, forceinline=True, _nrt=False)
+    return _compiled(function, forceinline=True, _nrt=False)
 
 
 @_part
@@ -218,7 +218,7 @@ def _painted(colour: Colour, u: float, v: float, points: Floats, look: Look,
     return colour
 
 
-@partial(_jit, _nrt=False)
+@partial(_compiled, cache=True, _nrt=False)
 def paint(
     total: Image,
     corner: tuple[int, int],
@@ -264,7 +264,7 @@ def paint(
                     total[row, column, 2] += np.float32(colour[2] - blue)
 
 
-@_jit
+@partial(_compiled, cache=True)
 def develop(
     picture: Image,
     gain: Image,
