@@ -181,40 +181,32 @@ def trial_table(
     gravity = float(attributes["gravity"])
     if not 0.0 < gravity < math.inf:
         raise InputError("must be positive and finite", parameter="gravity", value=gravity)
-    unknown = np.full(count, np.nan)
-    length = arrays.setdefault("length", unknown.copy())
-    natural = np.sqrt(gravity / length)
-    if "frequency_ratio" not in arrays:
+    for name in COLUMNS:
+        arrays.setdefault(name, np.full(count, "" if name in TEXTS else np.nan))
+    natural = np.sqrt(gravity / arrays["length"])
+    if "frequency_ratio" not in columns:
         arrays["frequency_ratio"] = arrays["drive_frequency"] / natural
-    arrays.setdefault("drive_frequency", arrays["frequency_ratio"] * natural)
-    largest = arrays.setdefault("largest_angle", unknown.copy())
-    settled = arrays.setdefault("largest_angle_after_transient", unknown.copy())
-    sigmas = [
-        arrays.get(f"{name}_sigma", unknown)
-        for name in ("largest_angle", "largest_angle_after_transient")
-    ]
-    if "class" not in arrays:
+    if "drive_frequency" not in columns:
+        arrays["drive_frequency"] = arrays["frequency_ratio"] * natural
+    largest, settled = arrays["largest_angle"], arrays["largest_angle_after_transient"]
+    sigmas = arrays["largest_angle_sigma"], arrays["largest_angle_after_transient_sigma"]
+    if "class" not in columns:
         if not (np.isfinite(largest) & np.isfinite(settled)).all():
             raise InputError(
                 "a trial table without class needs largest_angle and largest_angle_after_transient"
             )
         arrays["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
-    arrays.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
-    if "set" not in arrays:
-        sigma = arrays.get("drive_amplitude_sigma")
-        arrays["set"] = np.array(sets_of(arrays["drive_amplitude"], sigma))
-        arrays["set_by"] = np.full(count, "amplitude")
-    arrays.setdefault("set_by", np.full(count, "given"))
-    variables: dict[str, Any] = {}
-    for name in COLUMNS:
-        if name in TEXTS:
-            values = arrays.get(name, np.full(count, "", dtype="<U1"))
-        elif name in COUNTS:
-            # A count that is not known is 0, also in a column that knows others.
-            values = np.nan_to_num(arrays.get(name, np.zeros(count))).astype(np.int64)
-        else:
-            values = arrays.get(name, unknown)
-        variables[name] = ("trial", values, about(name))
+    if "borderline" not in columns:
+        arrays["borderline"] = is_borderline(largest, sigmas[0], settled, sigmas[1])
+    if "set" not in columns:
+        sets = sets_of(arrays["drive_amplitude"], arrays["drive_amplitude_sigma"])
+        arrays |= {"set": np.array(sets), "set_by": np.full(count, "amplitude")}
+    elif "set_by" not in columns:
+        arrays["set_by"] = np.full(count, "given")
+    for name in COUNTS:
+        # A count that is not known is 0, also in a column that knows others.
+        arrays[name] = np.nan_to_num(arrays[name]).astype(np.int64)
+    variables = {name: ("trial", arrays[name], about(name)) for name in COLUMNS}
     return xr.Dataset(
         variables,
         coords={"trial": ("trial", np.arange(1, count + 1), about("trial"))},
