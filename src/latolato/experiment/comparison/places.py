@@ -156,7 +156,11 @@ def _agreement(
         same = again[0] == again[1]
         # Counts first: equal shares differ by nothing, not by a rounding.
         by_parameters = float(np.std(same.sum(axis=1)) / n)
-        shares, kappas = _resampled(*again, random)
+        # Many draws, each with trials taken with replacement.
+        repeats = max(len(same), 400)
+        row = np.arange(repeats)[:, None] % len(same)
+        pick = random.integers(n, size=(repeats, n))
+        shares, kappas = same[row, pick].mean(axis=1), cohen_kappa(*(a[row, pick] for a in again))
         low = min(low, float(np.quantile(shares, 0.025)))
         high = max(high, float(np.quantile(shares, 0.975)))
         drawn_variables = {
@@ -168,7 +172,7 @@ def _agreement(
     binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
     table = np.zeros((3, 3), dtype=np.int64)
     np.add.at(table, (measured, computed), 1)
-    kappa = cohen_kappa(measured, computed)
+    kappa = float(cohen_kappa(measured, computed))
     return {
         "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
         "agreement": plain((), share, "share of trials whose class is the map's"),
@@ -186,32 +190,25 @@ def _agreement(
     }
 
 
-def cohen_kappa(one: Any, other: Any) -> float:
+def cohen_kappa(one: Any, other: Any) -> Any:
     """Return Cohen's kappa of two classifications: 1 if they agree, 0 if by chance only.
+
+    Along the last axis.
 
     Examples
     --------
-    >>> cohen_kappa([0, 0, 1, 1], [0, 0, 1, 1]), cohen_kappa([0, 1, 0, 1], [0, 0, 1, 1])
-    (1.0, 0.0)
+    >>> one, other = [[0, 0, 1, 1], [0, 1, 0, 1]], [[0, 0, 1, 1], [0, 0, 1, 1]]
+    >>> cohen_kappa(one, other).tolist()
+    [1.0, 0.0]
     """
     one, other = np.asarray(one), np.asarray(other)
-    agreed = float(np.mean(one == other))
-    chance = sum(float(np.mean(one == k)) * float(np.mean(other == k)) for k in range(3))
-    if chance >= 1.0:  # one class only
-        return 1.0 if agreed == 1.0 else 0.0
-    return (agreed - chance) / (1.0 - chance)
-
-
-def _resampled(seen: Any, computed: Any, random: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return share and kappa of many draws, each with trials taken with replacement."""
-    count, n = seen.shape
-    shares, kappas = [], []
-    for k in range(max(count, 400)):
-        pick = random.integers(n, size=n)
-        one, other = seen[k % count][pick], computed[k % count][pick]
-        shares.append(float(np.mean(one == other)))
-        kappas.append(cohen_kappa(one, other))
-    return np.array(shares), np.array(kappas)
+    agreed = np.mean(one == other, axis=-1)
+    chance = np.asarray(
+        sum(np.mean(one == k, axis=-1) * np.mean(other == k, axis=-1) for k in range(3))
+    )
+    has_one_class = chance >= 1.0
+    rest = np.where(has_one_class, 1.0, 1.0 - chance)
+    return np.where(has_one_class, agreed == 1.0, (agreed - chance) / rest)
 
 
 def _class_numbers(trials: xr.Dataset) -> Any:
