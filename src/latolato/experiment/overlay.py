@@ -221,9 +221,9 @@ def _circle(picture: Any, centre: Any, radius: float, colour: Any, line: int) ->
         cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
 
 
-def _cross(picture: Any, centre: Any, reach: float, line: int) -> None:
+def _cross(picture: Any, centre: Any, half: float, line: int) -> None:
     """Draw the pivot."""
-    for away in (np.array([reach, 0.0]), np.array([0.0, reach])):
+    for away in (np.array([half, 0.0]), np.array([0.0, half])):
         _line(picture, centre - away, centre + away, _PIVOT, line)
 
 

@@ -89,9 +89,11 @@ def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma:
     """A mask of the trials whose class could be another one within 3 standard deviations."""
     weak, strong = limits()
     largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
-    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma))
-    near_strong = np.abs(largest - strong) <= reach
-    near_weak = (largest < strong + reach) & (np.abs(settled - weak) <= last)
+    largest_width, settled_width = (
+        BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma)
+    )
+    near_strong = np.abs(largest - strong) <= largest_width
+    near_weak = (largest < strong + largest_width) & (np.abs(settled - weak) <= settled_width)
     return near_strong | near_weak
 
 

@@ -124,7 +124,9 @@ def trial_of(
     if "It is not steady" in drive.verdict:
         notes.append("drive not steady")
     _check_hanging(table)
-    angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
+    angles = [
+        _largest(*_measured_samples(table, ball), late) for ball in range(1, balls_of(table) + 1)
+    ]
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
     steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
     if not has_settled:
@@ -372,7 +374,7 @@ def _tracked(video: Path, settings: Mapping[str, Any]) -> xr.Dataset:
         return track.track(video, **options)
 
 
-def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
+def _measured_samples(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     """Return time, angle, standard deviation and flag of the samples of a ball that were seen."""
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     flag = table[f"flag_{ball}"].values.astype(str)

@@ -131,7 +131,7 @@ def compare_motion(
     computed = whole(solution.values)
     if not np.isfinite(computed).all():
         raise InputError("the computed motion does not reach the end of the record")
-    spread = _spread(system, widths, solution, motion, data, count, seed)
+    computed_sigma = _computed_sigma(system, widths, solution, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)
     phase, coherence = np.full(len(data), np.nan), np.full(len(data), np.nan)
@@ -160,7 +160,7 @@ def compare_motion(
         "angle_sigma": variable("sample", data.sigmas, "angle_sigma_1", "its standard deviation"),
         "angle_computed": variable("sample", computed, "angle", "computed angle"),
         "angle_computed_sigma": variable(
-            "sample", spread, "angle_sigma_1", "deviation of the computed angle"
+            "sample", computed_sigma, "angle_sigma_1", "deviation of the computed angle"
         ),
         "angle_residual": variable(
             "sample", residual, "angle_residual", "measured minus computed angle"
@@ -216,12 +216,12 @@ def phases(times: Floats, one: Floats, other: Floats, period: float) -> tuple[Fl
     # A sample of the grid that has none of the record's beside it was made up.
     nearest = np.rint(np.interp(grid, times, np.arange(len(times)))).astype(int)
     made_up = np.abs(times[nearest] - grid) > 0.75 * pause
-    shaky = mean(made_up.astype(float), box) > 0.5
-    shaky[: 2 * width] = shaky[-2 * width :] = True
-    phase = np.where(shaky, np.nan, np.angle(product))
-    alike = np.where(shaky, np.nan, np.abs(product) / np.maximum(size, 1e-300))
+    unknown_phase = mean(made_up.astype(float), box) > 0.5
+    unknown_phase[: 2 * width] = unknown_phase[-2 * width :] = True
+    phase = np.where(unknown_phase, np.nan, np.angle(product))
+    coherence = np.where(unknown_phase, np.nan, np.abs(product) / np.maximum(size, 1e-300))
     place = np.clip(np.round((times - grid[0]) / pause).astype(int), 0, len(grid) - 1)
-    return phase[place], alike[place]
+    return phase[place], coherence[place]
 
 
 def _early(data: Data, until: float) -> Data:
@@ -231,7 +231,7 @@ def _early(data: Data, until: float) -> Data:
     return data[data.times <= until]
 
 
-def _spread(
+def _computed_sigma(
     system: System,
     widths: Mapping[str, float],
     solution: Solution,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -116,9 +116,11 @@ def compare_response(
     members = [np.flatnonzero(trials["set"].values == name) for name in names]
     amplitudes = np.array([float(np.mean(trials["drive_amplitude"].values[m])) for m in members])
     errors = np.nan_to_num(trials["drive_amplitude_sigma"].values)
-    doubt = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
-    reach = 0.1 * float(np.ptp(ratio)) or 0.1
-    ratios = np.linspace(max(float(ratio.min()) - reach, 0.05), float(ratio.max()) + reach, points)
+    amplitude_sigmas = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
+    margin = 0.1 * float(np.ptp(ratio)) or 0.1
+    ratios = np.linspace(
+        max(float(ratio.min()) - margin, 0.05), float(ratio.max()) + margin, points
+    )
     start = {"initial_angle": initial_angle, "initial_offset": initial_offset}
     plan = make_plan(
         system,
@@ -130,20 +132,19 @@ def compare_response(
     )
     varied = drawn(system, widths, count, random)
     off = np.vstack([np.zeros(len(names)), random.standard_normal((count - 1, len(names)))])
-    moved = amplitudes + doubt * off
+    moved = amplitudes + amplitude_sigmas * off
     if "length" in varied:  # which is the picture's scale
         moved = moved * (varied["length"] / system.balls[0].length)[:, None]
     curves, at_trials = _curves(plan, moved, varied, ratios, trials)
-    seen, computed_peaks = [], []
+    measured, computed = [], []
     sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
-        seen.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
-        each = [peak_of(ratios, curve) for curve in curves[:, i]]
-        spread = float(np.std([peak.place for peak in each]))
-        computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
-                          each[0].kind))  # fmt: skip
+        measured.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
+        first, *others = (peak_of(ratios, curve) for curve in curves[:, i])
+        varies = float(np.std([peak.place for peak in (first, *others)]))
+        computed.append(replace(first, sigma=math.hypot(first.sigma, varies)))
     variables: dict[str, Any] = {
         LATE: variable("trial", settled, LATE),
         f"{LATE}_sigma": variable("trial", sigma, f"{LATE}_sigma"),
@@ -157,13 +158,13 @@ def compare_response(
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
     }  # fmt: skip
-    variables |= _peak_variables("measured", seen) | _peak_variables("computed", computed_peaks)
+    variables |= _peak_variables("measured", measured) | _peak_variables("computed", computed)
     coordinates = {
         "frequency_ratio": variable("frequency_ratio", ratios, "frequency_ratio"),
         "set_name": plain("set_name", names, "set of trials"),
     }
     attributes = {
-        "comparison": "response", "verdict": _verdict(names, seen, computed_peaks), "draws": count,
+        "comparison": "response", "verdict": _verdict(names, measured, computed), "draws": count,
         "system": repr(system),
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
@@ -237,8 +238,8 @@ def peak_of(
             y = heights + height_sigmas * random.standard_normal(len(heights))
             order = np.argsort(x)
             drawn_places.append(_vertex(x[order], y[order])[1])
-    spread = float(np.std(drawn_places)) if drawn_places else 0.0
-    return Peak(place, math.hypot(spread, 0.5 * abs(place - places[top])), height, kind)
+    varies = float(np.std(drawn_places)) if drawn_places else 0.0
+    return Peak(place, math.hypot(varies, 0.5 * abs(place - places[top])), height, kind)
 
 
 def _peak_variables(kind: str, peaks: list[Peak]) -> dict[str, Any]:
@@ -271,17 +272,17 @@ def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
     return top, *parabola_top(places[near], heights[near]), "parabola"
 
 
-def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
+def _verdict(names: list[str], measured: list[Peak], computed: list[Peak]) -> str:
     """A sentence on the measured and the computed peaks."""
     parts, apart = [], 0
-    for name, one, other in zip(names, seen, computed, strict=True):
+    for name, one, other in zip(names, measured, computed, strict=True):
         parts.append(
             f"{name} at {one.place:.3f} ± {one.sigma:.3f} (computed {other.place:.3f} ± "
             f"{other.sigma:.3f})"
         )
         apart += abs(one.place - other.place) > 3.0 * math.hypot(one.sigma, other.sigma)
     words = f"The response peaks of {', '.join(parts)}."
-    if any(one.sigma > one.place for one in seen):
+    if any(one.sigma > one.place for one in measured):
         return f"{words} A peak that is less certain than its place is large agrees with anything."
     if apart:
         return f"{words} {apart} of {len(names)} differ by more than 3 standard deviations."
