@@ -10,9 +10,9 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
-from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
 from latolato.experiment.track_table import write_table
+from latolato.experiment.trial_statistics import cohen_kappa
 from latolato.experiment.trial_table import trial_table, write_trials
 from latolato.paper.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES
 from track_tables import decay_table, motion_table

@@ -11,12 +11,10 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.track_table import track_table, write_table
+from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
 from latolato.experiment.trial_table import (
     COLUMNS,
-    class_of,
-    is_borderline,
     read_trials,
-    sets_of,
     trial_table,
     write_trials,
 )

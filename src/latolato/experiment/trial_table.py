@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
-from latolato.observables.angles import MotionClass
+from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -26,8 +25,6 @@ SUFFIXES = (".csv", ".nc")
 # By the number that sweeps give them.
 CLASSES = ("none", "weak", "strong")
 _KIND = "trials"
-# Angles nearer to the limit of a class than so many standard deviations are borderline.
-BORDERLINE = 3.0
 TEXTS = {
     "set": "set of trials with the same driving amplitude",
     "source": "file from which the trial comes",
@@ -63,60 +60,6 @@ _LARGEST = (
 _SMALLEST_RATIO = 0.5
 # Ratios differ by less than this if only the natural frequency was measured instead of computed.
 _SAME_RATIO = 0.2
-# Amplitudes of one set differ by less than this share, or by so many standard deviations.
-_SAME, _SAME_SIGMAS = 0.04, 4.0
-
-
-def limits() -> tuple[float, float]:
-    """Return the angles of weak and of strong motion, those of the sweeps [rad]."""
-    law = MotionClass()
-    return law.weak_angle, law.strong_angle
-
-
-def class_of(largest: Any, settled: Any) -> Any:
-    """Return the class as sweeps number it: 2 strong, 1 weak, 0 none; element by element.
-
-    Examples
-    --------
-    >>> class_of([0.2, 1.0, 1.7], [0.1, 0.9, 0.3]).tolist()
-    [0, 1, 2]
-    """
-    weak, strong = limits()
-    return np.where(np.asarray(largest) >= strong, 2, np.where(np.asarray(settled) >= weak, 1, 0))
-
-
-def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma: Any) -> Any:
-    """A mask of the trials whose class could be another one within 3 standard deviations."""
-    weak, strong = limits()
-    largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
-    largest_width, settled_width = (
-        BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma)
-    )
-    near_strong = np.abs(largest - strong) <= largest_width
-    near_weak = (largest < strong + largest_width) & (np.abs(settled - weak) <= settled_width)
-    return near_strong | near_weak
-
-
-def sets_of(amplitude: Any, sigma: Any = None) -> list[str]:
-    """Return the set of each trial: amplitudes in order, parted where they differ clearly.
-
-    Examples
-    --------
-    >>> sets_of([0.020, 0.0301, 0.0202, 0.030])
-    ['set 1', 'set 2', 'set 1', 'set 2']
-    """
-    amplitude = np.asarray(amplitude, dtype=float)
-    sigma = np.zeros_like(amplitude) if sigma is None else np.nan_to_num(sigma)
-    order = np.argsort(amplitude, kind="stable")
-    numbers = np.ones(len(amplitude), dtype=int)
-    number = 1
-    for before, after in pairwise(order):
-        apart = max(
-            _SAME * amplitude[before], _SAME_SIGMAS * math.hypot(sigma[before], sigma[after])
-        )
-        number += int(amplitude[after] - amplitude[before] > apart)
-        numbers[after] = number
-    return [f"set {number}" for number in numbers]
 
 
 def trial_table(

@@ -24,7 +24,8 @@ from latolato.experiment.comparison.uncertainties import (
     run_at,
     variable,
 )
-from latolato.experiment.trial_table import CLASSES, checked_trials, class_of
+from latolato.experiment.trial_statistics import class_of, cohen_kappa
+from latolato.experiment.trial_table import CLASSES, checked_trials
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -188,27 +189,6 @@ def _agreement(
         ),
         **drawn_variables,
     }
-
-
-def cohen_kappa(one: Any, other: Any) -> Any:
-    """Return Cohen's kappa of two classifications: 1 if they agree, 0 if by chance only.
-
-    Along the last axis.
-
-    Examples
-    --------
-    >>> one, other = [[0, 0, 1, 1], [0, 1, 0, 1]], [[0, 0, 1, 1], [0, 0, 1, 1]]
-    >>> cohen_kappa(one, other).tolist()
-    [1.0, 0.0]
-    """
-    one, other = np.asarray(one), np.asarray(other)
-    agreed = np.mean(one == other, axis=-1)
-    chance = np.asarray(
-        sum(np.mean(one == k, axis=-1) * np.mean(other == k, axis=-1) for k in range(3))
-    )
-    has_one_class = chance >= 1.0
-    rest = np.where(has_one_class, 1.0, 1.0 - chance)
-    return np.where(has_one_class, agreed == 1.0, (agreed - chance) / rest)
 
 
 def _class_numbers(trials: xr.Dataset) -> Any:

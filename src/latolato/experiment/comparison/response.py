@@ -21,8 +21,8 @@ from latolato.experiment.comparison.uncertainties import (
     run_at,
     variable,
 )
+from latolato.experiment.trial_statistics import parabola_top
 from latolato.experiment.trial_table import checked_trials
-from latolato.experiment.trials import parabola_top
 from latolato.physics.pendulum import OneBall, System
 from latolato.sweeps.plan import make_plan
 
