@@ -191,6 +191,17 @@ def test_a_ball_behind_the_post_is_flagged_and_not_seen(run):
     assert str(truth.flag_1[0].values) == "ok"
 
 
+@pytest.mark.parametrize("part", ["block_height", "block_width", "rod_width", "bolt_radius"])
+def test_a_part_without_size_is_left_out(run, part):
+    scene = Scene(ambient=1.0, rail_width=0.0)
+    whole, without = (
+        prepare(run, each, SMALL).picture(3)
+        for each in (scene, dataclasses.replace(scene, **{part: 0.0}))
+    )
+    assert np.isfinite(without).all()
+    assert np.abs(whole - without).max() > 0.1
+
+
 @pytest.mark.parametrize("name", conditions)
 def test_every_condition_paints_frames_of_its_size(pair, name):
     scene, camera = conditions[name].make(camera={"width": 320, "height": 240, "row_time": 0.0})

@@ -158,7 +158,9 @@ def _shade(n_u: float, n_v: float, look: Look) -> tuple[float, float]:
 def _painted(colour: Colour, u: float, v: float, points: Floats, look: Look,
              colours: Floats) -> Colour:  # fmt: skip
     """Colour of a pixel of the wall with everything in front of it."""
-    x, y = u - points[0, 0], v - points[0, 1]  # from here on all is seen from the pivot
+    # From here on all places are relative to the pivot.
+    x, y = u - points[0, 0], v - points[0, 1]
+    # The shadow of rods and balls takes light from the wall, less towards its soft edge.
     if look.shadow > 0.0:
         dark = 0.0
         su, sv = x - look.shadow_u, y - look.shadow_v
@@ -176,10 +178,15 @@ def _painted(colour: Colour, u: float, v: float, points: Floats, look: Look,
             dark = max(dark, part * part * (3.0 - 2.0 * part))
         left = 1.0 - look.shadow * dark
         colour = (colour[0] * left, colour[1] * left, colour[2] * left)
-    if look.block_u > 0.0 and x * x + y * y < (look.block_u + look.block_v + 1.0) ** 2:
+    # The block that carries the pivot turns with the camera.
+    if (
+        min(look.block_u, look.block_v) > 0.0
+        and x * x + y * y < (look.block_u + look.block_v + 1.0) ** 2
+    ):
         across, down = look.cosine * x - look.sine * y, look.sine * x + look.cosine * y
         part = _coverage(abs(across) - look.block_u) * _coverage(abs(down) - look.block_v)
         colour = _over(colour, part, 1.0 - 0.25 * down / look.block_v, colours, BLOCK)
+    # Rods are cylinders: darker towards their edges.
     if look.rod > 0.0:
         half = max(look.rod, 0.5)
         for ball in range(1, len(points)):
@@ -203,6 +210,7 @@ def _painted(colour: Colour, u: float, v: float, points: Floats, look: Look,
         if square >= (radius + 0.5) ** 2:
             continue
         part = _coverage(math.sqrt(square) - radius)
+        # Lambert's law with a highlight; the band lies across the rod.
         light, highlight = _shade(au / radius, av / radius, look)
         row = ball - 1
         own = (colours[row, 0], colours[row, 1], colours[row, 2])
