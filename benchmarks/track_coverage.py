@@ -4,7 +4,7 @@ For each filming condition, with one driven ball, two driven balls and one that 
 share of samples flagged ok within two deviations (wanted: 90 percent, or a warning), the root mean
 square error, the median deviation and the warnings. Clicks are rounded to whole pixels. Lens and
 rolling shutter are declared in one pass and undeclared in another.
-Run ``python benchmarks/track_coverage.py [CONDITION ...]``; it prints a table.
+``PYTHONPATH=tests/shared python benchmarks/track_coverage.py [CONDITION ...]``; prints a table.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ import numpy as np
 import xarray as xr
 
 import latolato as ll
+from conditions import conditions
 from latolato.experiment.calibration.lens import Optics
-from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.synthesise import synthesise_video
 
 ONE = ll.Pendulum(length=0.363, mass=0.108, damping=0.00274)

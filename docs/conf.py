@@ -40,7 +40,6 @@ EXPERIMENT = {
     "fits.result": ("Fit", "Estimate", "load_fit"),
     "fits.registry": ("FitKind",),
     "synthetic.scene": ("Scene", "Camera"),
-    "synthetic.conditions": ("Condition", "conditions"),
     "synthetic.synthesise": ("synthesise_video",),
 }
 PYTHON = re.compile(r"```(?:python|{code-cell} ipython3)\n(.*?)```", re.DOTALL)

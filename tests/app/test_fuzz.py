@@ -26,7 +26,7 @@ from latolato.app.forms import registry
 from latolato.app.server import Settings, make_app
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
-from latolato.experiment.trial_table import parse_trials
+from trial_texts import parse_trials
 
 ASKED = {
     "type": "object",

@@ -19,9 +19,10 @@ from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
-from latolato.experiment.trial_table import CLASSES, parse_trials, write_trials
+from latolato.experiment.trial_table import CLASSES, write_trials
 from latolato.figures import overlays
 from latolato.figures.overlays import AMPLITUDES, FREQUENCIES, Context
+from trial_texts import parse_trials
 
 
 def over_in_node(cases):

@@ -10,9 +10,9 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
-from latolato.experiment.comparison.places import cohen_kappa
 from latolato.experiment.comparison.response import peak_of
 from latolato.experiment.track_table import write_table
+from latolato.experiment.trial_statistics import cohen_kappa
 from latolato.experiment.trial_table import trial_table, write_trials
 from latolato.paper.grids import PAIR_OBSERVABLES, PENDULUM_OBSERVABLES
 from track_tables import decay_table, motion_table
@@ -87,7 +87,7 @@ def test_a_pair_is_followed_through_its_impacts():
     table = motion_table(PAIR, drive, duration=8.0, initial_offset=0.3)
     result = ll.compare(table, PAIR)
     assert float(result.residual_rms) < 3e-3
-    assert float(np.nanmin(result.likeness)) > 0.99
+    assert float(np.nanmin(result.coherence)) > 0.99
 
 
 def test_a_decay_is_compared_with_its_own_fit():

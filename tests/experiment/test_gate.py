@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from conditions import conditions
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment import track
-from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from conditions import conditions
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.encode import write_video
-from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import prepare, synthesise_video
 from latolato.experiment.track_table import read_table
@@ -39,35 +39,35 @@ def pair():
     return ll.simulate(toy, initial_angle=0.5, duration=0.8)
 
 
-def centroid(take, number, columns=slice(None)):
+def centroid(film, number, columns=slice(None)):
     """Return u and v of what differs from the wall."""
-    light = np.abs(take.picture(number) - take.studio.empty()).sum(axis=2)
+    light = np.abs(film.picture(number) - film.renderer.background).sum(axis=2)
     v, u = np.mgrid[0 : light.shape[0], 0 : light.shape[1]]
     mask = np.zeros_like(light)
     mask[:, columns] = light[:, columns]
     return (mask * u).sum() / mask.sum(), (mask * v).sum() / mask.sum()
 
 
-def true_pixel(take, number, ball=1):
+def true_pixel(film, number, ball=1):
     """Return u and v of a ball's centre by the truth."""
-    truth = take.truth()
+    truth = film.truth()
     x, y = (float(truth[f"ball_{ball}_{axis}"][number]) for axis in "xy")
-    u, v = take.studio.view.in_picture(x, y)
+    u, v = film.renderer.projection.in_picture(x, y)
     return float(u), float(v)
 
 
 @pytest.mark.parametrize("roll", [0.0, 0.2, math.pi])
 def test_the_ball_is_painted_where_the_truth_says(run, roll):
-    take = prepare(run, ALONE, dataclasses.replace(SMALL, roll=roll, exposure=0.02))
+    film = prepare(run, ALONE, dataclasses.replace(SMALL, roll=roll, exposure=0.02))
     for number in (0, 17, 30):
-        assert centroid(take, number) == pytest.approx(true_pixel(take, number), abs=NEAR)
+        assert centroid(film, number) == pytest.approx(true_pixel(film, number), abs=NEAR)
 
 
 def test_truth_is_the_projection_of_the_run(run):
     camera = dataclasses.replace(SMALL, pixels_per_metre=500.0, pivot_u=160.0, pivot_v=40.0)
-    take = prepare(run, ALONE, camera)
-    truth = take.truth()
-    again = ll.simulate(SWING, DRIVE, initial_angle=0.6, times=take.begin + take.times)
+    film = prepare(run, ALONE, camera)
+    truth = film.truth()
+    again = ll.simulate(SWING, DRIVE, initial_angle=0.6, times=film.begin + film.times)
     # The truth is interpolated from samples 0.1 ms apart.
     np.testing.assert_allclose(truth.angle_1, again.angle, atol=2e-7)
     height = again.pivot_height - again.pivot_height.mean()
@@ -81,14 +81,14 @@ def test_truth_is_the_projection_of_the_run(run):
 
 def test_a_smear_is_centred_on_the_middle_of_the_exposure(run):
     camera = dataclasses.replace(SMALL, fps=30.0, exposure=0.9)
-    take = prepare(run, ALONE, camera)
+    film = prepare(run, ALONE, camera)
     for number in (5, 11):
-        moments = take.states(number)
-        length = math.dist(moments[0, 0, 2:4], moments[-1, 0, 2:4])
+        moments = film.states(number)
+        length = math.dist(moments[0, 0, 1], moments[-1, 0, 1])
         assert length > 5.0  # pixel, or the test would say little
         # A smear is bent: its mean lies off the middle by acceleration x exposure^2/24.
-        bend = 20.0 * take.studio.view.scale * 0.03**2 / 24.0
-        assert centroid(take, number) == pytest.approx(true_pixel(take, number), abs=bend)
+        bend = 20.0 * film.renderer.projection.scale * 0.03**2 / 24.0
+        assert centroid(film, number) == pytest.approx(true_pixel(film, number), abs=bend)
 
 
 def test_frames_are_stamped_exactly(run, tmp_path):
@@ -130,31 +130,31 @@ def test_turning_the_stored_pictures_back_shows_the_ball_where_it_was_clicked(
 def test_a_rolling_shutter_shows_the_ball_as_it_is_when_its_stored_row_is_read(run, rotation):
     row_time = 4e-5
     camera = dataclasses.replace(SMALL, rotation=rotation, row_time=row_time, exposure=0.01)
-    take = prepare(run, ALONE, camera)
-    view, scale = take.studio.view, take.studio.view.scale
-    u, v = true_pixel(take, 14)
+    film = prepare(run, ALONE, camera)
+    projection, scale = film.renderer.projection, film.renderer.projection.scale
+    u, v = true_pixel(film, 14)
     row = {0: v, 90: camera.width - 1 - u, 180: camera.height - 1 - v, 270: u}[rotation]
     angle = np.interp(
-        take.begin + take.times[14] + row_time * row, take.motion.time, take.motion.angles[0]
+        film.begin + film.times[14] + row_time * row, film.motion.time, film.motion.angles[0]
     )
-    truth = take.truth()
+    truth = film.truth()
     x, y = 0.363 * math.sin(angle), float(truth.pivot_y[14]) - 0.363 * math.cos(angle)
-    late_u, late_v = (float(number) for number in view.in_picture(x, y))
+    late_u, late_v = (float(number) for number in projection.in_picture(x, y))
     assert math.dist((u, v), (late_u, late_v)) > 0.6  # pixel
     # The pivot moves on by up to 0.2 m/s, and the rows of the ball differ by its diameter.
     near = scale * 0.2 * row_time * row + 0.3
-    assert centroid(take, 14) == pytest.approx((late_u, late_v), abs=near)
+    assert centroid(film, 14) == pytest.approx((late_u, late_v), abs=near)
 
 
 def test_a_lens_moves_the_ball_as_its_coefficients_say(run):
     camera = dataclasses.replace(SMALL, k1=-0.12, k2=0.02, exposure=0.02, pixels_per_metre=450.0)
-    take = prepare(run, ALONE, camera)
+    film = prepare(run, ALONE, camera)
     # The outer half of a ball is shown smaller, which moves the centroid inwards.
-    assert centroid(take, 0) == pytest.approx(true_pixel(take, 0), abs=0.1)
-    view = take.studio.view
-    u, v = view.flat(*(float(take.truth()[f"ball_1_{axis}"][0]) for axis in "xy"))
-    assert abs(float(v) - true_pixel(take, 0)[1]) > 0.5
-    there = view.straightened(*view.distorted(u, v))
+    assert centroid(film, 0) == pytest.approx(true_pixel(film, 0), abs=0.1)
+    projection = film.renderer.projection
+    u, v = projection.flat(*(float(film.truth()[f"ball_1_{axis}"][0]) for axis in "xy"))
+    assert abs(float(v) - true_pixel(film, 0)[1]) > 0.5
+    there = projection.straightened(*projection.distorted(u, v))
     np.testing.assert_allclose(there, (u, v), atol=1e-9)
 
 
@@ -169,10 +169,10 @@ def test_the_same_seed_gives_the_same_file_and_another_seed_other_noise(run, tmp
 
 
 def test_balls_that_touch_in_an_exposure_are_flagged_and_the_left_one_mirrors_the_right(pair):
-    take = prepare(pair, Scene(), SMALL)
-    truth = take.truth()
+    film = prepare(pair, Scene(), SMALL)
+    truth = film.truth()
     half = 0.5 * SMALL.exposure / SMALL.fps
-    for number, time in enumerate(take.begin + take.times):
+    for number, time in enumerate(film.begin + film.times):
         hit = bool(np.any(np.abs(pair.contact_time - time) <= half))
         assert bool(truth.is_contact[number]) == hit
         assert str(truth.flag_2[number].values) == ("collision" if hit else "ok")
@@ -182,20 +182,31 @@ def test_balls_that_touch_in_an_exposure_are_flagged_and_the_left_one_mirrors_th
 
 
 def test_a_ball_behind_the_post_is_flagged_and_not_seen(run):
-    take = prepare(run, dataclasses.replace(ALONE, post_width=0.1, post_x=0.0), SMALL)
-    truth = take.truth()
+    film = prepare(run, dataclasses.replace(ALONE, post_width=0.1, post_x=0.0), SMALL)
+    truth = film.truth()
     number = int(np.argmin(np.abs(truth.angle_1.values)))
     assert float(truth.covered_1[number]) == pytest.approx(1.0)
     assert str(truth.flag_1[number].values) == "occluded"
-    assert np.abs(take.picture(number) - take.studio.empty()).max() < 0.02
+    assert np.abs(film.picture(number) - film.renderer.background).max() < 0.02
     assert str(truth.flag_1[0].values) == "ok"
+
+
+@pytest.mark.parametrize("part", ["block_height", "block_width", "rod_width", "bolt_radius"])
+def test_a_part_without_size_is_left_out(run, part):
+    scene = Scene(ambient=1.0, rail_width=0.0)
+    whole, without = (
+        prepare(run, each, SMALL).picture(3)
+        for each in (scene, dataclasses.replace(scene, **{part: 0.0}))
+    )
+    assert np.isfinite(without).all()
+    assert np.abs(whole - without).max() > 0.1
 
 
 @pytest.mark.parametrize("name", conditions)
 def test_every_condition_paints_frames_of_its_size(pair, name):
     scene, camera = conditions[name].make(camera={"width": 320, "height": 240, "row_time": 0.0})
-    take = prepare(pair, scene, camera, seed=2)
-    planes = take.frame(3)
+    film = prepare(pair, scene, camera, seed=2)
+    planes = film.frame(3)
     turned = camera.rotation in (90, 270)
     assert planes.shape == ((480, 240) if turned else (360, 320))
     assert planes.std() > 3.0  # codes: something is seen
@@ -204,21 +215,21 @@ def test_every_condition_paints_frames_of_its_size(pair, name):
 def test_the_command_prints_clicks_that_lie_on_the_ball(tmp_path, capsys):
     video, table = tmp_path / "clip.mp4", tmp_path / "truth.csv"
     arguments = (
-        f"synthesise fig02 --duration 0.2 --output {video} --truth {table} --condition tilted "
-        "--camera width=320 --camera height=240 --seed 4 --json"
+        f"synthesise fig02 --duration 0.2 --output {video} --truth {table} --camera width=320 "
+        "--camera height=240 --seed 4 --json"
     )
-    assert main(arguments.split()) == 0
+    assert main([*arguments.split(), "--camera", "roll = 7 deg"]) == 0
     result = json.loads(capsys.readouterr().out)
     truth = read_table(table)
     assert result["frames"] == truth.sizes["frame"] == 12
     assert result["ball"][0][0] == pytest.approx(truth.attrs["ball_1_pixel_u"], abs=0.01)
-    assert truth.attrs["gravity_direction"] == pytest.approx(np.radians(7.0), abs=1e-3)
+    assert truth.attrs["gravity_direction"] == pytest.approx(np.radians(7.0))
     assert video.stat().st_size > 1000
 
 
 def test_the_command_that_tracks_the_video_declares_its_camera(tmp_path, capsys):
     video = tmp_path / "clip.mp4"
-    arguments = f"synthesise fig02 --duration 0.1 --output {video} --condition rolling"
+    arguments = f"synthesise fig02 --duration 0.1 --output {video} --camera row_time=15e-6"
     more = "--camera width=320 --camera height=240 --camera k1=-0.02 --camera focal_length=100"
     assert main([*arguments.split(), *more.split()]) == 0
     # In units of half the diagonal, 200 pixels, instead of the focal length.
@@ -244,7 +255,7 @@ def test_impossible_cameras_are_refused(arguments, message):
 @pytest.mark.parametrize(
     "options, message",
     [
-        ("--condition fogg", "unknown condition 'fogg'"),
+        ("--scene background=fog", "background must be 'plain', 'gradient', 'texture' or 'wood'"),
         ("--camera fsp=3", "--camera has no 'fsp': did you mean 'fps'?"),
         ("--scene ball_colour=red", "ball_colour must be a colour such as '#e8590c', got 'red'"),
         ("--radius 0.02", '--scene "ball_radius = 0.02"'),

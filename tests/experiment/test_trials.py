@@ -11,13 +11,10 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.track_table import track_table, write_table
+from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
 from latolato.experiment.trial_table import (
     COLUMNS,
-    class_of,
-    is_borderline,
-    parse_trials,
     read_trials,
-    sets_of,
     trial_table,
     write_trials,
 )
@@ -25,6 +22,7 @@ from latolato.experiment.trials import collect_trials, files_of, trial_of
 from latolato.observables import MotionClass
 from latolato.paper.grids import PENDULUM_OBSERVABLES
 from track_tables import motion_table
+from trial_texts import parse_trials
 
 SINGLE = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
 

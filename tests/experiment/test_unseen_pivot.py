@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.experiment.calibration.circle import doubt_about, fit_circle
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.encode import TICKS, write_video
-from latolato.experiment.overlay import own_pivot_of, places_of
+from latolato.experiment.overlay import place_of, places_of
 from latolato.experiment.sidecar import sidecar_path
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -262,7 +262,7 @@ def test_each_of_two_balls_has_angles_about_its_own_pivot(pair, apart):
         error = np.abs(apart[f"angle_{ball}"].values - truth.angle_1.values)[ok]
         limit = 2.0 * np.hypot(apart[f"angle_sigma_{ball}"].values, shared * np.abs(truth.angle_1))
         assert np.mean(error < limit.values[ok]) > 0.9
-    left, _ = own_pivot_of(apart, (640, 240)), None
+    left, _ = place_of(apart, "pivot_2", (640, 240)), None
     assert np.hypot(*(left[0] - [160.0, 40.0])) < 1.0
     right, balls = places_of(apart, (640, 240))
     assert abs(right[0, 0] - 480.0) < 1.0

@@ -23,7 +23,6 @@ from latolato.cli.options import (
 from latolato.cli.output import elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
-from latolato.experiment.synthetic.conditions import conditions
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import check_target, synthesise_video
 from latolato.io.progress import bar
@@ -52,12 +51,6 @@ def synthesise(
         Path | None,
         typer.Option(help="True track table: .csv, .parquet or .nc.", rich_help_panel="Output"),
     ] = None,
-    condition: Annotated[
-        str,
-        typer.Option(
-            help=f"Filming condition: one of {', '.join(conditions)}.", rich_help_panel="Filming"
-        ),
-    ] = "clean",
     scene: Annotated[
         list[str] | None,
         typer.Option(
@@ -84,9 +77,9 @@ def synthesise(
     ready = scenario_of(scenario, rerun, values)
     if output is None:
         raise InputError("name the video: --output clip.mp4")
-    setting = conditions[condition].make(
-        values_of("--scene", scene, parameters_of(Scene)),
-        values_of("--camera", camera, parameters_of(Camera)),
+    setting = (
+        Scene(**values_of("--scene", scene, parameters_of(Scene))),
+        Camera(**values_of("--camera", camera, parameters_of(Camera))),
     )
     arguments = arguments_of(OPTIONS, values)
     check_target(output, truth)
@@ -97,7 +90,6 @@ def synthesise(
             motion, output, *setting, truth=truth, progress=progress, **arguments
         )
     summary = {
-        "condition": condition,
         **summarise(table),
         "wall_time": elapsed_since(begun),
         "files": [str(path) for path in (output, truth) if path is not None],
@@ -161,7 +153,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         if name in summary
     )
     return {
-        "video": f"{summary['condition']}, {summary['frames']} frames, {summary['duration']:.6g} s",
+        "video": f"{summary['frames']} frames, {summary['duration']:.6g} s",
         "scale": f"{1e3 * summary['metres_per_pixel']:.6g} mm a pixel",
         "track it": f"latolato track {summary['files'][0]} --balls {summary['balls']} "
         f'--pivot {u:g},{v:g} {clicks} --length "{summary["length"]:.9g} m" '

@@ -62,10 +62,16 @@ _MARK, _HEADER_LINES = ["#", "table:", "track"], 200
 
 @dataclass
 class _Import:
-    """What is asked of a file, and what had to be assumed."""
+    """What is asked of a file, what was read from it, and what had to be assumed.
+
+    `series` holds the columns of the track table and `lines` the line of the file of each row, both
+    of shape (row,).
+    """
 
     section: Section
     columns: dict[str, tuple[SourceColumn, str]]
+    lines: NDArray[np.int32]
+    series: dict[str, Floats] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
 
@@ -156,8 +162,11 @@ def import_table(
             columns = usual_columns(part, has_rate=frame_rate is not None)
         asked = _asked(part, columns, has_rate=frame_rate is not None)
         asked.notes += source.notes
-        series = _series(asked, frame_rate, decimal)
-        _turn_y_up(series, y_axis)
+        _read_series(asked, frame_rate, decimal)
+        _convert(asked, frame_rate)
+        series = asked.series
+        if y_axis == "down":
+            series |= {axis: -series[axis] for axis in series if axis.endswith("_y")}
         if pivot is not None:
             pivot = _checked_pivot(series, pivot, y_axis)
         if _RATE in series:
@@ -166,7 +175,10 @@ def import_table(
         _place_angles(series, pivot, angle_from)
         for name in stated:
             series[name] = _near_zero(name, series[name], asked.notes)
-        _leave_out_pixels(series, asked)
+        if any(unit == "px" for _, unit in asked.columns.values()):
+            for place in _PLACES:  # which have served for angles
+                series.pop(place, None)
+            asked.notes.append("positions are in pixels without a scale, so only angles are kept")
         _ask_about_directions(series, stated, asked.notes)
         for ball in (1, 2):
             if angle_sigma is not None and f"angle_{ball}" in series:
@@ -467,17 +479,17 @@ def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _
             )
     if _RATE in mapping and "angle_1" in mapping:
         raise InputError(f"give angle_1 or {_RATE}, not both")
-    asked = _Import(section, {name: section.column(text) for name, text in mapping.items()})
+    columns = {name: section.column(text) for name, text in mapping.items()}
+    asked = _Import(section, columns, section.lines)
     for column, unit in asked.columns.values():
         if column.unit_from and unit == column.unit:
             asked.notes.append(f"{column.label} is in [{unit}], from {column.unit_from}")
     return asked
 
 
-def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> dict[str, Floats]:
-    """Return the columns in SI units, or in pixels, of the rows that have a time."""
-    lines = asked.section.lines
-    series = {}
+def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) -> None:
+    """Read the columns, in the units of the file, in the rows that have a time."""
+    series, lines = asked.series, asked.lines
     if "time" not in asked.columns:
         others = np.flatnonzero(np.diff(lines) != 1)
         if others.size:
@@ -488,15 +500,7 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
         series["time"] = np.arange(len(lines), dtype=np.float64)
         asked.notes.append("the file has no times; each row is a frame")
     elif asked.columns["time"][0].kind == "texts":
-        column, _ = asked.columns["time"]
-        cells = asked.section.texts(column)
-        series["time"] = seconds_of(cells, lines.tolist(), frame_rate)
-        if frame_rate is not None and not any(cell.count(":") == 3 for cell in cells):
-            raise _needless_rate(column)
-        known = np.flatnonzero(np.isfinite(series["time"]))
-        if known.size and series["time"][known[0]] >= 3600.0:  # a time of day
-            series["time"] -= series["time"][known[0]]
-            asked.notes.append(f"times are counted from {cells[known[0]]}")
+        series["time"] = _clock_times(asked, frame_rate)
     names = [name for name in asked.columns if name not in series]
     values, notes = asked.section.numbers(
         [asked.columns[name][0] for name in names], decimal=decimal
@@ -507,9 +511,7 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
     if not has_time.any():
         column, _ = asked.columns["time"]
         _refuse_without_numbers(asked.section, replace(column, kind="empty"))
-    has_more = np.zeros(len(has_time), dtype=bool)
-    for name in names:
-        has_more |= np.isfinite(series[name]) & (name != "time")
+    has_more = np.any([np.isfinite(series[name]) for name in names if name != "time"], axis=0)
     lost = np.flatnonzero(has_more & ~has_time)
     if lost.size:
         raise InputError(
@@ -518,29 +520,39 @@ def _series(asked: _Import, frame_rate: float | None, decimal: str | None) -> di
     if not has_time.all():
         count = int((~has_time).sum())
         asked.notes.append(f"{count} row{'s' * (count != 1)} without numbers left out")
-        series = {name: each[has_time] for name, each in series.items()}
-        lines = lines[has_time]
+        series |= {name: each[has_time] for name, each in series.items()}
+        asked.lines = lines[has_time]
     falls = np.flatnonzero(np.diff(series["time"]) <= 0.0)
     if falls.size:
         at = int(falls[0])
         raise InputError(
-            f"must increase strictly, above {series['time'][at]:g} in line {lines[at + 1]}",
+            f"must increase strictly, above {series['time'][at]:g} in line {asked.lines[at + 1]}",
             parameter="time",
             value=float(series["time"][at + 1]),
             way_out="sort the rows, remove repeats, or cut the file where a new run begins",
         )
-    _refuse_marks(asked, series, lines)
-    _refuse_lost_places(asked, series, lines)
-    written = dict(series)
-    _convert(asked, series, frame_rate)
-    _refuse_leaps(asked, series, written, lines)
-    return series
+    _refuse_marks(asked)
+    _refuse_lost_places(asked)
 
 
-def _refuse_marks(asked: _Import, series: Mapping[str, Floats], lines: NDArray[np.int32]) -> None:
+def _clock_times(asked: _Import, frame_rate: float | None) -> Floats:
+    """Return times such as ``0:00:03:12`` in seconds; a time of day begins at 0."""
+    column, _ = asked.columns["time"]
+    cells = asked.section.texts(column)
+    times = seconds_of(cells, asked.lines.tolist(), frame_rate)
+    if frame_rate is not None and not any(cell.count(":") == 3 for cell in cells):
+        raise _needless_rate(column)
+    known = np.flatnonzero(np.isfinite(times))
+    if known.size and times[known[0]] >= 3600.0:
+        times = times - times[known[0]]
+        asked.notes.append(f"times are counted from {cells[known[0]]}")
+    return times
+
+
+def _refuse_marks(asked: _Import) -> None:
     """Raise for numbers like -999 that stand for missing ones: nines, far from all others."""
     for name in asked.columns.keys() - {"time"}:
-        values = series[name]
+        values = asked.series[name]
         known = values[np.isfinite(values)]
         if known.size < 3:
             continue
@@ -549,15 +561,13 @@ def _refuse_marks(asked: _Import, series: Mapping[str, Floats], lines: NDArray[n
             digits = f"{abs(mark):.15g}".replace(".", "").strip("0")
             is_mark = abs(mark) >= 1e10 or re.fullmatch("9{2,}", digits)
             if is_mark and rest.size and np.abs(rest - mark).min() > max(np.ptp(rest), 10.0):
-                raise _no_measurement(asked, name, mark, lines[np.flatnonzero(values == mark)[0]])
+                raise _no_measurement(asked, name, mark, int(np.flatnonzero(values == mark)[0]))
 
 
-def _refuse_lost_places(
-    asked: _Import, series: Mapping[str, Floats], lines: NDArray[np.int32]
-) -> None:
+def _refuse_lost_places(asked: _Import) -> None:
     """Raise for places (0, 0) and (-1, -1), far from all others, which stand for lost balls."""
     for ball in (1, 2):
-        x, y = series.get(f"ball_{ball}_x"), series.get(f"ball_{ball}_y")
+        x, y = (asked.series.get(f"ball_{ball}_{axis}") for axis in "xy")
         if x is None or y is None:
             continue
         is_mark = (x == y) & np.isin(x, (0.0, -1.0))
@@ -566,71 +576,67 @@ def _refuse_lost_places(
             at = int(np.argmax(is_mark))
             nearest = np.hypot(x[rest] - x[at], y[rest] - y[at]).min()
             if nearest > 0.5 * np.hypot(np.ptp(x[rest]), np.ptp(y[rest])):
-                raise _no_measurement(asked, f"ball_{ball}_x", x[at], lines[at])
+                raise _no_measurement(asked, f"ball_{ball}_x", x[at], at)
 
 
-def _refuse_leaps(
-    asked: _Import,
-    series: Mapping[str, Floats],
-    written: Mapping[str, Floats],
-    lines: NDArray[np.int32],
-) -> None:
+def _refuse_leaps(asked: _Import, written: Mapping[str, Floats]) -> None:
     """Raise for an angle that changes by more than one and a half turns from row to row."""
-    steps = np.diff(series["time"])
+    steps = np.diff(asked.series["time"])
     is_next = steps < 3.0 * np.median(steps) if steps.size else np.zeros(0, dtype=bool)
     for name in ("angle_1", "angle_2"):
         if name in asked.columns:
-            leaps = np.flatnonzero(is_next & (np.abs(np.diff(series[name])) > 3.0 * np.pi))
-            if leaps.size:
-                at = int(leaps[0]) + 1
-                raise _no_measurement(asked, name, written[name][at], lines[at])
+            leaps = is_next & (np.abs(np.diff(asked.series[name])) > 3.0 * np.pi)
+            if leaps.any():
+                at = int(np.argmax(leaps)) + 1
+                raise _no_measurement(asked, name, written[name][at], at)
 
 
-def _no_measurement(asked: _Import, name: str, value: float, line: int) -> InputError:
+def _no_measurement(asked: _Import, name: str, value: float, row: int) -> InputError:
     """Return the error for a number that cannot have been measured."""
     return InputError(
-        f"line {line} of column {asked.columns[name][0].label} holds {value:g}, which is far from "
-        "the other numbers",
+        f"line {asked.lines[row]} of column {asked.columns[name][0].label} holds {value:g}, which "
+        "is far from the other numbers",
         way_out="leave the cell empty if the number is missing",
     )
 
 
-def _convert(asked: _Import, series: dict[str, Floats], frame_rate: float | None) -> None:
+def _convert(asked: _Import, frame_rate: float | None) -> None:
     """Convert columns to SI units; positions may stay in pixels."""
+    series, written = asked.series, dict(asked.series)
     column, unit = asked.columns.get("time", (None, ""))
     is_clock = column is not None and column.kind == "texts"
     is_whole = bool(np.all(series["time"] == np.floor(series["time"])))
     if is_clock:
         if frame_rate is not None:
             asked.notes.append(f"times are those of frames at {frame_rate:g} per second")
-    elif column is None and frame_rate is not None:
+    elif frame_rate is not None:
+        if column is not None:
+            if unit not in ("", "1") or not is_whole:
+                raise InputError(
+                    f"column {column.label} holds no frame numbers, which a frame rate needs",
+                    way_out="name the column of frame numbers as time, or leave out frame_rate",
+                )
+            asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
         series["frame"] = series["time"]
         series["time"] = series["time"] / frame_rate
-    elif frame_rate is not None and column is not None:
-        if unit not in ("", "1") or not is_whole:
-            raise InputError(
-                f"column {column.label} holds no frame numbers, which a frame rate needs",
-                way_out="name the column of frame numbers as time, or leave out frame_rate",
-            )
-        series["frame"] = series["time"]
-        series["time"] = series["time"] / frame_rate
-        asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
     elif column is not None and (unit == "1" or (is_whole and _is_called(column, _FRAMES))):
         raise InputError(
             f"column {column.label} holds frame numbers, not times",
             way_out="give frame_rate in 1/s",
         )
-    pixels = [n for n in asked.columns if n in _PLACES and asked.columns[n][1] == "px"]
-    others = [n for n in asked.columns if n in _PLACES and n not in pixels]
-    if pixels and others:
+    places = {name: unit == "px" for name, (_, unit) in asked.columns.items() if name in _PLACES}
+    pixels = [name for name, is_pixels in places.items() if is_pixels]
+    if pixels and len(pixels) < len(places):
+        other = next(name for name in places if name not in pixels)
         raise InputError(
-            f"{pixels[0]} is in pixels, but {others[0]} is not",
+            f"{pixels[0]} is in pixels, but {other} is not",
             way_out="use one unit for positions",
         )
     for name, (column, unit) in asked.columns.items():
         if name in pixels or (name == "time" and (is_clock or frame_rate is not None)):
             continue
         series[name] = _factor(name, column, unit) * series[name]
+    _refuse_leaps(asked, written)
 
 
 def units_of(target: str) -> list[str]:
@@ -673,14 +679,6 @@ def _factor(target: str, column: SourceColumn, unit: str) -> float:
         ) from None
 
 
-def _turn_y_up(series: dict[str, Floats], y_axis: str) -> None:
-    """Reverse the sign of heights if y increases downwards."""
-    if y_axis == "down":
-        for name in series:
-            if name.endswith("_y"):
-                series[name] = -series[name]
-
-
 def _checked_pivot(
     series: Mapping[str, Floats], pivot: Sequence[float], y_axis: str
 ) -> tuple[float, float]:
@@ -709,14 +707,6 @@ def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
     notes.append(f"{turns} whole turn{'s' * (abs(turns) != 1)} taken off {name}")
     result: Floats = unwrapped - 2.0 * np.pi * turns
     return result
-
-
-def _leave_out_pixels(series: dict[str, Floats], asked: _Import) -> None:
-    """Leave out positions in pixels, which have served for angles."""
-    if any(unit == "px" for _, unit in asked.columns.values()):
-        for name in _PLACES:
-            series.pop(name, None)
-        asked.notes.append("positions are in pixels without a scale, so only angles are kept")
 
 
 def _ask_about_directions(

@@ -49,17 +49,15 @@ def places_of(table: xr.Dataset, size: tuple[int, int]) -> tuple[np.ndarray, np.
         Width and height of the picture [pixels].
     """
     names = ["pivot", *(f"ball_{b}" for b in range(1, balls_of(table) + 1))]
-    pivot, *centres = (_place_of(table, name, size) for name in names)
+    pivot, *centres = (place_of(table, name, size) for name in names)
     return pivot, np.stack(centres, axis=1)
 
 
-def own_pivot_of(table: xr.Dataset, size: tuple[int, int]) -> np.ndarray:
-    """Return the second ball's own pivot (frame, 2) in the picture [pixels]."""
-    return _place_of(table, "pivot_2", size)
+def place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray:
+    """Positions of ``pivot``, ``pivot_2`` or ``ball_1`` in the picture [pixels]; NaN is unknown.
 
-
-def _place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray:
-    """Positions of a pivot or a ball in the picture, shape (frame, 2) [pixels]; NaN is unknown."""
+    Shape (frame, 2).
+    """
     attrs = table.attrs
     ends = "xy" if "metres_per_pixel" in attrs else "uv"
     columns = [f"{name}_{end}" for end in ends]
@@ -155,7 +153,9 @@ class Artist:
 
     def __init__(self, table: xr.Dataset, size: tuple[int, int]) -> None:
         pivot, self.centres = places_of(table, size)
-        self.pivots = [pivot, own_pivot_of(table, size)] if has_own_pivots(table) else [pivot] * 2
+        self.pivots = (
+            [pivot, place_of(table, "pivot_2", size)] if has_own_pivots(table) else [pivot] * 2
+        )
         radius = float(table.attrs.get("radius_pixels", 0.02 * min(size)))
         self.radii = [radius, float(table.attrs.get("radius_pixels_2", radius))]
         self.times, self.numbers = table["time"].values, table["frame"].values
@@ -221,9 +221,9 @@ def _circle(picture: Any, centre: Any, radius: float, colour: Any, line: int) ->
         cv2.circle(picture, _fixed(centre), size, ink, width, cv2.LINE_AA, _SHIFT)
 
 
-def _cross(picture: Any, centre: Any, reach: float, line: int) -> None:
+def _cross(picture: Any, centre: Any, half: float, line: int) -> None:
     """Draw the pivot."""
-    for away in (np.array([reach, 0.0]), np.array([0.0, reach])):
+    for away in (np.array([half, 0.0]), np.array([0.0, half])):
         _line(picture, centre - away, centre + away, _PIVOT, line)
 
 

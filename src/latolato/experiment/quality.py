@@ -25,20 +25,20 @@ _MANY = 1000
 
 def flag_shares(table: xr.Dataset) -> dict[str, float]:
     """Return the share of each flag that occurs, over the samples of all balls."""
-    flags = np.concatenate([table[f"flag_{b}"].values for b in range(1, balls_of(table) + 1)])
+    flags = _of_balls(table, "flag")
     return {flag: float(np.mean(flags == flag)) for flag in FLAGS if np.any(flags == flag)}
 
 
 def typical_sigma(table: xr.Dataset) -> float | None:
     """Return the median standard deviation of the angles flagged ok [rad], None without any."""
-    sigmas = np.concatenate(
-        [
-            table[f"angle_sigma_{b}"].values[table[f"flag_{b}"].values == "ok"]
-            for b in range(1, balls_of(table) + 1)
-        ]
-    )
-    sigmas = sigmas[np.isfinite(sigmas)]
+    sigmas = _of_balls(table, "angle_sigma")
+    sigmas = sigmas[(_of_balls(table, "flag") == "ok") & np.isfinite(sigmas)]
     return float(np.median(sigmas)) if sigmas.size else None
+
+
+def _of_balls(table: xr.Dataset, name: str) -> np.ndarray:
+    """A column of all balls, one after the other."""
+    return np.concatenate([table[f"{name}_{b}"].values for b in range(1, balls_of(table) + 1)])
 
 
 def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 import tomllib
-from collections.abc import Collection, Mapping, Sized
+from collections.abc import Callable, Collection, Mapping, Sized
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import partial
 from numbers import Real
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -23,6 +24,18 @@ from latolato.physics.pendulum import GRAVITY
 SUFFIX = ".track.toml"
 # Shortest stick whose ends are told apart well enough for a scale [pixels].
 _SHORTEST = 8.0
+# What a file holds before its tables, and the tables.
+_HEAD = ("video", "sha256", "latolato")
+_TABLES = {
+    "clip": (*(one.name for one in CLIP), "region"),
+    "look": tuple(one.name for one in LOOK),
+    "geometry": (
+        "pivot", "pivot_2", "own_pivots", "balls", "corrections", "length", "radius", "stick",
+        "stick_length", "gravity", "proposed",
+    ),
+    "camera": ("slow_motion", *(one.name for one in fields(Optics))),
+    "limits": tuple(one.name for one in fields(Limits)),
+}  # fmt: skip
 Place = tuple[float, float]
 Correction = tuple[int, int, float, float]
 # What is given for a pivot that the picture does not show, and whose place is not known.
@@ -134,48 +147,23 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     """
     from latolato.core.atomic import atomic_path
 
-    geometry = {
-        "pivot": setup.pivot,
-        "pivot_2": setup.pivot_2,
+    values = {
+        **vars(setup),
+        **asdict(setup.optics),
+        **asdict(setup.limits),
         "own_pivots": setup.has_own_pivots or None,
-        "balls": setup.balls,
         "corrections": setup.corrections or None,
-        "length": setup.length,
-        "radius": setup.radius,
-        "stick": setup.stick,
-        "stick_length": setup.stick_length,
-        "gravity": setup.gravity,
         "proposed": setup.is_proposed,
     }
-    clip = {one.name: getattr(setup, one.name) for one in CLIP} | {"region": setup.region}
-    look = {one.name: getattr(setup, one.name) for one in LOOK}
-    camera = {"slow_motion": setup.slow_motion, **asdict(setup.optics)}
-    head = {
-        "video": Path(video).name,
-        "sha256": digest_of(video),
-        "latolato": version_of(),
-    }
+    head = {"video": Path(video).name, "sha256": digest_of(video), "latolato": version_of()}
     lines = [
         "# How this video was tracked: latolato track reads this file and makes the same table.",
         "# Places are columns and rows of the clicked frame as displayed; all else is in SI units.",
         *_lines(head),
-        "",
-        "[clip]",
-        *_lines(clip),
-        "",
-        "[look]",
-        *_lines(look),
-        "",
-        "[geometry]",
-        *_lines(geometry),
-        "",
-        "[camera]",
-        *_lines(camera),
-        "",
-        "[limits]",
-        *_lines(asdict(setup.limits)),
-        "",
     ]
+    for table, names in _TABLES.items():
+        lines += ["", f"[{table}]", *_lines({name: values[name] for name in names})]
+    lines.append("")
     path = Path(path)
     with atomic_path(path) as unfinished:
         unfinished.write_text("\n".join(lines), encoding="utf-8")
@@ -226,48 +214,33 @@ def _parsed(path: Path) -> dict[str, Any]:
 
 def _setup(tables: Mapping[str, Any]) -> Setup:
     """Return the set-up of parsed tables, checked."""
-    known = ("video", "sha256", "latolato", "clip", "look", "geometry", "camera", "limits")
-    _check_names("", tables, known)
-    clip = _table(tables, "clip", (*(one.name for one in CLIP), "region"))
-    look = _table(tables, "look", tuple(one.name for one in LOOK))
-    names = ("length", "radius", "stick_length", "gravity")
-    geometry = _table(tables, "geometry", (
-        "pivot", "pivot_2", "own_pivots", "balls", "corrections", "stick", *names, "proposed",
-    ))  # fmt: skip
-    camera = _numbers(tables, "camera", ("slow_motion", *(one.name for one in fields(Optics))))
-    limits: dict[str, Any] = _numbers(tables, "limits", tuple(one.name for one in fields(Limits)))
-    limits |= {name: int(limits[name]) for name in ("pixels", "frames") if name in limits}
-    pivots = {
-        name: checked_place(f"geometry.{name}", geometry.pop(name))
-        for name in ("pivot", "pivot_2")
-        if name in geometry
-    }
-    balls, stick = geometry.pop("balls", []), geometry.pop("stick", None)
-    corrections = geometry.pop("corrections", [])
-    is_proposed = bool(geometry.pop("proposed", False))
-    has_own_pivots = bool(geometry.pop("own_pivots", False))
-    numbers: dict[str, Any] = _numbers({"geometry": geometry}, "geometry", tuple(geometry))
-    for parameters, table in ((CLIP, clip), (LOOK, look)):
-        numbers |= {
-            one.name: one.checked(table[one.name]) for one in parameters if one.name in table
-        }
-    if not isinstance(balls, list) or len(balls) not in (1, 2):
+    _check_names("", tables, (*_HEAD, *_TABLES))
+    values: dict[str, Any] = {}
+    for name, known in _TABLES.items():
+        table = tables.get(name, {})
+        if not isinstance(table, Mapping):
+            raise InputError("must be a table", parameter=name)
+        _check_names(f"{name}.", table, known)
+        for key, value in table.items():
+            check = _CHECKS.get(key) or partial(_checked_number, f"{name}.{key}")
+            values[key] = check(value)
+
+    def part_of(kind: type) -> Any:
+        """Return the optics or the limits."""
+        return kind(**{f.name: values.pop(f.name) for f in fields(kind) if f.name in values})
+
+    has_own_pivots = values.pop("own_pivots", False)
+    if len(values.get("balls", ())) not in (1, 2):
         raise InputError("geometry.balls must hold one place or two")
-    if has_own_pivots and len(balls) != 2:
+    if has_own_pivots and len(values["balls"]) != 2:
         raise InputError("geometry.own_pivots needs two balls")
     return Setup(
-        pivot=pivots.get("pivot"),
-        pivot_2=pivots.get("pivot_2"),
+        pivot=values.pop("pivot", None),
         has_own_pivots=has_own_pivots,
-        balls=tuple(checked_place("geometry.balls", ball) for ball in balls),
-        slow_motion=camera.pop("slow_motion", 1.0),
-        optics=Optics(**camera),
-        limits=Limits(**limits),
-        is_proposed=is_proposed,
-        region=checked_region(clip["region"]) if "region" in clip else None,
-        stick=None if stick is None else checked_stick(stick),
-        corrections=tuple(checked_correction(one) for one in corrections),
-        **numbers,
+        is_proposed=values.pop("proposed", False),
+        optics=part_of(Optics),
+        limits=part_of(Limits),
+        **values,
     )
 
 
@@ -276,23 +249,6 @@ def _check_names(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -
     for name in table:
         if name not in known:
             raise InputError(f"unknown '{where}{name}': {suggest(name, list(known))}")
-
-
-def _table(tables: Mapping[str, Any], name: str, known: tuple[str, ...]) -> dict[str, Any]:
-    """Return one of the tables, which may be missing."""
-    table = tables.get(name, {})
-    if not isinstance(table, Mapping):
-        raise InputError("must be a table", parameter=name)
-    _check_names(f"{name}.", table, known)
-    return dict(table)
-
-
-def _numbers(tables: Mapping[str, Any], name: str, known: tuple[str, ...]) -> dict[str, float]:
-    """Return one of the tables, all of whose values are numbers."""
-    return {
-        key: checked_number(f"{name}.{key}", value, ANY, "1")
-        for key, value in _table(tables, name, known).items()
-    }
 
 
 def checked_place(name: str, value: Any) -> Place:
@@ -342,6 +298,28 @@ def checked_region(value: Any) -> tuple[float, float, float, float]:
             "must be left, top, right and bottom in pixels", parameter="region", value=value
         )
     return left, top, right, bottom
+
+
+def _checked_number(name: str, value: Any) -> float:
+    return checked_number(name, value, ANY, "1")
+
+
+# Checks of the values that are no numbers, or have a range of their own.
+_CHECKS: dict[str, Callable[[Any], Any]] = {
+    **{one.name: one.checked for one in (*CLIP, *LOOK)},
+    "region": checked_region,
+    "pivot": partial(checked_place, "geometry.pivot"),
+    "pivot_2": partial(checked_place, "geometry.pivot_2"),
+    "own_pivots": bool,
+    "balls": lambda value: tuple(
+        checked_place("geometry.balls", ball) for ball in (value if isinstance(value, list) else ())
+    ),
+    "corrections": lambda value: tuple(checked_correction(one) for one in value),
+    "stick": checked_stick,
+    "proposed": bool,
+    "pixels": lambda value: int(_checked_number("limits.pixels", value)),
+    "frames": lambda value: int(_checked_number("limits.frames", value)),
+}
 
 
 def _lines(values: Mapping[str, Any]) -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
-from latolato.io.shown_units import name_and_unit
-from latolato.observables.angles import MotionClass
+from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
 from latolato.physics.pendulum import GRAVITY
 
 if TYPE_CHECKING:
@@ -27,8 +25,6 @@ SUFFIXES = (".csv", ".nc")
 # By the number that sweeps give them.
 CLASSES = ("none", "weak", "strong")
 _KIND = "trials"
-# Angles nearer to the limit of a class than so many standard deviations are borderline.
-BORDERLINE = 3.0
 TEXTS = {
     "set": "set of trials with the same driving amplitude",
     "source": "file from which the trial comes",
@@ -64,58 +60,6 @@ _LARGEST = (
 _SMALLEST_RATIO = 0.5
 # Ratios differ by less than this if only the natural frequency was measured instead of computed.
 _SAME_RATIO = 0.2
-# Amplitudes of one set differ by less than this share, or by so many standard deviations.
-_SAME, _SAME_SIGMAS = 0.04, 4.0
-
-
-def limits() -> tuple[float, float]:
-    """Return the angles of weak and of strong motion, those of the sweeps [rad]."""
-    law = MotionClass()
-    return law.weak_angle, law.strong_angle
-
-
-def class_of(largest: Any, settled: Any) -> Any:
-    """Return the class as sweeps number it: 2 strong, 1 weak, 0 none; element by element.
-
-    Examples
-    --------
-    >>> class_of([0.2, 1.0, 1.7], [0.1, 0.9, 0.3]).tolist()
-    [0, 1, 2]
-    """
-    weak, strong = limits()
-    return np.where(np.asarray(largest) >= strong, 2, np.where(np.asarray(settled) >= weak, 1, 0))
-
-
-def is_borderline(largest: Any, largest_sigma: Any, settled: Any, settled_sigma: Any) -> Any:
-    """A mask of the trials whose class could be another one within 3 standard deviations."""
-    weak, strong = limits()
-    largest, settled = np.asarray(largest, dtype=float), np.asarray(settled, dtype=float)
-    reach, last = (BORDERLINE * np.nan_to_num(s) for s in (largest_sigma, settled_sigma))
-    near_strong = np.abs(largest - strong) <= reach
-    near_weak = (largest < strong + reach) & (np.abs(settled - weak) <= last)
-    return near_strong | near_weak
-
-
-def sets_of(amplitude: Any, sigma: Any = None) -> list[str]:
-    """Return the set of each trial: amplitudes in order, parted where they differ clearly.
-
-    Examples
-    --------
-    >>> sets_of([0.020, 0.0301, 0.0202, 0.030])
-    ['set 1', 'set 2', 'set 1', 'set 2']
-    """
-    amplitude = np.asarray(amplitude, dtype=float)
-    sigma = np.zeros_like(amplitude) if sigma is None else np.nan_to_num(sigma)
-    order = np.argsort(amplitude, kind="stable")
-    numbers = np.ones(len(amplitude), dtype=int)
-    number = 1
-    for before, after in pairwise(order):
-        apart = max(
-            _SAME * amplitude[before], _SAME_SIGMAS * math.hypot(sigma[before], sigma[after])
-        )
-        number += int(amplitude[after] - amplitude[before] > apart)
-        numbers[after] = number
-    return [f"set {number}" for number in numbers]
 
 
 def trial_table(
@@ -182,40 +126,32 @@ def trial_table(
     gravity = float(attributes["gravity"])
     if not 0.0 < gravity < math.inf:
         raise InputError("must be positive and finite", parameter="gravity", value=gravity)
-    unknown = np.full(count, np.nan)
-    length = arrays.setdefault("length", unknown.copy())
-    natural = np.sqrt(gravity / length)
-    if "frequency_ratio" not in arrays:
+    for name in COLUMNS:
+        arrays.setdefault(name, np.full(count, "" if name in TEXTS else np.nan))
+    natural = np.sqrt(gravity / arrays["length"])
+    if "frequency_ratio" not in columns:
         arrays["frequency_ratio"] = arrays["drive_frequency"] / natural
-    arrays.setdefault("drive_frequency", arrays["frequency_ratio"] * natural)
-    largest = arrays.setdefault("largest_angle", unknown.copy())
-    settled = arrays.setdefault("largest_angle_after_transient", unknown.copy())
-    sigmas = [
-        arrays.get(f"{name}_sigma", unknown)
-        for name in ("largest_angle", "largest_angle_after_transient")
-    ]
-    if "class" not in arrays:
+    if "drive_frequency" not in columns:
+        arrays["drive_frequency"] = arrays["frequency_ratio"] * natural
+    largest, settled = arrays["largest_angle"], arrays["largest_angle_after_transient"]
+    sigmas = arrays["largest_angle_sigma"], arrays["largest_angle_after_transient_sigma"]
+    if "class" not in columns:
         if not (np.isfinite(largest) & np.isfinite(settled)).all():
             raise InputError(
                 "a trial table without class needs largest_angle and largest_angle_after_transient"
             )
         arrays["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
-    arrays.setdefault("borderline", is_borderline(largest, sigmas[0], settled, sigmas[1]))
-    if "set" not in arrays:
-        sigma = arrays.get("drive_amplitude_sigma")
-        arrays["set"] = np.array(sets_of(arrays["drive_amplitude"], sigma))
-        arrays["set_by"] = np.full(count, "amplitude")
-    arrays.setdefault("set_by", np.full(count, "given"))
-    variables: dict[str, Any] = {}
-    for name in COLUMNS:
-        if name in TEXTS:
-            values = arrays.get(name, np.full(count, "", dtype="<U1"))
-        elif name in COUNTS:
-            # A count that is not known is 0, also in a column that knows others.
-            values = np.nan_to_num(arrays.get(name, np.zeros(count))).astype(np.int64)
-        else:
-            values = arrays.get(name, unknown)
-        variables[name] = ("trial", values, about(name))
+    if "borderline" not in columns:
+        arrays["borderline"] = is_borderline(largest, sigmas[0], settled, sigmas[1])
+    if "set" not in columns:
+        sets = sets_of(arrays["drive_amplitude"], arrays["drive_amplitude_sigma"])
+        arrays |= {"set": np.array(sets), "set_by": np.full(count, "amplitude")}
+    elif "set_by" not in columns:
+        arrays["set_by"] = np.full(count, "given")
+    for name in COUNTS:
+        # A count that is not known is 0, also in a column that knows others.
+        arrays[name] = np.nan_to_num(arrays[name]).astype(np.int64)
+    variables = {name: ("trial", arrays[name], about(name)) for name in COLUMNS}
     return xr.Dataset(
         variables,
         coords={"trial": ("trial", np.arange(1, count + 1), about("trial"))},
@@ -338,7 +274,7 @@ def read_trials(
                 checked_choice("class", kind.strip().lower(), CLASSES)
             except InputError as error:
                 raise InputError(f"trial {trial} in line {lines[trial - 1]}: {error}") from None
-        trials = _trials_of(
+        trials = trials_of_cells(
             cells, header, gravity, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
         )
         if header.get("table") != _KIND:
@@ -347,32 +283,16 @@ def read_trials(
         return trials
 
 
-def parse_trials(text: str, *, gravity: float | None = None) -> xr.Dataset:
-    """Return the trial table that the text of a CSV holds, in the form that `write_trials` writes.
-
-    The *Map* page reads the same form; `read_trials` reads all others too.
-
-    Examples
-    --------
-    >>> rows = ["drive_amplitude,frequency_ratio,class", "12 mm,2.0,strong"]
-    >>> trials = parse_trials(chr(10).join(rows))
-    >>> trials.drive_amplitude.values.tolist(), str(trials["class"].values[0])
-    ([0.012], 'strong')
-    """
-    from latolato.io.column_files import parse_columns
-
-    parts, header = parse_columns(text)
-    cells = {name_and_unit(heading): list(values) for heading, (values, _) in parts.items()}
-    return _trials_of(cells, header, gravity, lambda trial: f"trial {trial}")
-
-
-def _trials_of(
+def trials_of_cells(
     cells: Mapping[tuple[str, str], list[str]],
     header: Mapping[str, Any],
     gravity: float | None,
     place: Callable[[int], str],
 ) -> xr.Dataset:
-    """Return the trial table in cells below names and units; `place` names a trial by its row."""
+    """Return the trial table in the cells below each name and unit.
+
+    `header` holds the attributes of the file, `place` names a trial by its row in messages.
+    """
     from latolato.scenario.units import to_si
 
     for former in _FORMER:

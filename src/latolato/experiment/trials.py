@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from pathlib import Path
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -19,12 +18,16 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.track_table import MEASURED, balls_of, checked_table
-from latolato.experiment.trial_table import (
-    CLASSES,
+from latolato.experiment.trial_statistics import (
     class_of,
     is_borderline,
-    is_trial_table,
+    largest_of,
     sets_of,
+    turning_points,
+)
+from latolato.experiment.trial_table import (
+    CLASSES,
+    is_trial_table,
     trial_table,
 )
 from latolato.physics.pendulum import GRAVITY
@@ -38,8 +41,6 @@ TABLES = (".csv", ".parquet", ".nc")
 VIDEOS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
 # Part of a record that is its last one where no transient is named.
 _LAST = 1.0 / 3.0
-# A turning point stands out by so many standard deviations, and by this share of the largest.
-_CLEAR, _SHARE = 6.0, 0.05
 # Halves of the last part whose largest angles differ by more than this have not settled.
 _SETTLED = 0.05
 
@@ -124,7 +125,9 @@ def trial_of(
     if "It is not steady" in drive.verdict:
         notes.append("drive not steady")
     _check_hanging(table)
-    angles = [_largest(*_seen(table, ball), late) for ball in range(1, balls_of(table) + 1)]
+    angles = [
+        _largest(*_measured_samples(table, ball), late) for ball in range(1, balls_of(table) + 1)
+    ]
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
     steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
     if not has_settled:
@@ -259,18 +262,13 @@ def collect_trials(
     if not rows:
         inside = f"{len(files)} file{'s' * (len(files) != 1)}"
         raise InputError(f"no trial was found in {inside}: {' | '.join(failed)}")
-    columns = {name: [row[name] for row in rows] for name in rows[0]}
     by_folder = sets == "folder" or (sets == "auto" and len(set(folders)) > 1 and all(folders))
-    columns["set"] = folders if by_folder else sets_of(
-        columns["drive_amplitude"], columns["drive_amplitude_sigma"]
-    )  # fmt: skip
-    columns["set_by"] = ["folder" if by_folder else "amplitude"] * len(rows)
-    trials = trial_table(columns, {"gravity": gravity, "failed": " | ".join(failed)})
-    order = sorted(
-        range(len(rows)), key=lambda i: (columns["set"][i], columns["drive_frequency"][i])
-    )
-    number = trials["trial"].values
-    return trials.isel(trial=order).assign_coords(trial=("trial", number, trials["trial"].attrs))
+    amplitudes = [[row[f"drive_amplitude{end}"] for row in rows] for end in ("", "_sigma")]
+    for row, name in zip(rows, folders if by_folder else sets_of(*amplitudes), strict=True):
+        row |= {"set": name, "set_by": "folder" if by_folder else "amplitude"}
+    rows.sort(key=lambda row: (row["set"], row["drive_frequency"]))
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    return trial_table(columns, {"gravity": gravity, "failed": " | ".join(failed)})
 
 
 def files_of(sources: Sequence[Any]) -> list[Any]:
@@ -377,7 +375,7 @@ def _tracked(video: Path, settings: Mapping[str, Any]) -> xr.Dataset:
         return track.track(video, **options)
 
 
-def _seen(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
+def _measured_samples(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Floats, Any]:
     """Return time, angle, standard deviation and flag of the samples of a ball that were seen."""
     time, angle = table["time"].values, table[f"angle_{ball}"].values
     flag = table[f"flag_{ball}"].values.astype(str)
@@ -398,11 +396,11 @@ def _largest(
     """Return largest and settled angle with their deviations, swings, and if it settled."""
     when, sizes, errors = turning_points(time, angle, sigma, flag)
     # What the record reached is a fact of the record: only the tracker's noise is in doubt.
-    whole = _extreme(sizes, errors, np.abs(angle), sigma, varies=0.0)
+    whole = largest_of(sizes, errors, np.abs(angle), sigma, varies=0.0)
     last, inside = when >= late, time >= late
     if inside.sum() < 4:
         raise InputError(f"the ball was seen in {inside.sum()} frames of the last part")
-    steady = _extreme(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
+    steady = largest_of(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
     middle = 0.5 * (late + float(time[-1]))
     halves = [
         float(np.max(np.abs(angle[part]), initial=0.0))
@@ -410,60 +408,3 @@ def _largest(
     ]
     gap = abs(halves[1] - halves[0])
     return whole, steady, int(last.sum()), gap <= _SETTLED * max(halves) + 3.0 * steady[1]
-
-
-def turning_points(
-    time: Floats, angle: Floats, sigma: Floats, flag: Any
-) -> tuple[Floats, Floats, Floats]:
-    """Return when abs(angle) is largest [s], how large, and its standard deviation [rad].
-
-    The parabola through three neighbouring samples; where one is missing, or balls touch, the
-    sample itself.
-    """
-    from scipy.signal import find_peaks
-
-    size = np.abs(angle)
-    clear = max(_CLEAR * float(np.median(sigma)), _SHARE * float(size.max()))
-    places, _ = find_peaks(size, prominence=clear)
-    pause = float(np.median(np.diff(time)))
-    when, sizes = time[places].copy(), size[places].copy()
-    for i, k in enumerate(places):
-        near = slice(k - 1, k + 2)
-        if time[k + 1] - time[k - 1] > 3.0 * pause or (flag[near] != "ok").any():
-            continue
-        t, x = time[near] - time[k], size[near]
-        a, b, c = np.polyfit(t, x, 2)
-        if a < 0.0:
-            top = float(np.clip(-b / (2.0 * a), t[0], t[2]))
-            when[i], sizes[i] = time[k] + top, a * top * top + b * top + c
-    return when, sizes, sigma[places]
-
-
-def _extreme(
-    sizes: Floats, errors: Floats, samples: Floats, sigma: Floats, varies: float | None = None
-) -> tuple[float, float]:
-    """Return the largest of noisy numbers, without what noise adds to it, and its deviation."""
-    largest = float(np.max(sizes, initial=0.0))
-    if largest < float(np.max(samples)) - 3.0 * float(np.max(sigma)):
-        # It lies at an end of the record, or nothing turns.
-        k = int(np.argmax(samples))
-        return float(samples[k]), float(sigma[k])
-    if not len(sizes):
-        n = len(samples)
-        noise = float(np.median(sigma))
-        raised = _expected_largest(n) * noise
-        top = max(float(np.max(samples)) - raised, float(np.median(samples)))
-        return top, math.hypot(noise, 0.5 * raised)
-    # Only those about as large take part in what is the largest.
-    near = sizes > 0.8 * largest
-    n, noise = int(near.sum()), float(np.median(errors[near]))
-    spread = float(np.std(sizes[near])) if n > 2 else noise
-    motion = math.sqrt(max(spread**2 - noise**2, 0.0))
-    raised = _expected_largest(n) * (math.hypot(motion, noise) - motion)
-    total = math.hypot(motion if varies is None else varies, noise)
-    return largest - raised, math.hypot(total / math.sqrt(1.0 + 0.8 * math.log(n)), 0.5 * raised)
-
-
-def _expected_largest(count: int) -> float:
-    """Return the expected largest of standard normal numbers (Blom, 1958)."""
-    return NormalDist().inv_cdf((count - 0.375) / (count + 0.25)) if count > 1 else 0.0

@@ -100,7 +100,7 @@ def draw_residual(axes: Axes, dataset: xr.Dataset) -> None:
 def draw_phase(axes: Axes, dataset: xr.Dataset) -> None:
     """Draw the phase difference, pale where both swings are unlike."""
     axes.axhline(0.0, color=style.GREY, lw=style.THIN)
-    alike = np.nan_to_num(dataset.likeness.values)
+    alike = np.nan_to_num(dataset.coherence.values)
     time, phase = dataset.time.values, dataset.phase_difference.values
     for mask, colour in (
         ((alike > 0.0) & (alike <= 0.9), style.GREY),

@@ -28,8 +28,8 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
     for name in ("largest_angle", "largest_angle_after_transient"):
         about = dataset[name].attrs
         about["long_name"] = about["long_name"].replace("measured", "synthetic")
-    # Where there is no phase its likeness is nothing.
-    dataset = dataset.assign({n: dataset[n].fillna(0.0) for n in ("phase_difference", "likeness")})
+    # Where there is no phase its coherence is nothing.
+    dataset = dataset.assign({n: dataset[n].fillna(0.0) for n in ("phase_difference", "coherence")})
     count = table.sizes["frame"]
     if quick:
         made = f"Made from {count} samples that are simulated with the tracker's noise."

@@ -120,7 +120,7 @@ def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
     """Return the trials of clips with their sets, ordered by set and frequency."""
     import math
 
-    from latolato.experiment.trial_table import sets_of
+    from latolato.experiment.trial_statistics import sets_of
 
     def known(row: Mapping[str, Any]) -> dict[str, Any]:
         return {name: math.nan if value is None else value for name, value in row.items()}

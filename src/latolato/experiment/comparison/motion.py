@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -85,7 +86,7 @@ def compare_motion(
     xarray.Dataset
         On ``sample``: `time`, `angle`, `angle_computed`, `angle_computed_sigma` (spread of the
         draws), `angle_residual`, `phase_difference` (measured ahead of computed: positive; of the
-        ball's own swing) and `likeness` (1 where both swings have the same shape). As numbers: the
+        ball's own swing) and `coherence` (1 where both swings have the same shape). As numbers: the
         residual and the phase in the last third, and both largest and settled angles.
 
     Raises
@@ -101,7 +102,7 @@ def compare_motion(
     Phases are those of the analytic signals (Hilbert) z of both angles about their mean over two
     drive periods: the argument of the mean of ``z_measured conj(z_computed)`` over two drive
     periods, NaN at both ends and where samples are missing. A phase of chaotic or resting motion
-    means little: see `likeness`.
+    means little: see `coherence`.
     """
     import xarray as xr
 
@@ -130,13 +131,15 @@ def compare_motion(
     computed = whole(solution.values)
     if not np.isfinite(computed).all():
         raise InputError("the computed motion does not reach the end of the record")
-    spread = _spread(system, widths, solution, motion, data, count, seed)
+    computed_sigma = _computed_sigma(system, widths, solution, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)
-    phase, likeness = np.full(len(data), np.nan), np.full(len(data), np.nan)
+    phase, coherence = np.full(len(data), np.nan), np.full(len(data), np.nan)
     for series in np.unique(data.series):
         own = data.series == series
-        phase[own], likeness[own] = phases(data.times[own], data.values[own], computed[own], period)
+        phase[own], coherence[own] = phases(
+            data.times[own], data.values[own], computed[own], period
+        )
     late = data.times >= last - (last - first) / 3.0
     followed = _followed(data, residual, 2.0 * period)
     noise = noise_of(data.values[data.series == data.series[0]])
@@ -157,13 +160,13 @@ def compare_motion(
         "angle_sigma": variable("sample", data.sigmas, "angle_sigma_1", "its standard deviation"),
         "angle_computed": variable("sample", computed, "angle", "computed angle"),
         "angle_computed_sigma": variable(
-            "sample", spread, "angle_sigma_1", "deviation of the computed angle"
+            "sample", computed_sigma, "angle_sigma_1", "deviation of the computed angle"
         ),
         "angle_residual": variable(
             "sample", residual, "angle_residual", "measured minus computed angle"
         ),
         "phase_difference": plain("sample", phase, "phase of measured over computed swing", "rad"),
-        "likeness": plain("sample", likeness, "similarity of measured and computed swing"),
+        "coherence": plain("sample", coherence, "similarity of measured and computed swing"),
         **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
     }
     attributes = {
@@ -211,15 +214,14 @@ def phases(times: Floats, one: Floats, other: Floats, period: float) -> tuple[Fl
     product = mean(cross.real, window) + 1j * mean(cross.imag, window)
     size = np.sqrt(mean(np.abs(a) ** 2, window) * mean(np.abs(b) ** 2, window))
     # A sample of the grid that has none of the record's beside it was made up.
-    near = np.abs(times[np.clip(np.searchsorted(times, grid), 0, len(times) - 1)] - grid)
-    before = np.abs(times[np.clip(np.searchsorted(times, grid) - 1, 0, len(times) - 1)] - grid)
-    made_up = np.minimum(near, before) > 0.75 * pause
-    shaky = mean(made_up.astype(float), box) > 0.5
-    shaky[: 2 * width] = shaky[-2 * width :] = True
-    phase = np.where(shaky, np.nan, np.angle(product))
-    alike = np.where(shaky, np.nan, np.abs(product) / np.maximum(size, 1e-300))
+    nearest = np.rint(np.interp(grid, times, np.arange(len(times)))).astype(int)
+    made_up = np.abs(times[nearest] - grid) > 0.75 * pause
+    unknown_phase = mean(made_up.astype(float), box) > 0.5
+    unknown_phase[: 2 * width] = unknown_phase[-2 * width :] = True
+    phase = np.where(unknown_phase, np.nan, np.angle(product))
+    coherence = np.where(unknown_phase, np.nan, np.abs(product) / np.maximum(size, 1e-300))
     place = np.clip(np.round((times - grid[0]) / pause).astype(int), 0, len(grid) - 1)
-    return phase[place], alike[place]
+    return phase[place], coherence[place]
 
 
 def _early(data: Data, until: float) -> Data:
@@ -229,7 +231,7 @@ def _early(data: Data, until: float) -> Data:
     return data[data.times <= until]
 
 
-def _spread(
+def _computed_sigma(
     system: System,
     widths: Mapping[str, float],
     solution: Solution,
@@ -239,28 +241,20 @@ def _spread(
     seed: int,
 ) -> Floats:
     """Return the deviation of the computed angles because starts and parameters are uncertain."""
-    from dataclasses import replace
-
     random = np.random.default_rng(seed)
     varied = drawn(system, widths, count + 1, random)
-    moved = random.multivariate_normal(
-        np.zeros(len(solution.names)), solution.covariance, size=count
-    )
-    squares, answered = np.zeros(len(data)), 0
+    best = [solution.values[name] for name in solution.names]
+    starts = random.multivariate_normal(best, solution.covariance, size=count)
     middle = motion(system, data)(solution.values)
-    for k in range(count):
-        law: Any = system
-        if varied:
-            law = replace(law, **{name: float(values[k + 1]) for name, values in varied.items()})
-        start = {
-            name: solution.values[name] + float(step)
-            for name, step in zip(solution.names, moved[k], strict=True)
-        }
-        trial = motion(law, data)(start)
+    differences = []
+    for k, start in enumerate(starts.tolist(), start=1):
+        law = replace(system, **{name: float(values[k]) for name, values in varied.items()})
+        trial = motion(law, data)(dict(zip(solution.names, start, strict=True)))
         if np.isfinite(trial).all():
-            squares += (trial - middle) ** 2
-            answered += 1
-    return np.sqrt(squares / max(answered, 1))
+            differences.append(trial - middle)
+    if not differences:
+        return np.zeros(len(data))
+    return np.asarray(np.sqrt(np.mean(np.square(differences), axis=0)))
 
 
 def _period(drive: Any, system: System) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_count
 from latolato.experiment.comparison.uncertainties import (
+    LATE,
     Floats,
     checked_sigmas,
     classes_in,
@@ -24,7 +24,8 @@ from latolato.experiment.comparison.uncertainties import (
     run_at,
     variable,
 )
-from latolato.experiment.trial_table import CLASSES, checked_trials, class_of
+from latolato.experiment.trial_statistics import class_of, cohen_kappa
+from latolato.experiment.trial_table import CLASSES, checked_trials
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +97,7 @@ def compare_map(
     predicted = np.full(trials.sizes["trial"], np.nan)
     inside &= also
     predicted[inside] = classes.values[rows[inside], columns[inside]]
-    measured = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
+    measured = _class_numbers(trials)
     known = np.isfinite(predicted)
     if not known.any():
         raise InputError(
@@ -106,16 +107,16 @@ def compare_map(
         )
     taken = trials.isel(trial=np.flatnonzero(known))
     measured, computed = measured[known], predicted[known].astype(int)
-    again = _drawn(taken, plan, widths, count, seed) if count else None
-    borders = _boundaries(taken, classes.where(np.isfinite(classes)), up, across, plan)
+    random = np.random.default_rng(seed)
+    again = _drawn_classes(taken, plan, widths, count, random) if count else None
     variables: dict[str, Any] = {
         "x": variable("trial", places[1][known], across),
         "y": variable("trial", places[0][known], up),
         "class_measured": plain("trial", measured, "measured class (0 none, 1 weak, 2 strong)"),
         "class_computed": plain("trial", computed, "class of the map there"),
         **{name: taken[name].variable for name in ("borderline", "set", "source")},
-        **_agreement(measured, computed, again),
-        **borders,
+        **_agreement(measured, computed, again, random),
+        **_boundaries(taken, classes, up, across, plan),
         "motion_class": (
             (up, across),
             classes.values,
@@ -141,32 +142,38 @@ def compare_map(
     return xr.Dataset(variables, coordinates, attributes)
 
 
-def _agreement(measured: Any, computed: Any, again: _Draws | None) -> dict[str, Any]:
+def _agreement(
+    measured: Any, computed: Any, again: tuple[Any, Any] | None, random: np.random.Generator
+) -> dict[str, Any]:
     """Return how well two classifications of trials agree, and how surely.
 
-    `again` holds both in draws with other parameters, None without any.
+    `again` holds both in draws with other parameters, shape (draw, trial), None without any.
     """
     agrees = measured == computed
     n, share = len(agrees), float(agrees.mean())
     low, high = (float(end) for end in wilson_interval(int(agrees.sum()), n)[1:])
     by_parameters, drawn_variables = 0.0, {}
     if again is not None:
-        chances = np.mean(again.seen == again.computed, axis=0)
+        same = again[0] == again[1]
         # Counts first: equal shares differ by nothing, not by a rounding.
-        by_parameters = float(np.std(np.sum(again.seen == again.computed, axis=1)) / n)
-        shares, kappas = again.with_chance()
+        by_parameters = float(np.std(same.sum(axis=1)) / n)
+        # Many draws, each with trials taken with replacement.
+        repeats = max(len(same), 400)
+        row = np.arange(repeats)[:, None] % len(same)
+        pick = random.integers(n, size=(repeats, n))
+        shares, kappas = same[row, pick].mean(axis=1), cohen_kappa(*(a[row, pick] for a in again))
         low = min(low, float(np.quantile(shares, 0.025)))
         high = max(high, float(np.quantile(shares, 0.975)))
         drawn_variables = {
             "chance_of_agreement": plain(
-                "trial", chances, "share of draws in which trial and computation agree"
+                "trial", same.mean(axis=0), "share of draws in which trial and computation agree"
             ),
             "kappa_sigma": plain((), float(np.std(kappas)), "standard deviation of Cohen's kappa"),
         }
     binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
     table = np.zeros((3, 3), dtype=np.int64)
     np.add.at(table, (measured, computed), 1)
-    kappa = cohen_kappa(measured, computed)
+    kappa = float(cohen_kappa(measured, computed))
     return {
         "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
         "agreement": plain((), share, "share of trials whose class is the map's"),
@@ -184,47 +191,21 @@ def _agreement(measured: Any, computed: Any, again: _Draws | None) -> dict[str, 
     }
 
 
-def cohen_kappa(one: Any, other: Any) -> float:
-    """Return Cohen's kappa of two classifications: 1 if they agree, 0 if by chance only.
+def _class_numbers(trials: xr.Dataset) -> Any:
+    return np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
 
-    Examples
-    --------
-    >>> cohen_kappa([0, 0, 1, 1], [0, 0, 1, 1]), cohen_kappa([0, 1, 0, 1], [0, 0, 1, 1])
-    (1.0, 0.0)
+
+def _drawn_classes(
+    trials: xr.Dataset,
+    plan: Plan,
+    widths: Mapping[str, float],
+    count: int,
+    random: np.random.Generator,
+) -> tuple[Any, Any]:
+    """Return measured and computed classes of trials and parameters within their uncertainty.
+
+    Both have the shape (draw, trial).
     """
-    one, other = np.asarray(one), np.asarray(other)
-    agreed = float(np.mean(one == other))
-    chance = sum(float(np.mean(one == k)) * float(np.mean(other == k)) for k in range(3))
-    if chance >= 1.0:  # one class only
-        return 1.0 if agreed == 1.0 else 0.0
-    return (agreed - chance) / (1.0 - chance)
-
-
-@dataclass(frozen=True)
-class _Draws:
-    """Classes of all trials in each draw, shape (draw, trial)."""
-
-    seen: Any
-    computed: Any
-    random: np.random.Generator
-
-    def with_chance(self) -> tuple[Floats, Floats]:
-        """Return share and kappa of many draws with trials taken with replacement."""
-        count, n = self.seen.shape
-        shares, kappas = [], []
-        for k in range(max(count, 400)):
-            pick = self.random.integers(n, size=n)
-            one, other = self.seen[k % count][pick], self.computed[k % count][pick]
-            shares.append(float(np.mean(one == other)))
-            kappas.append(cohen_kappa(one, other))
-        return np.array(shares), np.array(kappas)
-
-
-def _drawn(
-    trials: xr.Dataset, plan: Plan, widths: Mapping[str, float], count: int, seed: int
-) -> _Draws:
-    """Return measured and computed classes with parameters within their uncertainty."""
-    random = np.random.default_rng(seed)
     n = trials.sizes["trial"]
 
     def about(name: str) -> Floats:
@@ -236,18 +217,13 @@ def _drawn(
     varied = drawn(plan.system, widths, count, random)
     if "length" in varied:
         amplitude = amplitude * (varied["length"] / plan.system.balls[0].length)[:, None]
-    missing = ~np.isfinite(frequency)
-    if missing.any():
-        ratio = np.broadcast_to(trials["frequency_ratio"].values, (count, n))
-        frequency = np.where(missing, ratio * plan.system.natural_frequency, frequency)
+    frequency = np.where(np.isfinite(frequency), frequency, frequencies_of(trials, plan.system)[0])
     columns = {"drive_amplitude": amplitude.ravel(), "drive_frequency": frequency.ravel()}
     columns |= {name: np.repeat(values, n) for name, values in varied.items()}
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
-    largest, settled = about("largest_angle"), about("largest_angle_after_transient")
-    classes = np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
-    angles = np.isfinite(largest) & np.isfinite(settled)
-    seen = np.where(angles, class_of(largest, settled), classes)
-    return _Draws(seen, computed, random)
+    largest, settled = about("largest_angle"), about(LATE)
+    has_angles = np.isfinite(largest) & np.isfinite(settled)
+    return np.where(has_angles, class_of(largest, settled), _class_numbers(trials)), computed
 
 
 def _axes_of(classes: xr.DataArray) -> tuple[str, str]:
@@ -298,40 +274,32 @@ def _boundaries(
     for name in dict.fromkeys(sets.tolist()):
         own = np.flatnonzero(sets == name)
         own = own[np.argsort(along[own])]
-        if not moves[own].any():
+        moving = np.flatnonzero(moves[own])
+        if not moving.size:
             continue
         y = float(np.mean(height[own]))
-        first, last = (int(f(np.flatnonzero(moves[own]))) for f in (np.min, np.max))
         row, inside = _cell(classes[up].values, np.array([y]))
-        line = classes.isel({up: int(row[0])}) if inside[0] else None
-        for side, edge, beyond in (
-            ("left", first, first - 1),
-            ("right", last, last + 1),
-        ):
-            if not 0 <= beyond < len(own):
+        line = classes.isel({up: int(row[0])})
+        for side, edge, step in (("left", moving[0], -1), ("right", moving[-1], 1)):
+            if not 0 <= edge + step < len(own):
                 continue
-            x, other = along[own[edge]], along[own[beyond]]
-            predicted = _edge(line, across, side) if line is not None else math.nan
+            x, other = along[own[edge]], along[own[edge + step]]
+            predicted = _edge(line, across, side) if inside[0] else math.nan
             rows.append((name, side, y, 0.5 * (x + other), 0.5 * abs(x - other), predicted))
-    columns = list(zip(*rows, strict=True)) if rows else [()] * 6
-    texts = ("boundary_set", "boundary_side")
-    words = {
-        "boundary_set": "set of trials",
-        "boundary_side": "side on which the motion ends",
-        "boundary_y": QUANTITIES[up].long_name,
-        "boundary_x": "measured boundary",
-        "boundary_half_gap": "half the gap between the trials on its sides",
-        "boundary_computed": "boundary of the map",
-    }
-    units = {"boundary_y": QUANTITIES[up].unit}
-    kind = QUANTITIES[across].unit
+    columns = np.array(rows, dtype=object).reshape(len(rows), 6).T
+    unit = QUANTITIES[across].unit
+    about = (
+        ("set", str, "set of trials", "1"),
+        ("side", str, "side on which the motion ends", "1"),
+        ("y", float, QUANTITIES[up].long_name, QUANTITIES[up].unit),
+        ("x", float, "measured boundary", unit),
+        ("half_gap", float, "half the gap between the trials on its sides", unit),
+        ("computed", float, "boundary of the map", unit),
+    )
     return {
-        name: plain(
-            "boundary", np.array(values, dtype=str if name in texts else float), text,
-            "1" if name in texts else units.get(name, kind),
-        )
-        for (name, text), values in zip(words.items(), columns, strict=True)
-    }  # fmt: skip
+        f"boundary_{name}": plain("boundary", values.astype(kind), words, unit)
+        for (name, kind, words, unit), values in zip(about, columns, strict=True)
+    }
 
 
 def _edge(line: xr.DataArray, across: str, side: str) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from latolato.experiment.comparison.uncertainties import (
     run_at,
     variable,
 )
+from latolato.experiment.trial_statistics import parabola_top
 from latolato.experiment.trial_table import checked_trials
 from latolato.physics.pendulum import OneBall, System
 from latolato.sweeps.plan import make_plan
@@ -115,9 +116,11 @@ def compare_response(
     members = [np.flatnonzero(trials["set"].values == name) for name in names]
     amplitudes = np.array([float(np.mean(trials["drive_amplitude"].values[m])) for m in members])
     errors = np.nan_to_num(trials["drive_amplitude_sigma"].values)
-    doubt = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
-    reach = 0.1 * float(np.ptp(ratio)) or 0.1
-    ratios = np.linspace(max(float(ratio.min()) - reach, 0.05), float(ratio.max()) + reach, points)
+    amplitude_sigmas = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
+    margin = 0.1 * float(np.ptp(ratio)) or 0.1
+    ratios = np.linspace(
+        max(float(ratio.min()) - margin, 0.05), float(ratio.max()) + margin, points
+    )
     start = {"initial_angle": initial_angle, "initial_offset": initial_offset}
     plan = make_plan(
         system,
@@ -127,19 +130,21 @@ def compare_response(
         observables=observables,
         **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
     )
-    moved = _moved_sets(system, widths, amplitudes, doubt, count, random)
-    curves, at_trials = _curves(plan, moved, ratios, trials)
-    curves = curves.reshape(count, len(names), points)
-    seen, computed_peaks = [], []
+    varied = drawn(system, widths, count, random)
+    off = np.vstack([np.zeros(len(names)), random.standard_normal((count - 1, len(names)))])
+    moved = amplitudes + amplitude_sigmas * off
+    if "length" in varied:  # which is the picture's scale
+        moved = moved * (varied["length"] / system.balls[0].length)[:, None]
+    curves, at_trials = _curves(plan, moved, varied, ratios, trials)
+    measured, computed = [], []
     sigma = np.nan_to_num(trials[f"{LATE}_sigma"].values)
     steady = np.nan_to_num(trials["drive_frequency_sigma"].values) / natural
     for i, own in enumerate(members):
         own = own[np.argsort(ratio[own])]
-        seen.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
-        each = [peak_of(ratios, curve) for curve in curves[:, i]]
-        spread = float(np.std([peak.place for peak in each]))
-        computed_peaks.append(Peak(each[0].place, math.hypot(each[0].sigma, spread), each[0].height,
-                          each[0].kind))  # fmt: skip
+        measured.append(peak_of(ratio[own], settled[own], sigma[own], steady[own], random))
+        first, *others = (peak_of(ratios, curve) for curve in curves[:, i])
+        varies = float(np.std([peak.place for peak in (first, *others)]))
+        computed.append(replace(first, sigma=math.hypot(first.sigma, varies)))
     variables: dict[str, Any] = {
         LATE: variable("trial", settled, LATE),
         f"{LATE}_sigma": variable("trial", sigma, f"{LATE}_sigma"),
@@ -153,13 +158,13 @@ def compare_response(
         ),
         "set_amplitude": variable("set_name", amplitudes, "drive_amplitude"),
     }  # fmt: skip
-    variables |= _peak_variables("measured", seen) | _peak_variables("computed", computed_peaks)
+    variables |= _peak_variables("measured", measured) | _peak_variables("computed", computed)
     coordinates = {
         "frequency_ratio": variable("frequency_ratio", ratios, "frequency_ratio"),
         "set_name": plain("set_name", names, "set of trials"),
     }
     attributes = {
-        "comparison": "response", "verdict": _verdict(names, seen, computed_peaks), "draws": count,
+        "comparison": "response", "verdict": _verdict(names, measured, computed), "draws": count,
         "system": repr(system),
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
@@ -167,43 +172,28 @@ def compare_response(
 
 
 def _curves(
-    plan: Plan, moved: Mapping[str, Floats], ratios: Floats, trials: xr.Dataset
+    plan: Plan, amplitudes: Floats, varied: Mapping[str, Floats], ratios: Floats, trials: xr.Dataset
 ) -> tuple[Floats, Floats]:
-    """Return settled angles along curves, shape (draw x set, ratio), and at the trials."""
+    """Return settled angles along curves, shape (draw, set, ratio), and at the trials.
+
+    `amplitudes` has the shape (draw, set), each of `varied` the shape (draw,).
+    """
+    shape = (*amplitudes.shape, len(ratios))
+    along = {"drive_amplitude": amplitudes[..., None],
+             "drive_frequency": ratios * plan.system.natural_frequency,
+             **{name: values[:, None, None] for name, values in varied.items()}}  # fmt: skip
     frequency, _ = frequencies_of(trials, plan.system)
-    rates = ratios * plan.system.natural_frequency
-    columns = {name: np.repeat(values, len(rates)) for name, values in moved.items()}
-    columns["drive_frequency"] = np.tile(rates, len(moved["drive_amplitude"]))
-    at_trials = {
-        name: np.full(len(frequency), getattr(plan.system, name))
-        for name in moved
-        if name != "drive_amplitude"
-    }
-    at_trials |= {"drive_amplitude": trials["drive_amplitude"].values, "drive_frequency": frequency}
-    run = run_at(plan, {n: np.concatenate([v, at_trials[n]]) for n, v in columns.items()})
+    at_trials = {"drive_amplitude": trials["drive_amplitude"].values, "drive_frequency": frequency}
+    at_trials |= {name: np.full(len(frequency), getattr(plan.system, name)) for name in varied}
+    run = run_at(
+        plan,
+        {
+            name: np.concatenate([np.broadcast_to(values, shape).ravel(), at_trials[name]])
+            for name, values in along.items()
+        },
+    )
     late = run[LATE].values
-    return late[: -len(frequency)].reshape(-1, len(rates)), late[-len(frequency) :]
-
-
-def _moved_sets(
-    system: System,
-    widths: Mapping[str, float],
-    amplitudes: Floats,
-    doubt: Floats,
-    count: int,
-    random: np.random.Generator,
-) -> dict[str, Floats]:
-    """Return amplitude and uncertain parameters of each set in each draw, shape (draw x set,)."""
-    values = drawn(system, widths, count, random)
-    moved = []
-    for k in range(count):
-        off = random.standard_normal(len(amplitudes)) if k else np.zeros(len(amplitudes))
-        trial = amplitudes + doubt * off
-        if "length" in values:  # which is the picture's scale
-            trial = trial * values["length"][k] / system.balls[0].length
-        moved.append(trial)
-    own = {name: np.repeat(each, len(amplitudes)) for name, each in values.items()}
-    return {"drive_amplitude": np.concatenate(moved), **own}
+    return late[: -len(frequency)].reshape(shape), late[-len(frequency) :]
 
 
 def peak_of(
@@ -248,30 +238,26 @@ def peak_of(
             y = heights + height_sigmas * random.standard_normal(len(heights))
             order = np.argsort(x)
             drawn_places.append(_vertex(x[order], y[order])[1])
-    spread = float(np.std(drawn_places)) if drawn_places else 0.0
-    return Peak(place, math.hypot(spread, 0.5 * abs(place - places[top])), height, kind)
+    varies = float(np.std(drawn_places)) if drawn_places else 0.0
+    return Peak(place, math.hypot(varies, 0.5 * abs(place - places[top])), height, kind)
 
 
 def _peak_variables(kind: str, peaks: list[Peak]) -> dict[str, Any]:
     """Return place, deviation, height and kind of the peaks of all sets as variables."""
-    places = variable(
-        "set_name", [p.place for p in peaks], "frequency_ratio", f"place of the {kind} peak"
+    about = (
+        ("place", "frequency_ratio", f"place of the {kind} peak"),
+        ("sigma", "frequency_ratio", f"deviation of the place of the {kind} peak"),
+        ("height", LATE, f"height of the {kind} peak"),
     )
-    sigmas = variable(
-        "set_name",
-        [p.sigma for p in peaks],
-        "frequency_ratio",
-        f"deviation of the place of the {kind} peak",
-    )
-    heights = variable("set_name", [p.height for p in peaks], LATE, f"height of the {kind} peak")
-    return {
-        f"peak_{kind}_place": places,
-        f"peak_{kind}_sigma": sigmas,
-        f"peak_{kind}_height": heights,
-        f"peak_{kind}_kind": plain(
-            "set_name", [p.kind for p in peaks], f"how the {kind} peak was found"
-        ),
+    variables = {
+        f"peak_{kind}_{part}": variable(
+            "set_name", [getattr(peak, part) for peak in peaks], quantity, words
+        )
+        for part, quantity, words in about
     }
+    kinds = [peak.kind for peak in peaks]
+    variables[f"peak_{kind}_kind"] = plain("set_name", kinds, f"how the {kind} peak was found")
+    return variables
 
 
 def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
@@ -283,24 +269,20 @@ def _vertex(places: Floats, heights: Floats) -> tuple[int, float, float, str]:
     near = slice(top - 1, top + 2)
     if heights[near].min() < _CLIFF * y:
         return top, x, y, "cliff"
-    a, b, c = np.polyfit(places[near] - x, heights[near], 2)
-    if a >= 0.0:
-        return top, x, y, "parabola"
-    shift = float(np.clip(-b / (2.0 * a), places[top - 1] - x, places[top + 1] - x))
-    return top, x + shift, float(a * shift * shift + b * shift + c), "parabola"
+    return top, *parabola_top(places[near], heights[near]), "parabola"
 
 
-def _verdict(names: list[str], seen: list[Peak], computed: list[Peak]) -> str:
+def _verdict(names: list[str], measured: list[Peak], computed: list[Peak]) -> str:
     """A sentence on the measured and the computed peaks."""
     parts, apart = [], 0
-    for name, one, other in zip(names, seen, computed, strict=True):
+    for name, one, other in zip(names, measured, computed, strict=True):
         parts.append(
             f"{name} at {one.place:.3f} ± {one.sigma:.3f} (computed {other.place:.3f} ± "
             f"{other.sigma:.3f})"
         )
         apart += abs(one.place - other.place) > 3.0 * math.hypot(one.sigma, other.sigma)
     words = f"The response peaks of {', '.join(parts)}."
-    if any(one.sigma > one.place for one in seen):
+    if any(one.sigma > one.place for one in measured):
         return f"{words} A peak that is less certain than its place is large agrees with anything."
     if apart:
         return f"{words} {apart} of {len(names)} differ by more than 3 standard deviations."

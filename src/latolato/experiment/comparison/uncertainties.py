@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
 from latolato.core.registry import checked_number, suggest
-from latolato.experiment.trial_table import class_of
+from latolato.experiment.trial_statistics import class_of
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.sweeps.plan import Plan
 

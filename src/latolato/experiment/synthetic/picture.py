@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, kernel
+from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
 from latolato.experiment.synthetic.wall import make_wall
+from latolato.experiment.tracking.blobs import import_cv2
 
-# Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
-_SMOOTH = 0.45
-_MOST_MOMENTS = 400
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
-# How far fingers reach from the palm's middle, and the length of the arm, in palm radii.
-_HAND_REACH, _ARM = 2.3, 60.0
+# Length of the hand's arm in palm radii.
+_ARM = 60.0
 
 
-class View:
+class Projection:
     """Where points of the scene appear in the picture.
 
     Parameters
@@ -84,15 +83,15 @@ class View:
         return self.middle[0] + factor * du, self.middle[1] + factor * dv
 
 
-class Studio:
+class Renderer:
     """Makes the frames of one video.
+
+    Its `background` is what does not move, in linear light, shape (height, width, 3).
 
     Parameters
     ----------
     scene, camera : Scene, Camera
         The camera with its scale and pivot.
-    view : View
-        Where points appear.
     radii : tuple of float
         Radius of each ball [m].
     heights : tuple of float
@@ -107,33 +106,26 @@ class Studio:
         self,
         scene: Scene,
         camera: Camera,
-        view: View,
         *,
         radii: tuple[float, ...],
         heights: tuple[float, float],
         length: float,
         seed: int,
     ) -> None:
-        self.scene, self.camera, self.view, self.seed = scene, camera, view, seed
-        self.balls, self.length = len(radii), length
-        self.radii = radii
+        self.scene, self.camera, self.seed = scene, camera, seed
+        self.radii, self.length = radii, length
+        self.projection = Projection(camera)
         random = np.random.default_rng([seed, 0])
         shape = (camera.height, camera.width)
         self._maps = self._pixel_maps()
-        self.look, self.colours = _look(scene, view, radii), _colours(scene)
+        self.look, self.colours = _look(scene, self.projection, radii), _colours(scene)
         wall = make_wall(scene, shape, random)
         self._draw_rail(wall, heights)
         if scene.is_parked:
             self._draw_parked(wall)
         self._wall = wall
-        self._weights = _gaussian(camera.blur)
-        self._pad = len(self._weights) // 2
-        front, self._front_colour = self._post()
-        self._front = front
-        seen = wall.copy()
-        self._cover(seen, 0, 0, None)
-        self._blur(seen)
-        self._seen = seen
+        self._pad = math.ceil(3.5 * camera.blur)
+        self.background = self._blurred(self._covered(wall, 0, 0, None))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
@@ -145,12 +137,12 @@ class Studio:
         ----------
         number : int
             Of the frame; fixes its noise.
-        states : ndarray, shape (moment, line, 6)
+        states : ndarray, shape (moment, line, point, 2)
             Undistorted u, v of pivot and balls [pixel].
         hand_x : float, optional
             Where the hand is [m].
         """
-        part, corner = self.light(states, hand_x)
+        light = self.picture(states, hand_x)
         camera = self.camera
         height, width = camera.height, camera.width
         random = np.random.default_rng([self.seed, 1, number])
@@ -159,69 +151,51 @@ class Studio:
         chroma = np.empty((2, height // 2, width // 2), np.uint8)
         shot = 1.0 / camera.electrons
         read = (camera.read_noise / camera.electrons) ** 2
-        kernel("develop")(
-            self._seen, part, corner[0], corner[1], self._gain, self._noise, offsets,
-            shot, read, self._tones, luma, chroma[0], chroma[1],
-        )  # fmt: skip
+        develop(light, self._gain, self._noise, offsets, shot, read, self._tones, luma, chroma)
         turns = camera.rotation // 90
         planes = [np.rot90(plane, turns) for plane in (luma, *chroma)]
         stored = np.concatenate([np.ascontiguousarray(plane).ravel() for plane in planes])
         return stored.reshape(-1, planes[0].shape[1])
 
-    def light(self, states: Floats, hand_x: float | None) -> tuple[Image, tuple[int, int]]:
-        """Return the linear light of the part that differs from the background, and its corner.
-
-        The part, shape (rows, columns, 3), is optically blurred; the corner is its u and v.
-        """
+    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
+        """Return the picture in linear light, shape (height, width, 3), without noise."""
         u0, v0, u1, v1 = self._box(states, hand_x)
-        pad = self._pad
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
-        camera = self.camera
+        camera, pad = self.camera, self._pad
+        if camera.rotation in (90, 180):  # stored lines from the picture's other end
+            states = np.ascontiguousarray(states[:, ::-1])
         axis = 1 if camera.rotation in (90, 270) else 0
-        kernel("paint")(
-            total, u0, v0, wall, states, self.balls, axis, int(camera.rotation in (90, 180)),
-            not camera.has_lens, *self._maps, self.look, self.colours,
-        )  # fmt: skip
+        paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        total += wall
-        self._cover(total, u0, v0, hand_x)
-        self._blur(total)
+        part = self._blurred(self._covered(wall + total, u0, v0, hand_x))
         # Blurring has continued the part's edges, where the background goes on.
-        height, width = wall.shape[0], wall.shape[1]
-        rows = slice(pad if v0 > 0 else 0, height - (pad if v1 < camera.height else 0))
-        columns = slice(pad if u0 > 0 else 0, width - (pad if u1 < camera.width else 0))
-        return np.ascontiguousarray(total[rows, columns]), (u0 + columns.start, v0 + rows.start)
+        left, top = pad if u0 > 0 else 0, pad if v0 > 0 else 0
+        right, bottom = pad if u1 < camera.width else 0, pad if v1 < camera.height else 0
+        whole = self.background.copy()
+        whole[v0 + top : v1 - bottom, u0 + left : u1 - right] = part[
+            top : len(part) - bottom, left : part.shape[1] - right
+        ]
+        return whole
 
     def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
         """Return the part of a ball's disc that something in front hides; u, v undistorted."""
-        scene = self.scene
-        if scene.post_width <= 0.0 and hand_x is None:
-            return 0.0
-        radius = self.radii[ball] * self.view.scale
+        radius = self.radii[ball] * self.projection.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
-        alpha = self._hidden(u + radius * du[inside], v + radius * dv[inside], hand_x)
-        return float(alpha.mean())
-
-    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
-        """Return the whole picture in linear light, shape (height, width, 3), without noise."""
-        part, (u, v) = self.light(states, hand_x)
-        whole = self._seen.copy()
-        whole[v : v + part.shape[0], u : u + part.shape[1]] = part
-        return whole
-
-    def empty(self) -> Image:
-        """Return the picture of what does not move, in linear light, without noise."""
-        return self._seen.copy()
+        hidden = np.zeros(int(inside.sum()))
+        for alpha, _ in self._front(u + radius * du[inside], v + radius * dv[inside], hand_x):
+            hidden = np.maximum(hidden, alpha)
+        return float(hidden.mean())
 
     def _box(self, states: Floats, hand_x: float | None) -> tuple[int, int, int, int]:
         """Return first and last column and row of what differs from the background."""
-        scene, view, look = self.scene, self.view, self.look
-        used = states[:, :, : 2 + 2 * self.balls].reshape(-1, 1 + self.balls, 2)
-        low, high = used.min(axis=(0, 1)), used.max(axis=(0, 1))
-        margin = max(look.radius_1, look.radius_2, look.rod, look.bolt)
+        camera, projection, look = self.camera, self.projection, self.look
+        if hand_x is not None:
+            return 0, 0, camera.width, camera.height
+        low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
+        margin = max(*look.radii, look.rod, look.bolt)
         margin = max(margin, math.hypot(look.block_u, look.block_v)) + 2.0
         low, high = low - margin, high + margin
         if look.shadow > 0.0:
@@ -229,20 +203,12 @@ class Studio:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
-        if hand_x is not None:
-            x = hand_x + _HAND_REACH * scene.hand_radius * np.array([-1.0, 1.0, -1.0, 1.0])
-            top = -scene.hand_depth * self.length + _HAND_REACH * scene.hand_radius
-            y = np.array([top, top, top - _ARM * scene.hand_radius, top - _ARM * scene.hand_radius])
-            corners = np.stack(view.flat(x, y), axis=1)
-            low = np.minimum(low, corners.min(axis=0))
-            high = np.maximum(high, corners.max(axis=0))
-        camera = self.camera
         if camera.has_lens:
             edge = np.linspace(0.0, 1.0, 33)
             us, vs = np.meshgrid(
                 low[0] + edge * (high[0] - low[0]), low[1] + edge * (high[1] - low[1])
             )
-            us, vs = view.distorted(us, vs)
+            us, vs = projection.distorted(us, vs)
             low = np.array([us.min() - 2.0, vs.min() - 2.0])
             high = np.array([us.max() + 2.0, vs.max() + 2.0])
         grow = 2 * self._pad + 1
@@ -254,9 +220,9 @@ class Studio:
     def _pixel_maps(self) -> tuple[Image, Image]:
         """Return the undistorted place of every pixel, or nothing without a lens."""
         if not self.camera.has_lens:
-            return np.zeros((1, 1), np.float32), np.zeros((1, 1), np.float32)
+            return np.zeros((0, 0), np.float32), np.zeros((0, 0), np.float32)
         v, u = np.mgrid[0 : self.camera.height, 0 : self.camera.width].astype(np.float64)
-        u, v = self.view.straightened(u, v)
+        u, v = self.projection.straightened(u, v)
         return u.astype(np.float32), v.astype(np.float32)
 
     def _places(self, shape: tuple[int, int], u0: int, v0: int) -> tuple[Any, Any]:
@@ -270,13 +236,16 @@ class Studio:
 
     def _scene_places(self, u: Any, v: Any) -> tuple[Any, Any]:
         """Return x, y [pixel, from the mean pivot, y up] of undistorted points."""
-        view = self.view
-        du, dv = u - view.origin[0], v - view.origin[1]
-        return view.cosine * du - view.sine * dv, -view.sine * du - view.cosine * dv
+        projection = self.projection
+        du, dv = u - projection.origin[0], v - projection.origin[1]
+        return (
+            projection.cosine * du - projection.sine * dv,
+            -projection.sine * du - projection.cosine * dv,
+        )
 
     def _draw_rail(self, wall: Image, heights: tuple[float, float]) -> None:
         """Draw the rail that guides the block."""
-        scene, scale = self.scene, self.view.scale
+        scene, scale = self.scene, self.projection.scale
         if scene.rail_width <= 0.0:
             return
         x, y = self._scene_places(*self._places(wall.shape[:2], 0, 0))
@@ -290,47 +259,37 @@ class Studio:
 
     def _draw_parked(self, wall: Image) -> None:
         """Draw the parked ball with its shadow, resting on nothing that moves."""
-        u, v = self.view.flat(self.scene.parked_x, self.scene.parked_y)
-        state = np.zeros((1, 1, 6))
-        state[0, 0, :4] = float(u), float(v), float(u), float(v)
+        u, v = self.projection.flat(self.scene.parked_x, self.scene.parked_y)
+        states = np.array([[[(float(u), float(v))] * 2]])
         look = self.look._replace(rod=0.0, block_u=0.0, block_v=0.0, bolt=0.0)
         total = np.zeros_like(wall)
-        kernel("paint")(
-            total, 0, 0, wall, state, 1, 0, 0, not self.camera.has_lens, *self._maps, look,
-            self.colours,
-        )  # fmt: skip
+        paint(total, (0, 0), wall, states, 0, self._maps, look, self.colours)
         wall += total
 
-    def _post(self) -> tuple[Image | None, Image | None]:
-        """Return how much of each pixel the post hides, and its colour there."""
-        scene = self.scene
-        if scene.post_width <= 0.0:
-            return None, None
-        shape = (self.camera.height, self.camera.width)
-        u, v = self._places(shape, 0, 0)
-        x = self._scene_places(u, v)[0] - scene.post_x * self.view.scale
-        half = 0.5 * scene.post_width * self.view.scale
-        alpha = np.clip(0.5 + half - np.abs(x), 0.0, 1.0).astype(np.float32)
-        shade = 0.55 + 0.45 * np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0, 1))
-        colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
-        shape_3 = (*shape, 3)
-        tinted = np.broadcast_to(shade.astype(np.float32)[..., None] * colour, shape_3)
-        return np.broadcast_to(alpha, shape), tinted
+    def _front(self, u: Any, v: Any, hand_x: float | None) -> Iterator[tuple[Any, Any]]:
+        """Yield how much the post and then the hand hide at undistorted points, and their colours.
 
-    def _hidden(self, u: Floats, v: Floats, hand_x: float | None) -> Floats:
-        """Return how much post and hand hide at undistorted points."""
-        scene, scale = self.scene, self.view.scale
-        alpha = np.zeros(np.shape(u))
+        The colours are linear, shape (..., 3).
+        """
+        scene, scale = self.scene, self.projection.scale
         if scene.post_width > 0.0:
             x = self._scene_places(u, v)[0] - scene.post_x * scale
-            alpha = np.clip(0.5 + 0.5 * scene.post_width * scale - np.abs(x), 0.0, 1.0)
+            half = 0.5 * scene.post_width * scale
+            round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
+            colour = linear_colour("post_colour", scene.post_colour)
+            yield (
+                np.clip(0.5 + half - np.abs(x), 0.0, 1.0),
+                (0.55 + 0.45 * round_)[..., None] * np.array(colour),
+            )
         if hand_x is not None:
-            alpha = np.maximum(alpha, np.clip(0.5 - self._hand_gap(u, v, hand_x), 0.0, 1.0))
-        return alpha
+            gap, size = self._hand_gap(u, v, hand_x), scene.hand_radius * scale
+            shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
+            colour = linear_colour("hand_colour", scene.hand_colour)
+            yield np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * np.array(colour)
 
     def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
         """Return the signed distance [pixel] from a palm, four fingers and an arm."""
-        scene, scale = self.scene, self.view.scale
+        scene, scale = self.scene, self.projection.scale
         x, y = self._scene_places(u, v)
         size = scene.hand_radius * scale
         x, y = (x - hand_x * scale) / size, (y + scene.hand_depth * self.length * scale) / size
@@ -340,53 +299,39 @@ class Studio:
         gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
         return gap * size
 
-    def _cover(self, part: Image, u0: int, v0: int, hand_x: float | None) -> None:
-        """Put post and hand in front of a part of the picture."""
-        rows, columns = slice(v0, v0 + part.shape[0]), slice(u0, u0 + part.shape[1])
-        if self._front is not None and self._front_colour is not None:
-            alpha = self._front[rows, columns, None]
-            part += alpha * (self._front_colour[rows, columns] - part)
-        if hand_x is None:
-            return
-        gap = self._hand_gap(*self._places(part.shape[:2], u0, v0), hand_x)
-        size = self.scene.hand_radius * self.view.scale
-        alpha = np.clip(0.5 - gap, 0.0, 1.0).astype(np.float32)[..., None]
-        shade = (0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)).astype(np.float32)
-        colour = np.array(linear_colour("hand_colour", self.scene.hand_colour), np.float32)
-        part += alpha * (shade[..., None] * colour - part)
+    def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
+        """Return a part of the picture with post and hand in front."""
+        for alpha, colour in self._front(*self._places(part.shape[:2], u0, v0), hand_x):
+            part = part + alpha[..., None] * (colour - part)
+        return np.asarray(part, np.float32)
 
-    def _blur(self, image: Image) -> None:
-        """Blur an image in place by the optics."""
-        if self._pad:
-            kernel("blur")(image, np.empty_like(image), self._weights)
+    def _blurred(self, image: Image) -> Image:
+        """Return an image blurred by the optics; its edges are continued."""
+        if self._pad == 0:
+            return image
+        cv2, size = import_cv2(), 2 * self._pad + 1
+        edge = {"sigmaX": self.camera.blur, "borderType": cv2.BORDER_REPLICATE}
+        return np.asarray(cv2.GaussianBlur(image, (size, size), **edge))
 
 
-def moments_needed(camera: Camera, states: Floats) -> int:
-    """Return how many moments an exposure takes; `states` has its first and last, (2, line, 6)."""
-    moved = np.abs(np.diff(states, axis=0)).reshape(-1, 3, 2)
-    largest = float(np.hypot(moved[..., 0], moved[..., 1]).max())
-    return min(max(camera.sub_exposures, math.ceil(largest / _SMOOTH)), _MOST_MOMENTS)
-
-
-def _look(scene: Scene, view: View, radii: tuple[float, ...]) -> Look:
+def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Look:
     """Return sizes in pixels and the light."""
-    scale = view.scale
+    scale = projection.scale
     # Light and shadow are directions of the scene, which the camera sees turned.
-    turn = np.array([[view.cosine, -view.sine], [-view.sine, -view.cosine]])
+    turn = np.array([[projection.cosine, -projection.sine], [-projection.sine, -projection.cosine]])
     light = turn @ np.array([scene.light_x, scene.light_y])
     size = float(np.hypot(*light))
     if size > 1.0:
         light = light / size
     shadow = scale * turn @ np.array([scene.shadow_x, scene.shadow_y])
     return Look(
-        radius_1=scale * radii[0],
-        radius_2=scale * radii[-1],
+        radii=(scale * radii[0], scale * radii[-1]),
         rod=0.5 * scale * scene.rod_width,
         block_u=0.5 * scale * scene.block_width,
         block_v=0.5 * scale * scene.block_height,
         bolt=scale * scene.bolt_radius,
-        cosine=view.cosine,
-        sine=view.sine,
+        cosine=projection.cosine,
+        sine=projection.sine,
         light_u=float(light[0]),
         light_v=float(light[1]),
         light_w=math.sqrt(max(1.0 - float(light @ light), 0.0)),
@@ -417,13 +362,6 @@ def _capsule(x: Any, y: Any, start: tuple[float, float], end: tuple[float, float
     along = ((x - start[0]) * du + (y - start[1]) * dv) / (du * du + dv * dv)
     along = np.clip(along, 0.0, 1.0)
     return np.hypot(x - start[0] - along * du, y - start[1] - along * dv) - r
-
-
-def _gaussian(sigma: float) -> Image:
-    """Return the weights of a Gaussian blur, normed."""
-    half = math.ceil(3.5 * sigma) if sigma > 0.0 else 0
-    weights = np.exp(-0.5 * (np.arange(-half, half + 1) / max(sigma, 1e-9)) ** 2)
-    return np.asarray(weights / weights.sum(), np.float32)
 
 
 def _gain(camera: Camera) -> Image:

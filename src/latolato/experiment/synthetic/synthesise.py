@@ -16,15 +16,17 @@ from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
-from latolato.experiment.synthetic.picture import Studio, View, moments_needed
-from latolato.experiment.synthetic.render import Floats
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.track_table import track_table
+from latolato.experiment.tracking.blobs import import_cv2
 from latolato.experiment.video import digest_of
 from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from latolato.experiment.synthetic.picture import Projection, Renderer
+    from latolato.experiment.synthetic.render import Floats
 
 SUFFIXES = (".mp4",)
 # The motion between two instants of the dense run is taken as straight: at 30 m/s^2 and 1 m this
@@ -37,6 +39,9 @@ _FILLED = 0.86
 _OCCLUDED = 0.02
 # Balls this near to the contact angle touch [rad].
 _TOUCHING = 1e-6
+# Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
+_SMOOTH = 0.45
+_MOST_MOMENTS = 400
 # Frames that are painted ahead of the encoder.
 _AHEAD = 4
 
@@ -128,17 +133,17 @@ def synthesise_video(
     """
     path = Path(path)
     check_target(path, truth)
-    take = prepare(run, scene, camera, seed=seed)
-    camera = take.camera
+    film = prepare(run, scene, camera, seed=seed)
+    camera = film.camera
     with atomic_path(path) as unfinished:
         write_video(
             unfinished,
-            _frames(take, progress),
+            _frames(film, progress),
             fps=camera.fps,
             crf=camera.crf,
             rotation=camera.rotation,
         )
-    table = take.truth()
+    table = film.truth()
     table.attrs.update(source=path.name, source_sha256=digest_of(path), seed=seed)
     if truth is not None:
         from latolato.experiment.track_table import write_table
@@ -148,7 +153,7 @@ def synthesise_video(
 
 
 @dataclass(frozen=True)
-class Take:
+class Film:
     """A video before it is encoded.
 
     Parameters
@@ -157,7 +162,7 @@ class Take:
         What is filmed, in dense samples.
     motion : Motion
         The same, ready to be interpolated.
-    studio : Studio
+    renderer : Renderer
         What paints the frames.
     stamps : ndarray, shape (frame,)
         Time stamps [tick].
@@ -169,15 +174,15 @@ class Take:
 
     run: xr.Dataset
     motion: Motion
-    studio: Studio
+    renderer: Renderer
     stamps: Any
     begin: float
-    hands: list[float | None]
+    hands: list[Any]
 
     @property
     def camera(self) -> Camera:
         """The camera with its scale and pivot."""
-        return self.studio.camera
+        return self.renderer.camera
 
     @property
     def times(self) -> Floats:
@@ -185,17 +190,17 @@ class Take:
         return np.asarray(self.stamps / TICKS)
 
     def states(self, number: int) -> Floats:
-        """Return u, v of pivot and balls in a frame's exposure, shape (moment, line, 6)."""
+        """Return u, v of pivot and balls in a frame's exposure, (moment, line, point, 2)."""
         time = self.begin + float(self.times[number])
-        return exposure_states(self.motion, self.camera, self.studio.view, time)
+        return exposure_states(self.motion, self.camera, self.renderer.projection, time)
 
     def frame(self, number: int) -> Any:
         """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
-        return self.studio.frame(number, self.states(number), self.hands[number])
+        return self.renderer.frame(number, self.states(number), self.hands[number])
 
     def picture(self, number: int) -> Any:
         """Return a frame as shown in linear light, without noise, shape (height, width, 3)."""
-        return self.studio.picture(self.states(number), self.hands[number])
+        return self.renderer.picture(self.states(number), self.hands[number])
 
     def truth(self) -> xr.Dataset:
         """Return the track table that is true of the video."""
@@ -204,8 +209,10 @@ class Take:
 
 def prepare(
     run: xr.Dataset, scene: Scene | None = None, camera: Camera | None = None, *, seed: int = 0
-) -> Take:
+) -> Film:
     """Return the video of a run before it is encoded; see `synthesise_video`."""
+    from latolato.experiment.synthetic.picture import Renderer
+
     scene, camera = scene or Scene(), camera or Camera()
     if seed < 0:
         raise InputError("must be a whole number of at least 0", parameter="seed", value=seed)
@@ -213,30 +220,32 @@ def prepare(
     times = stamps / TICKS
     motion, run = filmed_motion(run, begin + times, scene)
     camera = framed(camera, scene, motion)
-    studio = Studio(
+    renderer = Renderer(
         scene,
         camera,
-        View(camera),
         radii=motion.radii,
         heights=(float(motion.heights.min()), float(motion.heights.max())),
         length=max(motion.lengths),
         seed=seed,
     )
-    return Take(run, motion, studio, stamps, begin, hand_places(scene, times))
+    hands = (scene.hand_speed * (times - scene.hand_time)).tolist()
+    if scene.hand_radius <= 0.0:
+        hands = [None] * len(times)
+    return Film(run, motion, renderer, stamps, begin, hands)
 
 
-def _frames(take: Take, progress: Callable[[float], None] | None) -> Iterator[tuple[int, Any]]:
+def _frames(film: Film, progress: Callable[[float], None] | None) -> Iterator[tuple[int, Any]]:
     """Yield stamp and planes of every frame, painted by two threads a little ahead."""
-    count = len(take.stamps)
+    count = len(film.stamps)
     with ThreadPoolExecutor(2) as pool:
         ahead: list[Future[Any]] = []
         try:
             for number in range(count + _AHEAD):
                 if number < count:
-                    ahead.append(pool.submit(take.frame, number))
+                    ahead.append(pool.submit(film.frame, number))
                 done = number - _AHEAD
                 if done >= 0:
-                    yield int(take.stamps[done]), ahead.pop(0).result()
+                    yield int(film.stamps[done]), ahead.pop(0).result()
                     if progress is not None:
                         progress((done + 1) / count)
         finally:
@@ -252,6 +261,7 @@ def check_target(path: str | Path, truth: str | Path | None = None) -> None:
     check_suffix(path, SUFFIXES, "the name of a synthetic video")
     check_folder(Path(path))
     import_av()
+    import_cv2()
     if truth is not None:
         check_suffix(truth, table.SUFFIXES, "the name of a track table")
         check_result(truth)
@@ -373,41 +383,35 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
     )
 
 
-def exposure_states(motion: Motion, camera: Camera, view: View, time: float) -> Floats:
-    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, 6)."""
+def exposure_states(motion: Motion, camera: Camera, projection: Projection, time: float) -> Floats:
+    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, point, 2)."""
     rows = camera.rows if camera.row_time > 0.0 else 1
     late = camera.row_time * (np.arange(rows) - camera.stamp_row * (rows - 1))
     half = 0.5 * camera.exposure / camera.fps
-    ends = _states(motion, view, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
+    ends = _states(motion, projection, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
     # Twice the larger half, for the motion may turn round.
-    halves = [moments_needed(camera, ends[i : i + 2]) for i in (0, 1)]
-    count = max(2 * max(halves) if max(halves) > camera.sub_exposures else 0, camera.sub_exposures)
+    steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
+    least = camera.sub_exposures
+    count = 2 * min(steps, _MOST_MOMENTS) if steps > least else least
     moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
-    return _states(motion, view, time + late + moments[:, None])
+    return _states(motion, projection, time + late + moments[:, None])
 
 
-def _states(motion: Motion, view: View, times: Floats) -> Floats:
-    """Return undistorted u, v of pivot and balls at instants, shape (..., 6)."""
+def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
+    """Return undistorted u, v of pivot and balls at instants, shape (..., point, 2)."""
     height, angles = motion.at(times)
-    states = np.zeros((*times.shape, 6))
-    states[..., 0], states[..., 1] = view.flat(np.zeros_like(height), height)
-    for ball, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
-        x, y = length * np.sin(angle), height - length * np.cos(angle)
-        states[..., 2 + 2 * ball], states[..., 3 + 2 * ball] = view.flat(x, y)
-    return states
+    points = [projection.flat(np.zeros_like(height), height)]
+    points += [
+        projection.flat(length * np.sin(angle), height - length * np.cos(angle))
+        for angle, length in zip(angles, motion.lengths, strict=True)
+    ]
+    return np.moveaxis(np.array(points), (0, 1), (-2, -1)).copy()
 
 
-def hand_places(scene: Scene, times: Floats) -> list[float | None]:
-    """The hand's position in each frame [m], None without a hand."""
-    if scene.hand_radius <= 0.0:
-        return [None] * len(times)
-    return [float(x) for x in scene.hand_speed * (times - scene.hand_time)]
-
-
-def _true_table(take: Take) -> xr.Dataset:
+def _true_table(film: Film) -> xr.Dataset:
     """Return the track table of what was filmed, with the clicks as attributes."""
-    motion, run, studio, begin = take.motion, take.run, take.studio, take.begin
-    camera, view, times, hands = take.camera, studio.view, take.times, take.hands
+    motion, run, renderer, begin = film.motion, film.run, film.renderer, film.begin
+    camera, projection, times = film.camera, renderer.projection, film.times
     height, angles = motion.at(begin + times)
     columns: dict[str, Any] = {"time": times, "pivot_x": np.zeros_like(times), "pivot_y": height}
     half = 0.5 * camera.exposure / camera.fps
@@ -415,36 +419,36 @@ def _true_table(take: Take) -> xr.Dataset:
     touches = _touches(motion, moments)
     extra = {}
     clicks: dict[str, float] = {}
-    u, v = view.in_picture(0.0, height[0])
+    u, v = projection.in_picture(0.0, height[0])
     clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
     for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
         x, y = length * np.sin(angle), height - length * np.cos(angle)
         columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
         columns[f"angle_{i + 1}"] = angle
         columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
-        places = zip(*view.flat(x, y), hands, strict=True)
-        hidden = np.array([studio.covered(a, b, i, hand) for a, b, hand in places])
+        places = zip(*projection.flat(x, y), film.hands, strict=True)
+        hidden = np.array([renderer.covered(a, b, i, hand) for a, b, hand in places])
         flags = np.where(touches, "collision", "ok")
         columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
         extra[f"covered_{i + 1}"] = hidden
-        u, v = view.in_picture(x[0], y[0])
+        u, v = projection.in_picture(x[0], y[0])
         clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
-    if studio.scene.is_parked:
-        u, v = view.in_picture(studio.scene.parked_x, studio.scene.parked_y)
+    if renderer.scene.is_parked:
+        u, v = projection.in_picture(renderer.scene.parked_x, renderer.scene.parked_y)
         clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
     attributes = {
         **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
         "title": f"truth of a synthetic video of {run.attrs['system']}",
         "length": max(motion.lengths),
         "radius": motion.radii[0],
-        "metres_per_pixel": 1.0 / view.scale,
+        "metres_per_pixel": 1.0 / projection.scale,
         "gravity_direction": camera.roll,
         **clicks,
         "run_time": begin,
         "system": run.attrs["system"],
         "drive": run.attrs["drive"],
         "scenario": run.attrs["scenario"],
-        "scene": json.dumps(describe(studio.scene)),
+        "scene": json.dumps(describe(renderer.scene)),
         "camera": json.dumps(describe(camera)),
     }
     table = track_table(columns, attributes)
