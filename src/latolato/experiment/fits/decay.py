@@ -85,7 +85,7 @@ _ROUGH = 1e-3
 # Standard deviations from which drag is seen.
 _SURE = 3.0
 # Samples from which laws are compared, and trials that a start may take there.
-_ENOUGH, _TRIES = 1500, 600
+_ENOUGH, _TRIES = 1500, 60
 
 
 def fit_decay(

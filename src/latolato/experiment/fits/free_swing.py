@@ -16,15 +16,15 @@ from latolato.experiment.fits.adequacy import deviance
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
-    Floats,
     Guess,
     Solution,
     solve,
 )
 from latolato.experiment.fits.motion import angles_at, step_of
 from latolato.experiment.fits.samples import noise_of
-from latolato.experiment.fits.sight import ABOVE, Sight
+from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
+from latolato.experiment.fits.windows import START, WindowedModel
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import Ball, Pendulum
 
@@ -34,12 +34,10 @@ COEFFICIENTS = {
     "quadratic": "quadratic_damping",
     "coulomb": "coulomb_damping",
 }
-# Angle of trials that end early.
-_WILD = 10.0
 # Residuals so many times the noise ask for other starts.
 _POOR = 4.0
 # Trials that a start may take, and one beside a solution.
-_TRIES, _SOON = 400, 100
+_TRIES, _SOON = 40, 10
 # Swings that a search from nothing begins with, and by how much it grows each time.
 _FIRST_SWINGS, _GROWTH = 4.0, 2.0
 # Swings more or fewer that a gap may hold than the part before it says.
@@ -98,12 +96,9 @@ def fit_equation(
     **options
         Options of `solve`.
     """
-    times = data.times - data.times[0]
     guesses = {
         "natural_frequency": Guess(first["natural_frequency"], 1e-3),
         "angle_offset": Guess(first["angle_offset"]),
-        "initial_angle": Guess(first["initial_angle"]),
-        "initial_angular_velocity": Guess(first["initial_angular_velocity"]),
     }
     for term in terms:
         if tuple(terms) == ("linear",):
@@ -111,20 +106,13 @@ def fit_equation(
         else:
             guesses[term] = Guess(max(first[term], 1e-6), 0.0)
     guesses |= {name: replace(each, value=first.get(name, 0.0)) for name, each in aside.items()}
-    largest = float(np.max(np.abs(data.values - first["angle_offset"])))
-    speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
-    about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
-    step = step_of(about, FixedPivot(), speed)
-    sight = Sight.of(data)
 
-    def model(p: Mapping[str, float]) -> Floats:
-        system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
-        start = (p["initial_angle"],), (p["initial_angular_velocity"],)
-        angles: Floats = angles_at(system, FixedPivot(), *start, times, step=step)[0]
-        # A trial too wild to be followed to the end is a bad fit, not an error.
-        return np.where(np.isfinite(angles), sight.seen(angles, p), _WILD)
+    def laws(p: Mapping[str, float]) -> tuple[Pendulum, FixedPivot]:
+        return _pendulum(p["natural_frequency"], {term: p[term] for term in terms}), FixedPivot()
 
-    return solve(model, guesses, data, **options)
+    model = WindowedModel(data, laws, guesses, data.times[:1], 0.0)
+    state = np.array([[[first[name] for name in START]]])
+    return solve(model, model.guesses(state), data, jacobian=model.jacobian, **options)
 
 
 def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:

@@ -13,6 +13,7 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ from latolato.experiment.fits.result import Estimate
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
+# Gives the derivatives of a model for some of its parameters.
+Jacobian = Callable[[Mapping[str, float], Sequence[str]], Floats]
 
 # Residuals beyond this many robust standard deviations are taken for mistakes of the tracker.
 OUTLIER = 6.0
@@ -32,8 +35,6 @@ _MOST_CORRELATION = 0.99
 _FAR = 3.0
 # Parameters that messages name.
 _LISTED = 4
-# Relative step of derivatives, squared.
-_STEP = 1e-12
 _ROUNDS = 2
 
 
@@ -68,6 +69,12 @@ class Data:
         return Data(
             self.times[chosen], self.values[chosen], self.sigmas[chosen], self.series[chosen]
         )
+
+
+def one_series(times: Floats, values: Floats, sigmas: Floats | None = None) -> Data:
+    """Return the samples of a single series, whose number is 1; without sigmas all count alike."""
+    sigmas = np.ones(len(times)) if sigmas is None else sigmas
+    return Data(times, values, sigmas, np.ones(len(times), dtype=np.int64))
 
 
 @dataclass(frozen=True)
@@ -180,8 +187,8 @@ def solve(
     *,
     profiles: Sequence[str] = (),
     like: Solution | None = None,
-    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None = None,
-    limit: int = 4000,
+    jacobian: Jacobian | None = None,
+    limit: int = 400,
 ) -> Solution:
     """Return the least-squares solution.
 
@@ -199,10 +206,9 @@ def solve(
         Whose samples, correlation and spread of residuals are taken; by default the samples are
         all but outliers of the first fit, and the others are found from the residuals.
     jacobian : callable, optional
-        Derivatives of the model, shape (sample, name), where something faster than differences
-        of the model is known.
+        Derivatives of the model, shape (sample, name); by default central differences.
     limit : int
-        Number of trials after which a fit gives up.
+        Number of trials after which a fit gives up, without those for derivatives.
 
     Raises
     ------
@@ -222,6 +228,7 @@ def solve(
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, min=guess.low, max=guess.high)
+    jacobian = jacobian or partial(_differences, model)
     mask = np.ones(len(data), dtype=bool) if like is None else like.kept
     rho = 0.0 if like is None else like.correlation
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
@@ -236,28 +243,21 @@ def solve(
             mask = cleaned
         elif turn > 1:
             rho = _correlation(data, mask, residuals)
-            errors = whitened(data, mask, rho)(residuals / data.sigmas)
-            spread = float(errors @ errors) / max(len(errors) - loose, 1)
-        white, beliefs = whitened(data, mask, rho), _beliefs(guesses, spread)
-        minimizer = _minimizer(model, parameters, data, white, jacobian, beliefs)
+            spread = _spread(whitened(data, mask, rho)(residuals / data.sigmas), loose)
+        white = whitened(data, mask, rho)
+        minimizer = _minimizer(model, jacobian, parameters, data, white, _beliefs(guesses, spread))
         result = _minimized(minimizer, limit)
         parameters = result.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
-    slopes = jacobian(values, names) if jacobian else _slopes(model, values, names)
-    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(names))])
+    slopes = jacobian(values, names)
     errors = white(residuals / data.sigmas)
-    freedom = max(len(errors) - loose, 1)
-    spread = float(errors @ errors) / freedom
-    known = _beliefs(guesses, spread)
-    stiffness = np.array([known.get(name, 0.0) ** 2 for name in names])
-    covariance, widening = _covariance(scores, errors, spread, stiffness)
+    spread = _spread(errors, loose)
+    covariance, widening = _covariance(
+        white(slopes / data.sigmas[:, None]), errors, spread, _beliefs(guesses, spread) ** 2
+    )
     count = len(errors)
-    off = {
-        name: values[name] / guess.prior
-        for name, guess in guesses.items()
-        if math.isfinite(guess.prior)
-    }
+    off = {name: values[name] / guesses[name].prior for name in names}
     solution = Solution(
         names=names,
         values=dict(values),
@@ -280,46 +280,43 @@ def solve(
     return solution
 
 
-def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
-    """Return by what parameters with priors are multiplied to be further residuals."""
-    return {
-        name: math.sqrt(max(spread, 1e-300)) / guess.prior
-        for name, guess in guesses.items()
-        if math.isfinite(guess.prior)
-    }
+def _spread(errors: Floats, loose: int) -> float:
+    """Return the reduced sum of squares."""
+    return float(errors @ errors) / max(len(errors) - loose, 1)
+
+
+def _beliefs(guesses: Mapping[str, Guess], spread: float) -> Floats:
+    """Return by what each parameter is multiplied to be a further residual, 0 without a prior."""
+    return np.array([math.sqrt(max(spread, 1e-300)) / guess.prior for guess in guesses.values()])
 
 
 def _minimizer(
     model: Model,
+    jacobian: Jacobian,
     parameters: Any,
     data: Data,
     white: Callable[[Floats], Floats],
-    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
-    beliefs: Mapping[str, float],
+    beliefs: Floats,
 ) -> Any:
     """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
+    known = beliefs > 0.0
 
     def errors(trial: Any) -> Floats:
         values = trial.valuesdict()
-        known = [values[name] * weight for name, weight in beliefs.items()]
-        return np.append(white((data.values - model(values)) / data.sigmas), known)
+        beyond = beliefs * np.array(list(values.values()))
+        return np.append(white((data.values - model(values)) / data.sigmas), beyond[known])
 
-    options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-7, "ftol": 1e-9}
-    if jacobian is not None:
+    def slopes(trial: Any) -> Floats:
+        # A profile holds one of the parameters.
+        vary = np.array([parameter.vary for parameter in trial.values()])
+        names = [name for name in trial if trial[name].vary]
+        derivatives = white(-jacobian(trial.valuesdict(), names) / data.sigmas[:, None])
+        return np.vstack([derivatives, np.diag(beliefs)[known][:, vary]])
 
-        def slopes(trial: Any) -> Floats:
-            # A profile holds one of the parameters.
-            names = [name for name in trial if trial[name].vary]
-            derivatives = jacobian(trial.valuesdict(), names)
-            columns = [white(-derivatives[:, i] / data.sigmas) for i in range(len(names))]
-            known = [[w if name == own else 0.0 for own, w in beliefs.items()] for name in names]
-            return np.column_stack([np.array(columns), np.array(known)])
-
-        options |= {"Dfun": slopes, "col_deriv": True}
-        del options["epsfcn"]
     return lmfit_module().Minimizer(
-        errors, parameters, nan_policy="raise", calc_covar=True, **options
-    )
+        errors, parameters, nan_policy="raise", calc_covar=True,
+        xtol=1e-7, ftol=1e-9, Dfun=slopes,
+    )  # fmt: skip
 
 
 def listed(names: Sequence[str]) -> str:
@@ -353,7 +350,7 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
     """A filter that makes residuals independent whose neighbours have the correlation `rho`.
 
     ``e_i = (r_i - f r_(i-1))/sqrt(1 - f^2)`` with ``f = rho^((t_i - t_(i-1))/spacing)``; the first
-    of a series is itself.
+    of a series is itself. Residuals may have further axes after that of the samples.
     """
     times, series = data.times[mask], data.series[mask]
     if rho <= 0.0 or len(times) < 2:
@@ -366,7 +363,7 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
     def white(residuals: Floats) -> Floats:
         kept = residuals[mask]
         out = kept.copy()
-        out[1:] = (kept[1:] - factor * kept[:-1]) / scale
+        out[1:] = ((kept[1:].T - factor * kept[:-1].T) / scale).T
         return out
 
     return white
@@ -398,12 +395,14 @@ def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> floa
 
 def _without_outliers(errors: Floats) -> NDArray[np.bool_]:
     """Return which errors are within six robust standard deviations."""
-    scale = 1.4826 * float(np.median(np.abs(errors)))
+    from scipy.stats import median_abs_deviation
+
+    scale = float(median_abs_deviation(errors, scale="normal"))
     kept: NDArray[np.bool_] = np.abs(errors) <= max(OUTLIER * scale, 1e-300)
     return kept
 
 
-def _slopes(model: Model, values: Mapping[str, float], names: Sequence[str]) -> Floats:
+def _differences(model: Model, values: Mapping[str, float], names: Sequence[str]) -> Floats:
     """Return central differences of the model, shape (sample, name)."""
     columns = []
     for name in names:
