@@ -235,8 +235,11 @@ def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> C
         If there is a change, but no fit of a part converges.
     """
     place = place_of_change(data, whole, shortest)
-    if place is None:
-        return None
+    return None if place is None else cut_at(data, whole, place, fit_part, shortest)
+
+
+def cut_at(data: Data, whole: Solution, place: int, fit_part: FitPart, shortest: float) -> Cut:
+    """The cut near a sample that divides a record best, with the fits of both parts."""
     at = float(data.times[place])
     # The instant is not sure to a sample, and a part must not hold any of the other one.
     clear = _CLEAR * shortest
@@ -318,17 +321,15 @@ def widened(whole: Solution, cut: Cut, names: Sequence[str]) -> Solution:
 
 def changes(
     cut: Cut, portrait: Portrait
-) -> tuple[dict[str, float], dict[str, float], tuple[str, ...], Floats]:
+) -> tuple[dict[str, float], dict[str, float], dict[str, float], Floats]:
     """Return how the motion before a cut differs from the one after it, and how surely.
 
     Returns
     -------
-    before, after : dict
-        The numbers of the motion at the cut.
-    names : tuple of str
-        Of the rows of the covariance.
+    before, after, differences : dict
+        The numbers of the motion at the cut, and the second less the first.
     covariance : ndarray
-        Of the differences.
+        Of the differences, in their order.
     """
     sides, covariances = [], []
     for solution in (cut.before, cut.after):
@@ -340,27 +341,30 @@ def changes(
             moved = {**solution.values, name: solution.values[name] + step}
             there = portrait(solution, moved, cut.instant)
             for j, what in enumerate(names):
-                away = there[what] - middle[what]
-                if what == "phase":
-                    away = math.remainder(away, math.tau)
-                slopes[j, i] = away / step
+                slopes[j, i] = _less(there, middle, what) / step
         sides.append(middle)
         covariances.append(slopes @ solution.covariance @ slopes.T)
-    return sides[0], sides[1], names, _MORE**2 * (covariances[0] + covariances[1])
+    before, after = sides
+    differences = {name: _less(after, before, name) for name in after}
+    return before, after, differences, _MORE**2 * (covariances[0] + covariances[1])
 
 
-def misfit_of(
-    kind: Kind, differences: Mapping[str, float], names: tuple[str, ...], covariance: Floats
-) -> float:
+def _less(one: Mapping[str, float], other: Mapping[str, float], name: str) -> float:
+    """Return the difference of a number of two motions, of phases within half a turn."""
+    away = one[name] - other[name]
+    return math.remainder(away, math.tau) if name == "phase" else away
+
+
+def misfit_of(kind: Kind, differences: Mapping[str, float], covariance: Floats) -> float:
     """Return how badly a kind of break explains differences.
 
     What it does not change must agree: these differences over their deviations, squared, and a
     penalty for each change.
     """
-    same = [i for i, name in enumerate(names) if name not in kind.changed]
+    same = [i for i, name in enumerate(differences) if name not in kind.changed]
     if not same:
         return _PENALTY * len(kind.changed)
-    off = np.array([differences[names[i]] for i in same])
+    off = np.array(list(differences.values()))[same]
     inverse = np.linalg.pinv(covariance[np.ix_(same, same)], hermitian=True)
     return float(off @ inverse @ off) + _PENALTY * len(kind.changed)
 
