@@ -185,26 +185,16 @@ def widening_of(flights: Sequence[Flights]) -> float:
     return (1.0 + correlation) / (1.0 - correlation)
 
 
-def drag_step(flights: Sequence[Flights]) -> tuple[float, float]:
-    """Return the change of the shared drag that all flights ask for and its deviation [1/s]."""
-    curvature = sum(float(flight.curvature[0, 0]) for flight in flights)
-    slope = sum(float(flight.slope[0]) for flight in flights)
-    if curvature <= 0.0:
-        return 0.0, 0.0
-    spread = float(np.median([flight.spread for flight in flights]))
-    return slope / curvature, math.sqrt(spread * widening_of(flights) / curvature)
+def shared_changes(flights: Sequence[Flights], count: int) -> tuple[Floats, Floats]:
+    """Return by how much all flights ask to change what they share, and the deviations of that.
 
-
-def pull_factor(flights: Sequence[Flights]) -> tuple[float, float]:
-    """Return the factor of (g + y0'')/l that flights at the shared drag ask for, and its deviation.
-
-    It is 1 if length, clock and the scale of the angles are right; the drag adapts to it.
+    The first is the drag [1/s], the second, with a `count` of 2, the factor of (g + y0'')/l. This
+    is 1 if length, clock and the scale of the angles are right. Without flights nothing changes.
     """
-    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))
-    slope = sum((flight.slope for flight in flights), np.zeros(2))
+    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))[:count, :count]
+    slope = sum((flight.slope for flight in flights), np.zeros(2))[:count]
     if not np.linalg.det(curvature) > 0.0:
-        return 1.0, math.inf
+        return np.zeros(count), np.zeros(count)
     inverse = np.linalg.inv(curvature)
     spread = float(np.median([flight.spread for flight in flights]))
-    sigma = math.sqrt(spread * widening_of(flights) * inverse[1, 1])
-    return 1.0 + float((inverse @ slope)[1]), sigma
+    return inverse @ slope, np.sqrt(spread * widening_of(flights) * np.diag(inverse))

@@ -26,7 +26,7 @@ from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
-from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
+from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, pivot_doubt, sight_guesses
 from latolato.experiment.fits.windows import WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
@@ -369,7 +369,7 @@ def _doubt(
     A motion in several pieces, each with its own start, may change at any of these: only its
     scatter is judged.
     """
-    few = misfit_doubt(solution, data)
+    few = pivot_doubt(solution) or misfit_doubt(solution, data)
     if few is None and len(model.windows) == 1 and model.angles == 1:
         whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
         place = place_of_change(data, whole, _SHORTEST * period)

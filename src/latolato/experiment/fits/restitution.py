@@ -18,10 +18,9 @@ from latolato.experiment.fits.flights import (
     ROUGH,
     Flights,
     Pull,
-    drag_step,
     good_flights,
-    pull_factor,
     pull_of,
+    shared_changes,
     widening_of,
 )
 from latolato.experiment.fits.least_squares import Floats
@@ -276,10 +275,11 @@ def _shared_drag(record: _Record, pull: Pull) -> _Drag:
     for _ in range(3):
         pairs = [record.flights(turn, turn.instant, pull, rate) for turn in record.turns]
         good = good_flights([flights for pair in pairs for flights in pair])
-        change, sigma = drag_step(good)
-        rate = min(max(rate + change, 0.0), 10.0)
+        (change,), (sigma,) = shared_changes(good, 1)
+        rate = min(max(rate + float(change), 0.0), 10.0)
     spread = float(np.median([flights.spread for flights in good])) if good else 1.0
-    return _Drag(rate, sigma, spread, widening_of(good), pull_factor(good))
+    (_, faster), (_, error) = shared_changes(good, 2)
+    return _Drag(rate, float(sigma), spread, widening_of(good), (1.0 + faster, error))
 
 
 def _turns(time: Floats, gap: Floats) -> list[float]:

@@ -26,7 +26,7 @@ from latolato.experiment.fits.free_swing import amplitude_at, fit_equation, part
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
-from latolato.experiment.fits.sight import ABOVE, ASIDE
+from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
 
 # Periods in the shortest part of a record.
@@ -171,15 +171,7 @@ def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | N
             "gap",
             at,
         )
-    for name, place in ((ABOVE, "above"), (ASIDE, "beside")):
-        if name in whole.beyond_priors:
-            return Adequacy(
-                f"The fit is not to be believed: it puts the pivot {abs(whole.values[name]):.2g} "
-                f"of the arm {place} where the table has it, {abs(whole.beyond_priors[name]):.2g} "
-                "times the uncertainty that the table states.",
-                "pivot",
-            )
-    return None
+    return pivot_doubt(whole)
 
 
 def _of_whole(
