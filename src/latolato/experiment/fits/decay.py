@@ -21,7 +21,6 @@ from latolato.experiment.fits.least_squares import (
     Data,
     Guess,
     Solution,
-    lmfit_module,
 )
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import (
@@ -166,7 +165,6 @@ def fit_decay(
     A drag that the three terms do not describe (a string that rubs, a draught) shows as correlation
     of the residuals only.
     """
-    lmfit_module()
     checked_table(table)
     checked_choice("method", method, METHODS)
     if law != "best" and law not in LAWS:

@@ -31,7 +31,6 @@ from latolato.experiment.fits.least_squares import (
     Floats,
     Guess,
     Solution,
-    lmfit_module,
     one_series,
     solve,
 )
@@ -161,7 +160,6 @@ def fit_drive(
     camera shows such motion too. Only a `PlanarHarmonic` has it; the verdict names any other drive
     that leaves it out. Horizontal motion at other frequencies counts as scatter.
     """
-    lmfit_module()
     checked_table(table, "pivot_y")
     if stages is not None:
         stages = checked_count("stages", stages, Range(1, MOST_STAGES))
@@ -172,7 +170,7 @@ def fit_drive(
     shape, solution = _chosen(data, zeros, stages, least)
     if profile:
         profiles = ("drive_amplitude", "drive_frequency")
-        solution = _fit(data, shape, _guesses_of(solution), profiles=profiles)
+        solution = _fit(data, shape, solution.guesses, profiles=profiles)
     drift: dict[str, Estimate] = {}
     if shape.stages == 1:
         drifting = (
@@ -441,14 +439,14 @@ def _harmonic_guess(late: Floats, height: Floats, fastest: float | None = None) 
 
 def _with_crank(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
     """Return a shape with the overtones of a crank, and where its fit starts."""
-    return replace(shape, crank=True), _guesses_of(best) | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
+    return replace(shape, crank=True), best.guesses | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
 
 
 def _with_drift(data: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
     """Return a shape whose amplitude and frequency drift, and where its fit starts."""
     drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
     rates = {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
-    return drifting, _guesses_of(best) | rates
+    return drifting, best.guesses | rates
 
 
 def _with_ramp(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
@@ -456,7 +454,7 @@ def _with_ramp(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
     starts = []
     for ramp in _RAMPS:
         earlier = {name: Guess(best.values[name] - 0.5 * ramp) for name in shape.times}
-        starts.append({**_guesses_of(best), **earlier, "ramp": Guess(ramp, 0.0)})
+        starts.append({**best.guesses, **earlier, "ramp": Guess(ramp, 0.0)})
     return replace(shape, ramp=True), *starts
 
 
@@ -501,16 +499,6 @@ def _is_real(solution: Solution, shape: Shape, data: Data) -> bool:
 def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any) -> Solution:
     """Return the least-squares solution of a shape."""
     return solve(lambda p: shape.height(p, data.times), guesses, data, **options)
-
-
-def _guesses_of(solution: Solution) -> dict[str, Guess]:
-    """Return a solution's values as guesses."""
-    ranges = {"drive_amplitude": (0.0, math.inf), "ramp": (0.0, math.inf)}
-    ranges["crank_ratio"] = (-0.99, 0.99)
-    return {
-        name: Guess(value, *ranges.get(name, (-math.inf, math.inf)))
-        for name, value in solution.values.items()
-    }
 
 
 def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Estimate]:
@@ -655,10 +643,10 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
 
     def fit_part(part: Data, about: Solution | None = None) -> Solution:
         if about is not None:
-            return _fit(part, simple, _guesses_of(about))
+            return _fit(part, simple, about.guesses)
         guesses = _harmonic_guess(part.times, part.values)
         if shape.crank:
-            guesses["crank_ratio"] = _guesses_of(solution)["crank_ratio"]
+            guesses["crank_ratio"] = solution.guesses["crank_ratio"]
         return _fit(part, simple, guesses)
 
     noise = max(noise_of(data.values), 1e-300)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -98,8 +98,8 @@ class Solution:
     ----------
     names : tuple of str
         Parameters, in the order of `covariance`.
-    values : dict
-        Their values.
+    values, guesses : dict
+        Their values, and these with their ranges and priors, for another fit.
     covariance : ndarray, shape (parameter, parameter)
         Correlation of residuals allowed for, scaled by their scatter.
     intervals : dict
@@ -120,10 +120,6 @@ class Solution:
         Derivatives of `curve`.
     origin : float
         Instant of the first sample [s].
-    prior_misfit : float
-        Sum of the squares of the parameters with priors over their deviations.
-    beyond_priors : dict
-        Those of them that are beyond three of these deviations, in deviations, by name.
     """
 
     names: tuple[str, ...]
@@ -139,8 +135,7 @@ class Solution:
     log_likelihood: float
     slopes: Floats = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     origin: float = 0.0
-    prior_misfit: float = 0.0
-    beyond_priors: dict[str, float] = field(default_factory=dict)
+    guesses: dict[str, Guess] = field(default_factory=dict, repr=False)
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
@@ -152,6 +147,17 @@ class Solution:
         """Return a parameter with its deviation and its interval, the profile's if there is one."""
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
+
+    @property
+    def prior_misfit(self) -> float:
+        """Sum of the squares of the parameters with priors over their deviations."""
+        return sum((guess.value / guess.prior) ** 2 for guess in self.guesses.values())
+
+    @property
+    def beyond_priors(self) -> dict[str, float]:
+        """Those that are beyond three deviations of their priors, in deviations."""
+        off = {name: guess.value / guess.prior for name, guess in self.guesses.items()}
+        return {name: size for name, size in off.items() if abs(size) > _FAR}
 
     @property
     def quality(self) -> dict[str, Any]:
@@ -257,7 +263,6 @@ def solve(
         white(slopes / data.sigmas[:, None]), errors, spread, _beliefs(guesses, spread) ** 2
     )
     count = len(errors)
-    off = {name: values[name] / guesses[name].prior for name in names}
     solution = Solution(
         names=names,
         values=dict(values),
@@ -272,8 +277,7 @@ def solve(
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
         slopes=slopes,
         origin=float(data.times[0]),
-        prior_misfit=sum(size**2 for size in off.values()),
-        beyond_priors={name: size for name, size in off.items() if abs(size) > _FAR},
+        guesses={name: replace(guess, value=values[name]) for name, guess in guesses.items()},
     )
     if profiles:
         solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
