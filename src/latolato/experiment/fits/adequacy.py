@@ -10,14 +10,23 @@ the clock, another frequency is a change of pace, and so on.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.fits.least_squares import OUTLIER, Data, Floats, Solution
+from latolato.experiment.fits.least_squares import (
+    OUTLIER,
+    ConvergenceError,
+    Data,
+    Floats,
+    Solution,
+    correlation_of,
+    whitened,
+)
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
 
@@ -87,15 +96,10 @@ class Kind:
     words: str
 
 
-def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
+def deviance(solutions: Sequence[Solution]) -> float:
     """Return minus twice the log likelihood of samples in parts, up to a constant.
 
-    Parameters
-    ----------
-    solutions : list of Solution
-        Of each part. All parts have one scatter, so that a change of the noise is no break.
-    floor : float
-        Variance that is added to that of the noise.
+    All parts have one scatter, so that a change of the noise is no break.
 
     Notes
     -----
@@ -109,8 +113,22 @@ def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
         fresh += count * each.chi_square * (1.0 - each.correlation**2)
         total += len(each.kept)
         lost += len(each.kept) - count
-    variance = fresh / max(total - lost, 1) + floor
+    variance = fresh / max(total - lost, 1)
     return total * math.log(max(variance, 1e-300)) + lost * OUTLIER**2
+
+
+def cost(solution: Solution) -> float:
+    """Return minus twice the log likelihood, with what is known beforehand."""
+    return deviance([solution]) + solution.prior_misfit
+
+
+def solutions_of(fit: Callable[[Any], Solution], starts: Iterable[Any]) -> list[Solution]:
+    """Return the solutions of the starts from which a fit converges, the best one first."""
+    found = []
+    for start in starts:
+        with suppress(ConvergenceError):
+            found.append(fit(start))
+    return sorted(found, key=cost)
 
 
 def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 0.0) -> int | None:
@@ -132,7 +150,8 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     besides those of all samples.
     """
     kept = np.flatnonzero(whole.kept)
-    times, sigmas = data.times[kept], data.sigmas[kept]
+    samples = data[kept]
+    times, sigmas = samples.times, samples.sigmas
     errors = whole.residuals[kept] / sigmas
     slopes = whole.slopes[kept] / sigmas[:, None]
     slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
@@ -143,8 +162,7 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     fewest = _FEWEST * free
     bent = math.hypot(bent, _BENT * float(np.std(data.values)), _rounding_of(data.values))
     floor = (bent / float(np.median(data.sigmas))) ** 2
-    near = np.append(np.diff(times) < 1.6 * float(np.median(np.diff(times))), False)
-    together = _likelihood(errors, slopes, near, floor)
+    together = _likelihood(samples, errors, slopes, floor)
 
     def gain(place: int) -> float:
         if min(place, count - place) < fewest:
@@ -152,7 +170,7 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
         if min(times[place - 1] - times[0], times[-1] - times[place]) < shortest:
             return -math.inf
         late = np.where(np.arange(count)[:, None] < place, 0.0, slopes)
-        return together - _likelihood(errors, np.hstack([slopes, late]), near, floor)
+        return together - _likelihood(samples, errors, np.hstack([slopes, late]), floor)
 
     places = {round(k * count / _PLACES) for k in range(1, _PLACES)}
     places.add(int(np.argmax(np.diff(times))) + 1)
@@ -194,33 +212,23 @@ def _rounding_of(values: Floats) -> float:
     return float(np.min(np.diff(distinct))) / math.sqrt(12.0)
 
 
-def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> float:
+def _likelihood(samples: Data, errors: Floats, slopes: Floats, floor: float) -> float:
     """Return minus twice the log likelihood of errors after regression, up to a constant.
 
-    Errors are a first-order autoregression; `near` says which have their neighbour next to them.
+    The errors of the samples are a first-order autoregression.
     """
-    count = len(errors)
+    everything = np.ones(len(samples), dtype=bool)
 
     def rest(e: Floats, s: Floats) -> Floats:
         values, *_ = np.linalg.lstsq(s, e, rcond=1e-10)
         out: Floats = e - s @ values
         return out
 
-    left = rest(errors, slopes)
-    a, b = left[1:][near[:-1]], left[:-1][near[:-1]]
-    size = math.sqrt(float(a @ a) * float(b @ b))
-    rho = min(max(float(a @ b) / size, 0.0), 0.99) if size > 0.0 else 0.0
-    factor = np.where(near[:-1], rho, 0.0)
-    scale = np.sqrt(1.0 - factor**2)
-
-    def white(x: Floats) -> Floats:
-        out = x.copy()
-        out[1:] = ((x[1:].T - factor * x[:-1].T) / scale).T
-        return out
-
+    rho = correlation_of(samples, rest(errors, slopes))
+    white = whitened(samples, everything, rho)
     left = rest(white(errors), white(slopes))
-    fresh = float(left @ left) / count * (1.0 - rho**2) + floor
-    return count * math.log(max(fresh, 1e-300))
+    fresh = float(left @ left) / len(samples) * (1.0 - rho**2) + floor
+    return len(samples) * math.log(max(fresh, 1e-300))
 
 
 def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:

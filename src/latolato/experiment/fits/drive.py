@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,10 +18,10 @@ from latolato.experiment.fits.adequacy import (
     Kind,
     changes,
     cut_at,
-    deviance,
     misfit_doubt,
     misfit_of,
     place_of_change,
+    solutions_of,
 )
 from latolato.experiment.fits.drive_across import across_of, with_across
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
@@ -64,7 +64,7 @@ _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
 _OVERTONES = (2, 3, 4)
 # Durations of ramps that a search starts from [s], and the trials that it may take.
-_RAMPS, _TRIES = (0.3, 1.0, 3.0), 40
+_RAMPS, _TRIES = (0.3, 1.0, 3.0), 60
 # Scatter of the times between samples, as a share, from which they are uneven.
 _UNEVEN = 0.01
 # Samples that are looked through for a drive faster than half their rate, multiples of that rate
@@ -375,11 +375,9 @@ def _of_stages(
     changing = _with_drift if count == 1 else _with_ramp
     for richer_of in (changing, _with_crank):
         richer, *starts = richer_of(data, shape, best)
-        for start in starts:
-            with suppress(ConvergenceError):
-                trial = _fit(data, richer, start, limit=_TRIES)
-                if _is_better(trial, best) and _is_large(data, richer, trial, least):
-                    shape, best = richer, trial
+        for trial in solutions_of(partial(_fit, data, richer, limit=_TRIES), starts)[:1]:
+            if _is_better(trial, best) and _is_large(data, richer, trial, least):
+                shape, best = richer, trial
     return shape, best
 
 
@@ -397,13 +395,10 @@ def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
     if shape.stages == 1:
         harmonic = _harmonic_guess(data.times, data.values)
         starts += [harmonic, *_over_gap(data, harmonic)]
-    tries = []
-    for start in starts:
-        with suppress(ConvergenceError):
-            tries.append(_fit(data, shape, start))
+    tries = solutions_of(partial(_fit, data, shape), starts)
     if not tries:
         raise ConvergenceError("no drive of this shape describes the pivot's height")
-    return min(tries, key=lambda each: deviance([each]))
+    return tries[0]
 
 
 def _over_gap(data: Data, harmonic: Mapping[str, Guess]) -> list[dict[str, Guess]]:

@@ -248,7 +248,7 @@ def solve(
                 continue
             mask = cleaned
         elif turn > 1:
-            rho = _correlation(data, mask, residuals)
+            rho = correlation_of(data[mask], (residuals / data.sigmas)[mask])
             spread = _spread(whitened(data, mask, rho)(residuals / data.sigmas), loose)
         white = whitened(data, mask, rho)
         minimizer = _minimizer(model, jacobian, parameters, data, white, _beliefs(guesses, spread))
@@ -379,12 +379,10 @@ def _spacing(times: Floats, series: NDArray[np.int64]) -> float:
     return float(np.median(np.diff(times)[inside])) if inside.any() else 1.0
 
 
-def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> float:
-    """Return the correlation of residuals one typical sample apart, none for a negative one."""
-    times, series = data.times[mask], data.series[mask]
-    errors = (residuals / data.sigmas)[mask]
-    steps = np.diff(times)
-    near = (series[1:] == series[:-1]) & (steps < 1.6 * _spacing(times, series))
+def correlation_of(data: Data, errors: Floats) -> float:
+    """Return the correlation of errors one typical sample apart, none for a negative one."""
+    inside = data.series[1:] == data.series[:-1]
+    near = inside & (np.diff(data.times) < 1.6 * _spacing(data.times, data.series))
     if near.sum() < 8:
         return 0.0
     a, b = errors[1:][near], errors[:-1][near]

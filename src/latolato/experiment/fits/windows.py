@@ -89,7 +89,10 @@ class WindowedModel:
         guesses = dict(self.shared)
         system, _ = self.laws({name: guess.value for name, guess in guesses.items()})
         for k, window in enumerate(self.windows):
-            state = _states(self.data, window.begin, self.angles) if states is None else states[k]
+            if states is None:
+                state, _ = _parabolas(self.data, window.begin, self.angles)
+            else:
+                state = states[k]
             inside = _within_walls(system, state[:, 0])
             for j in range(self.angles):
                 angle, velocity = start_names(k, j)
@@ -206,22 +209,28 @@ def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
     return windows
 
 
-def _states(data: Data, instant: float, angles: int) -> Floats:
-    """Return angles and angular velocities about an instant from parabolas, shape (angle, 2)."""
-    out = np.zeros((angles, 2))
+def _parabolas(data: Data, instant: float, angles: int) -> tuple[Floats, float]:
+    """Fit a parabola to the samples of each angle that are nearest to an instant.
+
+    Returns
+    -------
+    states : ndarray, shape (angle, 2)
+        Angles and angular velocities there.
+    misfit : float
+        Sum of the squares that the parabolas leave, and of the durations of the samples, as gaps
+        are no good place.
+    """
+    states, misfit = np.zeros((angles, 2)), 0.0
     for j in range(angles):
-        late, values = _about(data, instant, j)
+        own = np.flatnonzero(data.series == j + 1)
+        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
+        late = data.times[near] - instant
         scale = max(float(np.max(np.abs(late))), 1e-6)
-        coefficients = np.polyfit(late / scale, values, 2)
-        out[j] = coefficients[2], coefficients[1] / scale
-    return out
-
-
-def _about(data: Data, instant: float, angle: int) -> tuple[Floats, Floats]:
-    """Return the samples of an angle nearest to an instant: times from it, and values."""
-    own = np.flatnonzero(data.series == angle + 1)
-    near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
-    return data.times[near] - instant, data.values[near]
+        coefficients = np.polyfit(late / scale, data.values[near], 2)
+        states[j] = coefficients[2], coefficients[1] / scale
+        left = data.values[near] - np.polyval(coefficients, late / scale)
+        misfit += float(left @ left) + float(np.ptp(late))
+    return states, misfit
 
 
 def _within_walls(system: System, angles: Floats) -> Floats:
@@ -247,17 +256,6 @@ def window_starts(data: Data, length: float, angles: int) -> Floats:
         if not len(near):
             continue
         picked = near[:: max(1, len(near) // 24)]
-        misfit = [_misfit(data, float(t), angles) for t in picked]
+        misfit = [_parabolas(data, float(t), angles)[1] for t in picked]
         starts.append(float(picked[int(np.argmin(misfit))]))
     return np.array(starts)
-
-
-def _misfit(data: Data, instant: float, angles: int) -> float:
-    """Return how badly parabolas describe the samples about an instant."""
-    total = 0.0
-    for j in range(angles):
-        late, values = _about(data, instant, j)
-        coefficients = np.polyfit(late, values, 2)
-        total += float(np.sum((values - np.polyval(coefficients, late)) ** 2))
-        total += float(np.ptp(late))  # gaps are no good place
-    return total
