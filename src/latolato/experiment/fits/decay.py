@@ -86,7 +86,7 @@ _ROUGH = 1e-3
 # Standard deviations from which drag is seen.
 _SURE = 3.0
 # Samples from which laws are compared, and trials that a start may take there.
-_ENOUGH, _TRIES = 1500, 90
+_ENOUGH, _TRIES = 1500, 65
 
 
 def fit_decay(

@@ -64,7 +64,7 @@ _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
 _OVERTONES = (2, 3, 4)
 # Durations of ramps that a search starts from [s], and the trials that it may take.
-_RAMPS, _TRIES = (0.3, 1.0, 3.0), 60
+_RAMPS, _TRIES = (0.3, 1.0, 3.0), 50
 # Scatter of the times between samples, as a share, from which they are uneven.
 _UNEVEN = 0.01
 # Samples that are looked through for a drive faster than half their rate, multiples of that rate

@@ -37,7 +37,7 @@ COEFFICIENTS = {
 # Residuals so many times the noise ask for other starts.
 _POOR = 4.0
 # Trials that a start may take, and one beside a solution.
-_TRIES, _SOON = 60, 15
+_TRIES, _SOON = 50, 12
 # Swings that a search from nothing begins with, and by how much it grows each time.
 _FIRST_SWINGS, _GROWTH = 4.0, 2.0
 # Swings more or fewer that a gap may hold than the part before it says.

@@ -33,7 +33,7 @@ from latolato.experiment.fits.swings import period_factor
 _SHORTEST = 2.0
 # Samples that explanations of a whole record are fitted to, in so many trials, and what they must
 # gain, as a share of what two parts do.
-_ENOUGH, _TRIES, _MOST = 600, 45, 0.5
+_ENOUGH, _TRIES, _MOST = 600, 40, 0.5
 # How uncertain the instant of a cut is, in periods.
 _UNSURE = 0.1
 # Periods that a cut may have taken out of a clock.
