@@ -5,6 +5,7 @@ import pytest
 
 import latolato as ll
 from latolato.core.errors import InputError
+from latolato.experiment.fits.decay import fit_decay
 from latolato.experiment.fits.model import fit_model
 from track_tables import PLACE, motion_table
 
@@ -51,6 +52,18 @@ def test_a_pivot_seen_aside_is_within_the_deviations():
     # Without the pivot's error half of them miss by more.
     assert np.mean(np.abs(misses) < 2.0) > 0.8
     assert np.mean(np.abs(driven) < 2.0) > 0.8
+
+
+def test_a_pivot_far_from_its_place_in_the_table_is_doubted():
+    # Three pixels above a pivot that the table knows to 0.15 pixels.
+    table = motion_table(
+        PENDULUM, initial_angle=0.9, duration=8.0, size=1.2e-4, pivot_error=(0.0, 3.0)
+    )
+    fits = fit_decay(table, mass=0.108, compare=False, profile=False), fit_model(table, PENDULUM)
+    for fit in fits:
+        assert not fit.describes
+        assert fit.dataset.attrs["break"] == "pivot"
+        assert "of the arm above where the table has it" in fit.doubt
 
 
 def test_the_scale_that_a_misplaced_pivot_gives_widens_what_a_drive_tells():

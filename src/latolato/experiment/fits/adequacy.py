@@ -10,14 +10,23 @@ the clock, another frequency is a change of pace, and so on.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.fits.least_squares import OUTLIER, Data, Floats, Solution
+from latolato.experiment.fits.least_squares import (
+    OUTLIER,
+    ConvergenceError,
+    Data,
+    Floats,
+    Solution,
+    correlation_of,
+    whitened,
+)
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
 
@@ -87,15 +96,10 @@ class Kind:
     words: str
 
 
-def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
+def deviance(solutions: Sequence[Solution]) -> float:
     """Return minus twice the log likelihood of samples in parts, up to a constant.
 
-    Parameters
-    ----------
-    solutions : list of Solution
-        Of each part. All parts have one scatter, so that a change of the noise is no break.
-    floor : float
-        Variance that is added to that of the noise.
+    All parts have one scatter, so that a change of the noise is no break.
 
     Notes
     -----
@@ -109,8 +113,22 @@ def deviance(solutions: list[Solution], floor: float = 0.0) -> float:
         fresh += count * each.chi_square * (1.0 - each.correlation**2)
         total += len(each.kept)
         lost += len(each.kept) - count
-    variance = fresh / max(total - lost, 1) + floor
+    variance = fresh / max(total - lost, 1)
     return total * math.log(max(variance, 1e-300)) + lost * OUTLIER**2
+
+
+def cost(solution: Solution) -> float:
+    """Return minus twice the log likelihood, with what is known beforehand."""
+    return deviance([solution]) + solution.prior_misfit
+
+
+def solutions_of(fit: Callable[[Any], Solution], starts: Iterable[Any]) -> list[Solution]:
+    """Return the solutions of the starts from which a fit converges, the best one first."""
+    found = []
+    for start in starts:
+        with suppress(ConvergenceError):
+            found.append(fit(start))
+    return sorted(found, key=cost)
 
 
 def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 0.0) -> int | None:
@@ -132,7 +150,8 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     besides those of all samples.
     """
     kept = np.flatnonzero(whole.kept)
-    times, sigmas = data.times[kept], data.sigmas[kept]
+    samples = data[kept]
+    times, sigmas = samples.times, samples.sigmas
     errors = whole.residuals[kept] / sigmas
     slopes = whole.slopes[kept] / sigmas[:, None]
     slopes = slopes / np.maximum(np.sqrt(np.sum(slopes**2, axis=0)), 1e-300)
@@ -143,8 +162,7 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
     fewest = _FEWEST * free
     bent = math.hypot(bent, _BENT * float(np.std(data.values)), _rounding_of(data.values))
     floor = (bent / float(np.median(data.sigmas))) ** 2
-    near = np.append(np.diff(times) < 1.6 * float(np.median(np.diff(times))), False)
-    together = _likelihood(errors, slopes, near, floor)
+    together = _likelihood(samples, errors, slopes, floor)
 
     def gain(place: int) -> float:
         if min(place, count - place) < fewest:
@@ -152,7 +170,7 @@ def place_of_change(data: Data, whole: Solution, shortest: float, bent: float = 
         if min(times[place - 1] - times[0], times[-1] - times[place]) < shortest:
             return -math.inf
         late = np.where(np.arange(count)[:, None] < place, 0.0, slopes)
-        return together - _likelihood(errors, np.hstack([slopes, late]), near, floor)
+        return together - _likelihood(samples, errors, np.hstack([slopes, late]), floor)
 
     places = {round(k * count / _PLACES) for k in range(1, _PLACES)}
     places.add(int(np.argmax(np.diff(times))) + 1)
@@ -194,33 +212,23 @@ def _rounding_of(values: Floats) -> float:
     return float(np.min(np.diff(distinct))) / math.sqrt(12.0)
 
 
-def _likelihood(errors: Floats, slopes: Floats, near: Any, floor: float) -> float:
+def _likelihood(samples: Data, errors: Floats, slopes: Floats, floor: float) -> float:
     """Return minus twice the log likelihood of errors after regression, up to a constant.
 
-    Errors are a first-order autoregression; `near` says which have their neighbour next to them.
+    The errors of the samples are a first-order autoregression.
     """
-    count = len(errors)
+    everything = np.ones(len(samples), dtype=bool)
 
     def rest(e: Floats, s: Floats) -> Floats:
         values, *_ = np.linalg.lstsq(s, e, rcond=1e-10)
         out: Floats = e - s @ values
         return out
 
-    left = rest(errors, slopes)
-    a, b = left[1:][near[:-1]], left[:-1][near[:-1]]
-    size = math.sqrt(float(a @ a) * float(b @ b))
-    rho = min(max(float(a @ b) / size, 0.0), 0.99) if size > 0.0 else 0.0
-    factor = np.where(near[:-1], rho, 0.0)
-    scale = np.sqrt(1.0 - factor**2)
-
-    def white(x: Floats) -> Floats:
-        out = x.copy()
-        out[1:] = ((x[1:].T - factor * x[:-1].T) / scale).T
-        return out
-
+    rho = correlation_of(samples, rest(errors, slopes))
+    white = whitened(samples, everything, rho)
     left = rest(white(errors), white(slopes))
-    fresh = float(left @ left) / count * (1.0 - rho**2) + floor
-    return count * math.log(max(fresh, 1e-300))
+    fresh = float(left @ left) / len(samples) * (1.0 - rho**2) + floor
+    return len(samples) * math.log(max(fresh, 1e-300))
 
 
 def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> Cut | None:
@@ -235,8 +243,11 @@ def cut_of(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -> C
         If there is a change, but no fit of a part converges.
     """
     place = place_of_change(data, whole, shortest)
-    if place is None:
-        return None
+    return None if place is None else cut_at(data, whole, place, fit_part, shortest)
+
+
+def cut_at(data: Data, whole: Solution, place: int, fit_part: FitPart, shortest: float) -> Cut:
+    """The cut near a sample that divides a record best, with the fits of both parts."""
     at = float(data.times[place])
     # The instant is not sure to a sample, and a part must not hold any of the other one.
     clear = _CLEAR * shortest
@@ -318,17 +329,15 @@ def widened(whole: Solution, cut: Cut, names: Sequence[str]) -> Solution:
 
 def changes(
     cut: Cut, portrait: Portrait
-) -> tuple[dict[str, float], dict[str, float], tuple[str, ...], Floats]:
+) -> tuple[dict[str, float], dict[str, float], dict[str, float], Floats]:
     """Return how the motion before a cut differs from the one after it, and how surely.
 
     Returns
     -------
-    before, after : dict
-        The numbers of the motion at the cut.
-    names : tuple of str
-        Of the rows of the covariance.
+    before, after, differences : dict
+        The numbers of the motion at the cut, and the second less the first.
     covariance : ndarray
-        Of the differences.
+        Of the differences, in their order.
     """
     sides, covariances = [], []
     for solution in (cut.before, cut.after):
@@ -340,27 +349,30 @@ def changes(
             moved = {**solution.values, name: solution.values[name] + step}
             there = portrait(solution, moved, cut.instant)
             for j, what in enumerate(names):
-                away = there[what] - middle[what]
-                if what == "phase":
-                    away = math.remainder(away, math.tau)
-                slopes[j, i] = away / step
+                slopes[j, i] = _less(there, middle, what) / step
         sides.append(middle)
         covariances.append(slopes @ solution.covariance @ slopes.T)
-    return sides[0], sides[1], names, _MORE**2 * (covariances[0] + covariances[1])
+    before, after = sides
+    differences = {name: _less(after, before, name) for name in after}
+    return before, after, differences, _MORE**2 * (covariances[0] + covariances[1])
 
 
-def misfit_of(
-    kind: Kind, differences: Mapping[str, float], names: tuple[str, ...], covariance: Floats
-) -> float:
+def _less(one: Mapping[str, float], other: Mapping[str, float], name: str) -> float:
+    """Return the difference of a number of two motions, of phases within half a turn."""
+    away = one[name] - other[name]
+    return math.remainder(away, math.tau) if name == "phase" else away
+
+
+def misfit_of(kind: Kind, differences: Mapping[str, float], covariance: Floats) -> float:
     """Return how badly a kind of break explains differences.
 
     What it does not change must agree: these differences over their deviations, squared, and a
     penalty for each change.
     """
-    same = [i for i, name in enumerate(names) if name not in kind.changed]
+    same = [i for i, name in enumerate(differences) if name not in kind.changed]
     if not same:
         return _PENALTY * len(kind.changed)
-    off = np.array([differences[names[i]] for i in same])
+    off = np.array(list(differences.values()))[same]
     inverse = np.linalg.pinv(covariance[np.ix_(same, same)], hermitian=True)
     return float(off @ inverse @ off) + _PENALTY * len(kind.changed)
 

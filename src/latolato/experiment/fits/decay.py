@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
+from latolato.experiment.fits.adequacy import solutions_of
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.free_swing import COEFFICIENTS, fit_best, fit_equation, guess_of
@@ -21,7 +23,6 @@ from latolato.experiment.fits.least_squares import (
     Data,
     Guess,
     Solution,
-    lmfit_module,
 )
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import (
@@ -85,7 +86,7 @@ _ROUGH = 1e-3
 # Standard deviations from which drag is seen.
 _SURE = 3.0
 # Samples from which laws are compared, and trials that a start may take there.
-_ENOUGH, _TRIES = 1500, 600
+_ENOUGH, _TRIES = 1500, 65
 
 
 def fit_decay(
@@ -166,7 +167,6 @@ def fit_decay(
     A drag that the three terms do not describe (a string that rubs, a draught) shows as correlation
     of the residuals only.
     """
-    lmfit_module()
     checked_table(table)
     checked_choice("method", method, METHODS)
     if law != "best" and law not in LAWS:
@@ -486,6 +486,10 @@ def _compared(
     data = data[:: max(1, len(data) // _ENOUGH)]
     fullest: Solution | None = None
     solutions = {}
+
+    def fit(terms: Sequence[str], like: Solution | None, start: Mapping[str, float]) -> Solution:
+        return fit_equation(data, start, terms, aside, limit=_TRIES, like=like)
+
     for name in _FULLEST_FIRST:
         terms = LAWS[name]
         shared = _shared(first, terms)
@@ -497,10 +501,7 @@ def _compared(
             if len(terms) > 1:
                 least = {t: max(fullest.values.get(t, 0.0), 1e-3 * first[t]) for t in terms}
                 starts.append({**fullest.values, **least})
-        tries = []
-        for start in starts:
-            with suppress(ConvergenceError):
-                tries.append(fit_equation(data, start, terms, aside, limit=_TRIES, like=fullest))
+        tries = solutions_of(partial(fit, terms, fullest), starts)
         if tries:
             solutions[name] = min(tries, key=lambda each: each.chi_square)
             fullest = fullest or solutions[name]
@@ -523,21 +524,18 @@ def _converged(
     """
     parts = [name for name in _FULLEST_FIRST if set(LAWS[name]) < set(LAWS[law])]
     parts.sort(key=lambda name: laws[name].bayes if name in laws else math.inf)
-    error: ConvergenceError | None = None
     for name in (law, *parts):
-        profiles = [*LAWS[name], "natural_frequency"] if profile else []
-        start = _shared(first, LAWS[name])
-        if name in laws:
-            start |= laws[name].values
-        try:
-            best, alone = fit_best(data, start, LAWS[name], aside)
+        terms = LAWS[name]
+        start = _shared(first, terms) | (laws[name].values if name in laws else {})
+        with suppress(ConvergenceError):
+            best, alone = fit_best(data, start, terms, aside)
             if profile:
-                best = fit_equation(data, best.values, LAWS[name], aside, profiles=profiles)
+                profiles = [*terms, "natural_frequency"]
+                best = fit_equation(data, best.values, terms, aside, profiles=profiles)
             return name, best, alone
-        except ConvergenceError as caught:
-            error = error or caught
-    assert error is not None
-    raise error
+    raise ConvergenceError(
+        f"the fit with {law} drag did not converge", way_out="use another part of the record"
+    )
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,13 +15,13 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.experiment.fits.adequacy import (
-    Cut,
     Kind,
     changes,
-    deviance,
+    cut_at,
     misfit_doubt,
     misfit_of,
     place_of_change,
+    solutions_of,
 )
 from latolato.experiment.fits.drive_across import across_of, with_across
 from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
@@ -31,7 +31,7 @@ from latolato.experiment.fits.least_squares import (
     Floats,
     Guess,
     Solution,
-    lmfit_module,
+    one_series,
     solve,
 )
 from latolato.experiment.fits.registry import FitKind, fits
@@ -57,17 +57,14 @@ MOST_STAGES = 4
 _STRONG = 10.0
 # An amplitude below so many times the noise of a sample is a pivot at rest.
 _CLEAR = 3.0
-# Residuals so many times the noise ask for another start.
-_POOR = 4.0
 # A gap of more than so many periods may hold another number of cycles than it seems, up to so many.
 _GAP, _LOST_CYCLES = 0.7, 4
 # What a track may bend a motion by [pixels].
 _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
 _OVERTONES = (2, 3, 4)
-# Within so many seconds of a step residuals this many times as large as elsewhere ask for a ramp,
-# whose fit may take so many trials.
-_NEAR_STEP, _ROUGH, _TRIES = 2.0, 1.3, 400
+# Durations of ramps that a search starts from [s], and the trials that it may take.
+_RAMPS, _TRIES = (0.3, 1.0, 3.0), 50
 # Scatter of the times between samples, as a share, from which they are uneven.
 _UNEVEN = 0.01
 # Samples that are looked through for a drive faster than half their rate, multiples of that rate
@@ -151,9 +148,10 @@ def fit_drive(
     -----
     The height is ``y = A0 cos p - A0 q sin^2 p/(1 + sqrt(1 - q^2 sin^2 p))`` about a mean, with
     the signed crank ratio q = s A0/L of the crank-slider (s = +1: guide above) and a phase p whose
-    frequency is constant in each stage and moves within `ramp` between them. Stages, ramp and
-    crank are kept if they lower BIC by 10 or more, a crank only if its second harmonic is above a
-    tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
+    frequency is constant in each stage and moves within `ramp` between them. Stages, ramp, drift
+    and crank are kept if they lower BIC by 10 or more: a drift only if it changes the amplitude by
+    half a per cent or the frequency by 0.02 per cent, a crank only if its second harmonic is above
+    a tenth of a pixel of the track, to which templates may bend a motion. A second harmonic that is
     not in phase, as an eccentric bearing makes, is reported but not part of ``drive``.
 
     The horizontal position is ``Ax cos(p + lead)`` about a mean, with the same phase p. The motion
@@ -162,31 +160,28 @@ def fit_drive(
     camera shows such motion too. Only a `PlanarHarmonic` has it; the verdict names any other drive
     that leaves it out. Horizontal motion at other frequencies counts as scatter.
     """
-    lmfit_module()
     checked_table(table, "pivot_y")
     if stages is not None:
         stages = checked_count("stages", stages, Range(1, MOST_STAGES))
     origin = float(table["time"].values[0])
-    data, zeros = _samples(table, start, end)
-    even = _rate_of(data)
-    data = replace(data, times=data.times - origin)
+    data, zeros = _samples(table, origin, start, end)
+    even = _rate_of(data.times)
     least = _LEAST_OVERTONE * float(table.attrs.get("metres_per_pixel", 0.0))
-    if isinstance(zeros, dict):
-        shape = Shape(1)
-        solution = _fit(data, shape, zeros)
-    else:
-        shape, solution = _chosen(data, zeros - origin, stages, least)
+    shape, solution = _chosen(data, zeros, stages, least)
     if profile:
-        names = [n for n in ("drive_amplitude", "drive_frequency") if n in solution.names]
-        solution = _fit(data, shape, _guesses_of(solution), profiles=names)
+        profiles = ("drive_amplitude", "drive_frequency")
+        solution = _fit(data, shape, solution.guesses, profiles=profiles)
     drift: dict[str, Estimate] = {}
-    unsteady: list[str] = []
     if shape.stages == 1:
-        drifting, other = _drifting(data, shape, solution)
-        drift = _drift(other)
-        unsteady = _unsteady(drift, other, float(np.ptp(data.times)))
-        if unsteady:
-            shape, solution = drifting, other
+        drifting = (
+            solution
+            if shape.drifts_about is not None
+            else _fit(data, *_with_drift(data, shape, solution))
+        )
+        drift = {
+            "amplitude_drift": drifting.estimate("amplitude_drift", "m/s"),
+            "frequency_drift": drifting.estimate("frequency_drift", "rad/s^2"),
+        }
     _check_cycles(solution, float(np.ptp(data.times)))
     adequacy = _doubt(data, shape, solution, origin, least)
     estimates = _estimates(solution, shape, origin) | drift
@@ -200,9 +195,11 @@ def fit_drive(
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
     words = [_main_words(estimates, solution, shape, origin), drive_words]
-    if unsteady:
+    if shape.drifts_about is not None:
         span = float(np.ptp(data.times))
-        words.append(f"It is not steady: over {span:.3g} s {' and '.join(unsteady)}.")
+        words.append(
+            f"It is not steady: over {span:.3g} s {' and '.join(_changes(data, solution))}."
+        )
     elif drift:
         words.append("It is steady.")
     words.append(
@@ -272,25 +269,22 @@ class _Overtone:
 
 
 def _samples(
-    table: xr.Dataset, start: float | None, end: float | None
-) -> tuple[Data, Floats | dict[str, Guess]]:
-    """Return the heights between the first and the last passage, and the passages.
+    table: xr.Dataset, origin: float, start: float | None, end: float | None
+) -> tuple[Data, Floats | None]:
+    """Return the heights between the first and the last passage, and the passages from `origin` on.
 
-    Of a drive that is faster than half the rate of uneven samples all heights, and a guess.
+    Of a drive that is faster than half the rate of uneven samples all heights, and None.
     """
     time, height = table["time"].values, table["pivot_y"].values
     good = np.isfinite(height) & within(time, start, end)
     if good.sum() < 16:
         raise InputError(f"the pivot is known in {good.sum()} samples, but a fit needs at least 16")
-    time, height = time[good], height[good]
-    ones = np.ones(len(time))
-    seen, _ = without_repeats(Data(time, height, ones, np.zeros(len(time), dtype=np.int64)))
+    time, height = time[good] - origin, height[good]
+    seen, _ = without_repeats(one_series(time, height))
     if len(seen) >= 16:
         time, height = seen.times, seen.values
-    fast = _fast(time, height, float(table["time"].values[0]))
-    if fast is not None:
-        ones = np.ones(len(time))
-        return Data(time, height, ones, np.zeros(len(time), dtype=np.int64)), fast
+    if _is_fast(time, height):
+        return one_series(time, height), None
     low, high = np.percentile(height, [2.0, 98.0])
     noise = noise_of(height)
     if noise > 0.5 * (high - low):  # more than any noise scatters beside its own range
@@ -308,25 +302,22 @@ def _samples(
             f"the pivot passes its middle {len(zeros)} times: a drive needs at least 3 periods"
         )
     chosen = (time >= zeros[0]) & (time <= zeros[-1])
-    count = int(chosen.sum())
-    ones = np.ones(count)
-    data = Data(time[chosen], height[chosen], ones, np.zeros(count, dtype=np.int64))
-    return data, zeros
+    return one_series(time[chosen], height[chosen]), zeros
 
 
-def _fast(time: Floats, height: Floats, origin: float) -> dict[str, Guess] | None:
-    """Return a guess of a drive faster than half the rate of uneven samples, None without one."""
-    steps = np.diff(time)
-    pause = float(np.median(steps))
-    if float(np.std(steps[steps < 1.5 * pause])) < _UNEVEN * pause:
-        return None
-    late, few = time[:_FAST_SAMPLES] - origin, height[:_FAST_SAMPLES]
-    *_, slow = fitted_harmonic(late, few)
-    fastest = _FASTEST * math.pi / pause
-    rate, _, rest = fitted_harmonic(late, few, fastest)
-    if rate < math.pi / pause or rest > _FAST * slow:
-        return None
-    return _harmonic_guess(late, few, fastest)
+def _is_fast(time: Floats, height: Floats) -> bool:
+    """Return whether uneven samples show a drive that is faster than half their rate."""
+    if _rate_of(time) is not None:
+        return False
+    few = slice(0, _FAST_SAMPLES)
+    *_, slow = fitted_harmonic(time[few], height[few])
+    rate, _, rest = fitted_harmonic(time[few], height[few], _fastest(time))
+    return rate > math.pi / float(np.median(np.diff(time))) and rest < _FAST * slow
+
+
+def _fastest(time: Floats) -> float:
+    """Return the highest frequency that is tried for uneven samples [rad/s]."""
+    return _FASTEST * math.pi / float(np.median(np.diff(time)))
 
 
 def _scale_words(table: xr.Dataset) -> str:
@@ -354,68 +345,79 @@ def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError
     )
 
 
-def _chosen(data: Data, zeros: Floats, stages: int | None, least: float) -> tuple[Shape, Solution]:
-    """Return the model that the criterion prefers, and its solution."""
-    shape = Shape(stages or 1)
-    guesses = guesses_of_passages(data, zeros, shape)
-    if shape.stages > 1:
-        shape, best = _with_ramp(data, shape, _fit(data, shape, guesses))
-    else:
-        best = _best_of(data, guesses)
-    shape, best = _with_crank(data, shape, best, least)
-    if stages is not None:
-        return shape, best
-    # What stages must beat: one whose amplitude and frequency drift.
-    _, bar = _drifting(data, shape, best)
+def _chosen(
+    data: Data, zeros: Floats | None, stages: int | None, least: float
+) -> tuple[Shape, Solution]:
+    """Return the shape that the criterion prefers, and its solution.
+
+    Stages are added as long as each is worth its parameters.
+    """
+    if zeros is None or stages is not None:
+        return _of_stages(data, zeros, stages or 1, least)
+    shape, best = _of_stages(data, zeros, 1, least)
     for count in range(2, MOST_STAGES + 1):
-        richer = Shape(count)
         try:
-            trial = _fit(data, richer, guesses_of_passages(data, zeros, richer))
-            richer, trial = _with_ramp(data, richer, trial)
-            richer, trial = _with_crank(data, richer, trial, least)
+            richer, trial = _of_stages(data, zeros, count, least)
         except InputError:
             break
-        better = _is_better(trial, bar, data) and _is_better(trial, best, data)
-        if not (better and _is_real(trial, richer, data)):
+        if not (_is_better(trial, best) and _is_real(trial, richer, data)):
             break
-        shape, best, bar = richer, trial, trial
+        shape, best = richer, trial
     return shape, best
 
 
-def _best_of(data: Data, guesses: Mapping[str, Guess]) -> Solution:
-    """Return the best drive of one frequency from the passages, or from the best harmonic.
+def _of_stages(
+    data: Data, zeros: Floats | None, count: int, least: float
+) -> tuple[Shape, Solution]:
+    """Return the best shape of so many stages: plain, changing smoothly, with a crank."""
+    shape = Shape(count)
+    best = _plain(data, zeros, shape)
+    changing = _with_drift if count == 1 else _with_ramp
+    for richer_of in (changing, _with_crank):
+        richer, *starts = richer_of(data, shape, best)
+        for trial in solutions_of(partial(_fit, data, richer, limit=_TRIES), starts)[:1]:
+            if _is_better(trial, best) and _is_large(data, richer, trial, least):
+                shape, best = richer, trial
+    return shape, best
 
-    A gap, or mistakes of the tracker, change the number of passages, but not the harmonic. With a
-    gap, frequencies that differ by a whole cycle in it are tried as well.
+
+def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
+    """Return the best solution of a shape from all starts.
+
+    A gap, or mistakes of the tracker, change the number of passages, but not the best harmonic. A
+    gap may hold some cycles more or fewer than that has.
     """
-    tries: list[Solution] = []
-    with suppress(ConvergenceError):
-        tries.append(_fit(data, Shape(1), guesses))
-    first = tries[0] if tries else None
-    gap = float(np.max(np.diff(data.times)))
-    rate = guesses["drive_frequency"].value if first is None else first.values["drive_frequency"]
-    has_gap = gap * abs(rate) > _GAP * math.tau
-    if (
-        first
-        and first.scatter <= _POOR * noise_of(data.values)
-        and first.kept.all()
-        and not has_gap
-    ):
-        return first
-    harmonic = _harmonic_guess(data.times, data.values)
-    tries.append(_fit(data, Shape(1), harmonic))
-    if has_gap:
-        best = min(tries, key=lambda each: deviance([each]))
-        early = float(np.mean(data.times[: int(np.argmax(np.diff(data.times))) + 1]))
-        for n in range(-_LOST_CYCLES, _LOST_CYCLES + 1):
-            step = math.tau * n / gap
-            start = _guesses_of(best)
-            # What is before the gap stays as it is.
-            start["drive_frequency"] = Guess(best.values["drive_frequency"] + step)
-            start["drive_phase"] = Guess(best.values["drive_phase"] - step * early)
-            with suppress(ConvergenceError):
-                tries.append(_fit(data, Shape(1), start))
-    return min(tries, key=lambda each: deviance([each]))
+    if zeros is None:
+        few = slice(0, _FAST_SAMPLES)
+        fast = _harmonic_guess(data.times[few], data.values[few], _fastest(data.times))
+        return _fit(data, shape, fast)
+    starts = [guesses_of_passages(data, zeros, shape)]
+    if shape.stages == 1:
+        harmonic = _harmonic_guess(data.times, data.values)
+        starts += [harmonic, *_over_gap(data, harmonic)]
+    tries = solutions_of(partial(_fit, data, shape), starts)
+    if not tries:
+        raise ConvergenceError("no drive of this shape describes the pivot's height")
+    return tries[0]
+
+
+def _over_gap(data: Data, harmonic: Mapping[str, Guess]) -> list[dict[str, Guess]]:
+    """Return drives like a harmonic before the longest gap, with other numbers of cycles in it."""
+    pauses = np.diff(data.times)
+    gap, place = float(np.max(pauses)), int(np.argmax(pauses))
+    rate, phase = (harmonic[name].value for name in ("drive_frequency", "drive_phase"))
+    if gap * abs(rate) < _GAP * math.tau:
+        return []
+    early = float(np.mean(data.times[: place + 1]))
+    steps = [math.tau * n / gap for n in range(-_LOST_CYCLES, _LOST_CYCLES + 1) if n]
+    return [
+        {
+            **harmonic,
+            "drive_frequency": Guess(rate + step),
+            "drive_phase": Guess(phase - step * early),
+        }
+        for step in steps
+    ]
 
 
 def _harmonic_guess(late: Floats, height: Floats, fastest: float | None = None) -> dict[str, Guess]:
@@ -430,42 +432,37 @@ def _harmonic_guess(late: Floats, height: Floats, fastest: float | None = None) 
     }
 
 
-def _with_crank(data: Data, shape: Shape, best: Solution, least: float) -> tuple[Shape, Solution]:
-    """Return the model with the overtones of a crank if that is better and they exceed `least`."""
-    richer = replace(shape, crank=True)
-    guesses = _guesses_of(best) | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
-    trial = _fit(data, richer, guesses)
-    overtone = 0.25 * abs(trial.values["crank_ratio"]) * trial.values["drive_amplitude"]
-    better = overtone > least and _is_better(trial, best, data)
-    return (richer, trial) if better else (shape, best)
+def _with_crank(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
+    """Return a shape with the overtones of a crank, and where its fit starts."""
+    return replace(shape, crank=True), best.guesses | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
 
 
-def _with_ramp(data: Data, shape: Shape, best: Solution) -> tuple[Shape, Solution]:
-    """Return the model with a ramp between stages if that is better."""
-    plain, richer = best, replace(shape, ramp=True)
-    near = np.zeros(len(data), dtype=bool)
-    for name in shape.times:
-        near |= np.abs(data.times - best.values[name]) < _NEAR_STEP
-    parts = [part & best.kept for part in (near, ~near)]
-    if not all(part.any() for part in parts):  # steps everywhere: nothing to compare with
-        return shape, best
-    sizes = [np.sqrt(np.mean(best.residuals[part] ** 2)) for part in parts]
-    if not sizes[0] > _ROUGH * sizes[1] and best.kept[near].all():
-        return shape, best
-    for value in (0.3, 1.0, 3.0):
-        guesses = _guesses_of(plain) | {"ramp": Guess(value, 0.0)}
-        for name in shape.times:
-            guesses[name] = Guess(plain.values[name] - 0.5 * value)
-        try:
-            trial = _fit(data, richer, guesses, limit=_TRIES)
-        except InputError:
-            continue
-        if _is_better(trial, best, data):
-            shape, best = richer, trial
-    return shape, best
+def _with_drift(data: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
+    """Return a shape whose amplitude and frequency drift, and where its fit starts."""
+    drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
+    rates = {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
+    return drifting, best.guesses | rates
 
 
-def _is_better(trial: Solution, best: Solution, data: Data) -> bool:
+def _with_ramp(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
+    """Return a shape with ramps between its stages, and where its fits start."""
+    starts = []
+    for ramp in _RAMPS:
+        earlier = {name: Guess(best.values[name] - 0.5 * ramp) for name in shape.times}
+        starts.append({**best.guesses, **earlier, "ramp": Guess(ramp, 0.0)})
+    return replace(shape, ramp=True), *starts
+
+
+def _is_large(data: Data, shape: Shape, solution: Solution, least: float) -> bool:
+    """Return whether overtones exceed what a track may bend, and drifts those of any motor."""
+    if shape.crank:
+        return (
+            0.25 * abs(solution.values["crank_ratio"]) * solution.values["drive_amplitude"] > least
+        )
+    return shape.drifts_about is None or bool(_changes(data, solution))
+
+
+def _is_better(trial: Solution, best: Solution) -> bool:
     """Return whether a richer model is worth its parameters, by BIC with one correlation."""
     # The likelihoods of two correlations cannot be compared; the better fit's noise counts.
     kept = trial.kept & best.kept
@@ -499,16 +496,6 @@ def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any)
     return solve(lambda p: shape.height(p, data.times), guesses, data, **options)
 
 
-def _guesses_of(solution: Solution) -> dict[str, Guess]:
-    """Return a solution's values as guesses."""
-    ranges = {"drive_amplitude": (0.0, math.inf), "ramp": (0.0, math.inf)}
-    ranges["crank_ratio"] = (-0.99, 0.99)
-    return {
-        name: Guess(value, *ranges.get(name, (-math.inf, math.inf)))
-        for name, value in solution.values.items()
-    }
-
-
 def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Estimate]:
     """Return the estimates under their public names."""
     estimates = {
@@ -525,21 +512,6 @@ def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Est
         if name in solution.values:
             estimates[name] = solution.estimate(name, unit)
     return estimates
-
-
-def _drifting(data: Data, shape: Shape, solution: Solution) -> tuple[Shape, Solution]:
-    """Return the model of one stage whose amplitude and frequency drift, and its solution."""
-    drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
-    guesses = _guesses_of(solution) | {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
-    return drifting, _fit(data, drifting, guesses)
-
-
-def _drift(drifting: Solution) -> dict[str, Estimate]:
-    """Return how amplitude and frequency drift over the record."""
-    return {
-        "amplitude_drift": drifting.estimate("amplitude_drift", "m/s"),
-        "frequency_drift": drifting.estimate("frequency_drift", "rad/s^2"),
-    }
 
 
 def _overtones(data: Data, shape: Shape, solution: Solution, least: float) -> list[_Overtone]:
@@ -631,9 +603,9 @@ def _main_words(
     return words
 
 
-def _rate_of(data: Data) -> float | None:
+def _rate_of(times: Floats) -> float | None:
     """Return the rate of evenly spaced samples [Hz], None for uneven ones."""
-    steps = np.diff(data.times)
+    steps = np.diff(times)
     pause = float(np.median(steps))
     near = steps[steps < 1.5 * pause]
     return 1.0 / pause if float(np.std(near)) < _UNEVEN * pause else None
@@ -658,47 +630,34 @@ def _check_cycles(solution: Solution, duration: float) -> None:
 
 def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: float) -> Adequacy:
     """Return whether the model describes the height."""
-    few = misfit_doubt(solution, replace(data, times=data.times + origin))
     shortest = _SHORTEST * math.tau / abs(solution.values["drive_frequency"])
-    simple = Shape(1, crank=shape.crank)
-
-    def fit_part(part: Data) -> Solution:
-        middle = part.values - np.mean(part.values)
-        zeros = crossings(part.times, middle)
-        if len(zeros) < 3:
-            raise ConvergenceError("this part is too short")
-        guesses = guesses_of_passages(part, zeros, Shape(1))
-        if shape.crank:
-            guesses["crank_ratio"] = _guesses_of(solution)["crank_ratio"]
-        return _fit(part, simple, guesses)
-
-    def portrait(_: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
-        return {
-            "amplitude": math.log(max(p["drive_amplitude"], 1e-300)),
-            "frequency": math.log(max(abs(p["drive_frequency"]), 1e-300)),
-            "phase": math.remainder(p["drive_phase"] + p["drive_frequency"] * instant, math.tau),
-            "offset": p["mean_height"],
-        }
-
     place = place_of_change(data, solution, shortest, 0.5 * least)
     if place is None:
-        return few or Adequacy()
-    at = origin + float(data.times[place])
+        return misfit_doubt(solution, replace(data, times=data.times + origin)) or Adequacy()
+    simple = Shape(crank=shape.crank)
+
+    def fit_part(part: Data, about: Solution | None = None) -> Solution:
+        if about is not None:
+            return _fit(part, simple, about.guesses)
+        guesses = _harmonic_guess(part.times, part.values)
+        if shape.crank:
+            guesses["crank_ratio"] = solution.guesses["crank_ratio"]
+        return _fit(part, simple, guesses)
+
     noise = max(noise_of(data.values), 1e-300)
     start = (
         f"A drive of {'one frequency' if shape.stages == 1 else f'{shape.stages} stages'} does not "
         f"describe the pivot's motion (scatter {solution.scatter / noise:.2g} times the noise of "
-        f"the samples): it fails from {at:.4g} s on"
+        "the samples): it fails from {:.4g} s on"
     )
     try:
-        early, late = data[:place], data[place:]
-        cut = Cut(float(data.times[place]), early, late, fit_part(early), fit_part(late), 0.0)
-        one, other, names, covariance = changes(cut, portrait)
+        cut = cut_at(data, solution, place, fit_part, shortest)
     except InputError:
-        return Adequacy(f"{start}.", "unknown", at)
-    off = {name: other[name] - one[name] for name in names}
-    off["phase"] = math.remainder(off["phase"], math.tau)
-    kind = min(_KINDS, key=lambda each: misfit_of(each, off, names, covariance))
+        at = origin + float(data.times[place])
+        return Adequacy(f"{start.format(at)}.", "unknown", at)
+    at = origin + cut.instant
+    one, other, off, covariance = changes(cut, _portrait)
+    kind = min(_KINDS, key=lambda each: misfit_of(each, off, covariance))
     numbers = {
         "share": (off["phase"] / math.tau) % 1.0,
         "pace": f"{100.0 * (math.exp(off['frequency']) - 1.0):+.2g} %",
@@ -706,16 +665,26 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
         "size_after": 1e3 * math.exp(other["amplitude"]),
         "offset": 1e3 * off["offset"],
     }
-    words = f"{start}, and it looks as if {kind.words.format(**numbers)}."
+    words = f"{start.format(at)}, and it looks as if {kind.words.format(**numbers)}."
     return Adequacy(words, kind.name, at)
 
 
-def _unsteady(drift: Mapping[str, Estimate], solution: Solution, duration: float) -> list[str]:
+def _portrait(_: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
+    """Return the numbers of a drive at an instant, as `adequacy.changes` compares them."""
+    return {
+        "amplitude": math.log(max(p["drive_amplitude"], 1e-300)),
+        "frequency": math.log(max(abs(p["drive_frequency"]), 1e-300)),
+        "phase": math.remainder(p["drive_phase"] + p["drive_frequency"] * instant, math.tau),
+        "offset": p["mean_height"],
+    }
+
+
+def _changes(data: Data, solution: Solution) -> list[str]:
     """Phrases about an amplitude or a frequency that changes over the record."""
     parts = []
     for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
-        change = drift[f"{name}_drift"]
-        share = change.value * duration / solution.values[f"drive_{name}"]
-        if abs(change.value) > 4.0 * change.sigma and abs(share) > limit:
+        change, sigma = solution.values[f"{name}_drift"], solution.sigma(f"{name}_drift")
+        share = change * float(np.ptp(data.times)) / solution.values[f"drive_{name}"]
+        if abs(change) > 4.0 * sigma and abs(share) > limit:
             parts.append(f"its {name} changes by {100 * share:.2g} %")
     return parts

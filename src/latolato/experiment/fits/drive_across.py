@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.experiment.fits.drive_shape import Shape
-from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
+from latolato.experiment.fits.least_squares import Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.result import TWO_SIDED, Estimate
 from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic, drives
 
@@ -90,7 +90,7 @@ def across_of(
     found = solve(
         lambda p: sum((p[n] * column for n, column in design.items()), np.zeros(count)),
         dict.fromkeys(columns, Guess(0.0)),
-        Data(times[known], positions[known], np.ones(count), np.zeros(count, dtype=np.int64)),
+        one_series(times[known], positions[known]),
         jacobian=lambda _, names: np.column_stack([design[n] for n in names]),
     )
     a, b = found.values["cosine"], found.values["sine"]

@@ -17,7 +17,7 @@ from latolato.experiment.fits.least_squares import Data, Floats, Guess
 class Shape:
     """Which parameters the height of a driven pivot has."""
 
-    stages: int
+    stages: int = 1
     crank: bool = False
     ramp: bool = False
     # The instant about which amplitude and frequency drift [s], None if they do not.

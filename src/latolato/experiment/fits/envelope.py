@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
+from latolato.experiment.fits.least_squares import Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.sight import Sight, drop_of
 from latolato.experiment.fits.swings import Swings
 
@@ -96,5 +96,5 @@ def fit_envelope(
         effective = p["effective"] * np.exp(-p["decay_rate"] * times)
         return sight.seen(signs * amplitude_of(effective), p)
 
-    data = Data(swings.times, swings.angles, sigmas, np.zeros(len(times), dtype=np.int64))
+    data = one_series(swings.times, swings.angles, sigmas)
     return solve(model, guesses, data, profiles=profiles)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -42,90 +42,109 @@ def _end_of(drive: Any) -> float:
     return float(times[-1]) if times is not None and hasattr(drive, "pivot_heights") else 1e9
 
 
+@dataclass(frozen=True)
 class Flights:
-    """The free flights of all balls on one side of an instant, fitted there."""
+    """The free flights of all balls on one side of an instant, fitted there.
 
-    def __init__(
-        self,
-        time: Floats,
-        angles: Sequence[Floats],
-        sigmas: Sequence[Floats],
-        chosen: NDArray[np.int64],
-        instant: float,
-        pull: Pull,
-        drag: float,
-        widen: float = 1.0,
-    ) -> None:
-        self.enough = len(chosen) >= FEWEST
-        self.states: list[Floats] = []
-        self.covariances: list[Floats] = []
-        # Of what all flights share, the drag and a factor of (g + y0'')/l: curvature and slope of
-        # the sum of squares once the states have adapted.
-        self.curvature, self.slope = np.zeros((2, 2)), np.zeros(2)
-        # Largest reduced sum of squares of a ball.
-        self.spread = 0.0
-        # Of neighbouring errors, and of errors themselves.
-        self.products = self.squares = 0.0
-        self.count = len(chosen)
-        self.widen = widen
-        if not self.enough:
-            return
-        # Outwards from the instant, either way.
-        order = np.argsort(np.abs(time[chosen] - instant))
-        own = chosen[order]
-        grid = time[own]
-        pulls = _grid_pulls(instant, grid, pull)
-        for angle, sigma in zip(angles, sigmas, strict=True):
-            self._fit(instant, grid, angle[own], sigma[own], pulls, drag)
+    Attributes
+    ----------
+    states : ndarray, shape (ball, 2)
+        Angle and angular velocity [rad, rad/s].
+    covariances : ndarray, shape (ball, 2, 2)
+        Of the states.
+    curvature, slope : ndarray, shape (2, 2) and (2,)
+        Of the sum of squares once the states have adapted, in what all flights share: the drag
+        and a factor of (g + y0'')/l.
+    spread : float
+        Largest reduced sum of squares of a ball.
+    products, squares : float
+        Sums over neighbouring errors, and over errors themselves.
+    count : int
+        Number of samples of a ball.
+    """
 
-    def _fit(
-        self, instant: float, grid: Floats, angle: Floats, sigma: Floats, pulls: Floats, drag: float
-    ) -> None:
-        """Fit one ball's flight."""
-        late = grid - instant
-        line = np.polyfit(late, angle, 2 if len(grid) > 5 else 1)
-        state = np.array([line[-1], line[-2], drag, 1.0])
-        steps = np.array([1e-5, 1e-4, 1e-3, 1e-3])
-        for _ in range(2):
-            trials = np.column_stack([state, *(state + np.diag(steps))])
-            seen = _carried(instant, grid, trials, pulls)
-            slopes = (seen[:, 1:] - seen[:, :1]) / steps / sigma[:, None]
-            errors = (angle - seen[:, 0]) / sigma
-            change, *_ = np.linalg.lstsq(slopes[:, :2], errors, rcond=None)
-            state[:2] += change
-        errors = errors - slopes[:, :2] @ change
+    states: Floats
+    covariances: Floats
+    curvature: Floats
+    slope: Floats
+    spread: float
+    products: float
+    squares: float
+    count: int
+
+    @property
+    def separation(self) -> Floats:
+        """Angle between the balls and its rate, or those of the one [rad, rad/s]."""
+        between: Floats = self.states[0] - self.states[1:].sum(axis=0)
+        return between
+
+    @property
+    def separation_sigma(self) -> Floats:
+        """Standard deviations of the separation."""
+        return np.sqrt(np.diag(self.covariances.sum(axis=0)))
+
+
+def fit_flights(
+    time: Floats,
+    angles: Sequence[Floats],
+    sigmas: Sequence[Floats],
+    chosen: NDArray[np.int64],
+    instant: float,
+    pull: Pull,
+    drag: float,
+    widen: float = 1.0,
+) -> Flights | None:
+    """Return the flights of the chosen samples, carried to an instant; None for too few samples.
+
+    `drag` is that of all flights [1/s], `widen` what correlated errors widen variances by.
+    """
+    if len(chosen) < FEWEST:
+        return None
+    # Outwards from the instant, either way.
+    own = chosen[np.argsort(np.abs(time[chosen] - instant))]
+    grid = time[own]
+    pulls = _grid_pulls(instant, grid, pull)
+    states, covariances, spreads = [], [], []
+    curvature, slope = np.zeros((2, 2)), np.zeros(2)
+    products = squares = 0.0
+    for angle, sigma in zip(angles, sigmas, strict=True):
+        state, slopes, errors = _fit(instant, grid, angle[own], sigma[own], pulls, drag)
         inverse = np.linalg.inv(slopes[:, :2].T @ slopes[:, :2])
         spread = float(errors @ errors) / max(len(grid) - 2, 1)
-        self.spread = max(self.spread, spread)
-        self.products += float(errors[1:] @ errors[:-1])
-        self.squares += float(errors @ errors) * (len(grid) - 1) / len(grid)
+        spreads.append(spread)
+        products += float(errors[1:] @ errors[:-1])
+        squares += float(errors @ errors) * (len(grid) - 1) / len(grid)
         rest = slopes[:, 2:] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2:]))
-        self.curvature += rest.T @ rest
-        self.slope += rest.T @ errors
-        self.states.append(state[:2])
+        curvature += rest.T @ rest
+        slope += rest.T @ errors
+        states.append(state)
         # A few samples tell little of their own scatter.
         floor = 0.5 if len(grid) < 10 else 0.0
-        self.covariances.append(inverse * self.widen * max(spread, floor))
+        covariances.append(inverse * widen * max(spread, floor))
+    return Flights(
+        np.array(states), np.array(covariances), curvature, slope,
+        max(spreads), products, squares, len(chosen),
+    )  # fmt: skip
 
-    @property
-    def gap(self) -> float:
-        """Angle between the balls, or of the one [rad]."""
-        return float(self.states[0][0] - (self.states[1][0] if len(self.states) > 1 else 0.0))
 
-    @property
-    def velocity(self) -> float:
-        """Its rate [rad/s]."""
-        return float(self.states[0][1] - (self.states[1][1] if len(self.states) > 1 else 0.0))
+def _fit(
+    instant: float, grid: Floats, angle: Floats, sigma: Floats, pulls: Floats, drag: float
+) -> tuple[Floats, Floats, Floats]:
+    """Return the state of one ball's flight, its derivatives and its errors, both over sigmas.
 
-    @property
-    def sigma(self) -> float:
-        """Standard deviation of the rate [rad/s]."""
-        return math.sqrt(sum(float(c[1, 1]) for c in self.covariances))
-
-    @property
-    def gap_sigma(self) -> float:
-        """Standard deviation of the angle between the balls [rad]."""
-        return math.sqrt(sum(float(c[0, 0]) for c in self.covariances))
+    The derivatives are those for angle, angular velocity, drag and factor.
+    """
+    line = np.polyfit(grid - instant, angle, 2 if len(grid) > 5 else 1)
+    state = np.array([line[-1], line[-2], drag, 1.0])
+    steps = np.array([1e-5, 1e-4, 1e-3, 1e-3])
+    for _ in range(2):
+        trials = np.column_stack([state, *(state + np.diag(steps))])
+        seen = _carried(instant, grid, trials, pulls)
+        slopes = (seen[:, 1:] - seen[:, :1]) / steps / sigma[:, None]
+        errors = (angle - seen[:, 0]) / sigma
+        change, *_ = np.linalg.lstsq(slopes[:, :2], errors, rcond=None)
+        state[:2] += change
+    return state[:2], slopes, errors - slopes[:, :2] @ change
 
 
 def _grid_pulls(instant: float, grid: Floats, pull: Pull) -> Floats:
@@ -163,9 +182,9 @@ def _carried(instant: float, grid: Floats, trials: Floats, pulls: Floats) -> Flo
     return out
 
 
-def good_flights(flights: Sequence[Flights]) -> list[Flights]:
+def good_flights(flights: Sequence[Flights | None]) -> list[Flights]:
     """Return the flights that are pendulum motion, not several with an impact between them."""
-    known = [flight for flight in flights if flight.enough]
+    known = [flight for flight in flights if flight is not None]
     if not known:
         return []
     typical = float(np.median([flight.spread for flight in known]))
@@ -174,37 +193,26 @@ def good_flights(flights: Sequence[Flights]) -> list[Flights]:
 
 def widening_of(flights: Sequence[Flights]) -> float:
     """Return by how much correlated errors of neighbours widen variances of smooth curves."""
-    long = [flight for flight in flights if flight.squares > 0.0]
-    squares = sum(flight.squares for flight in long)
+    squares = sum(flight.squares for flight in flights)
     if squares <= 0.0:
         return 1.0
-    seen = sum(flight.products for flight in long) / squares
+    seen = sum(flight.products for flight in flights) / squares
     # A line fitted to n samples takes (2 + 4 rho)/n off the correlation (Kendall 1954).
-    count = max(sum(flight.count * flight.squares for flight in long) / squares, 8.0)
+    count = max(sum(flight.count * flight.squares for flight in flights) / squares, 8.0)
     correlation = min(max((seen + 2.0 / count) / (1.0 - 4.0 / count), 0.0), 0.95)
     return (1.0 + correlation) / (1.0 - correlation)
 
 
-def drag_step(flights: Sequence[Flights]) -> tuple[float, float]:
-    """Return the change of the shared drag that all flights ask for and its deviation [1/s]."""
-    curvature = sum(float(flight.curvature[0, 0]) for flight in flights)
-    slope = sum(float(flight.slope[0]) for flight in flights)
-    if curvature <= 0.0:
-        return 0.0, 0.0
-    spread = float(np.median([flight.spread for flight in flights]))
-    return slope / curvature, math.sqrt(spread * widening_of(flights) / curvature)
+def shared_changes(flights: Sequence[Flights], count: int) -> tuple[Floats, Floats]:
+    """Return by how much all flights ask to change what they share, and the deviations of that.
 
-
-def pull_factor(flights: Sequence[Flights]) -> tuple[float, float]:
-    """Return the factor of (g + y0'')/l that flights at the shared drag ask for, and its deviation.
-
-    It is 1 if length, clock and the scale of the angles are right; the drag adapts to it.
+    The first is the drag [1/s], the second, with a `count` of 2, the factor of (g + y0'')/l. This
+    is 1 if length, clock and the scale of the angles are right. Without flights nothing changes.
     """
-    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))
-    slope = sum((flight.slope for flight in flights), np.zeros(2))
+    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))[:count, :count]
+    slope = sum((flight.slope for flight in flights), np.zeros(2))[:count]
     if not np.linalg.det(curvature) > 0.0:
-        return 1.0, math.inf
+        return np.zeros(count), np.zeros(count)
     inverse = np.linalg.inv(curvature)
     spread = float(np.median([flight.spread for flight in flights]))
-    sigma = math.sqrt(spread * widening_of(flights) * inverse[1, 1])
-    return 1.0 + float((inverse @ slope)[1]), sigma
+    return inverse @ slope, np.sqrt(spread * widening_of(flights) * np.diag(inverse))

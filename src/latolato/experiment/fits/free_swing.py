@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
@@ -12,19 +12,19 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, quantity_field
-from latolato.experiment.fits.adequacy import deviance
+from latolato.experiment.fits.adequacy import cost, solutions_of
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
-    Floats,
     Guess,
     Solution,
     solve,
 )
 from latolato.experiment.fits.motion import angles_at, step_of
 from latolato.experiment.fits.samples import noise_of
-from latolato.experiment.fits.sight import ABOVE, Sight
+from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
+from latolato.experiment.fits.windows import START, WindowedModel
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import Ball, Pendulum
 
@@ -34,12 +34,10 @@ COEFFICIENTS = {
     "quadratic": "quadratic_damping",
     "coulomb": "coulomb_damping",
 }
-# Angle of trials that end early.
-_WILD = 10.0
 # Residuals so many times the noise ask for other starts.
 _POOR = 4.0
 # Trials that a start may take, and one beside a solution.
-_TRIES, _SOON = 400, 100
+_TRIES, _SOON = 50, 12
 # Swings that a search from nothing begins with, and by how much it grows each time.
 _FIRST_SWINGS, _GROWTH = 4.0, 2.0
 # Swings more or fewer that a gap may hold than the part before it says.
@@ -98,12 +96,9 @@ def fit_equation(
     **options
         Options of `solve`.
     """
-    times = data.times - data.times[0]
     guesses = {
         "natural_frequency": Guess(first["natural_frequency"], 1e-3),
         "angle_offset": Guess(first["angle_offset"]),
-        "initial_angle": Guess(first["initial_angle"]),
-        "initial_angular_velocity": Guess(first["initial_angular_velocity"]),
     }
     for term in terms:
         if tuple(terms) == ("linear",):
@@ -111,20 +106,13 @@ def fit_equation(
         else:
             guesses[term] = Guess(max(first[term], 1e-6), 0.0)
     guesses |= {name: replace(each, value=first.get(name, 0.0)) for name, each in aside.items()}
-    largest = float(np.max(np.abs(data.values - first["angle_offset"])))
-    speed = 2.0 * first["natural_frequency"] * math.sin(0.5 * min(largest, math.pi))
-    about = _pendulum(first["natural_frequency"], dict.fromkeys(terms, 1e-3))
-    step = step_of(about, FixedPivot(), speed)
-    sight = Sight.of(data)
 
-    def model(p: Mapping[str, float]) -> Floats:
-        system = _pendulum(p["natural_frequency"], {term: p[term] for term in terms})
-        start = (p["initial_angle"],), (p["initial_angular_velocity"],)
-        angles: Floats = angles_at(system, FixedPivot(), *start, times, step=step)[0]
-        # A trial too wild to be followed to the end is a bad fit, not an error.
-        return np.where(np.isfinite(angles), sight.seen(angles, p), _WILD)
+    def laws(p: Mapping[str, float]) -> tuple[Pendulum, FixedPivot]:
+        return _pendulum(p["natural_frequency"], {term: p[term] for term in terms}), FixedPivot()
 
-    return solve(model, guesses, data, **options)
+    model = WindowedModel(data, laws, guesses, data.times[:1], 0.0)
+    state = np.array([[[first[name] for name in START]]])
+    return solve(model, model.guesses(state), data, jacobian=model.jacobian, **options)
 
 
 def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:
@@ -225,15 +213,19 @@ def fit_best(
     scale = aside.get(ABOVE)
     if scale is not None and scale.prior > _OPEN_SCALE:
         starts += [{**first, ABOVE: sign * scale.prior} for sign in (-1.0, 1.0)]
-    tries = list(_solutions(data, starts, terms, aside))
+
+    def fit(start: Mapping[str, float]) -> Solution:
+        return fit_equation(data, start, terms, aside, limit=_TRIES)
+
+    tries = solutions_of(fit, starts)
     with_gap = longest > _GAP * period
-    if with_gap or not tries or _is_poor(min(tries, key=_cost), data):
+    if with_gap or not tries or _is_poor(tries[0], data):
         grown = _grown(data, first, terms, aside)
         if grown is not None:
             tries.append(grown)
     if not tries:
         return fit_equation(data, first, terms, aside), True
-    best = min(tries, key=_cost)
+    best = min(tries, key=cost)
     if with_gap:
         # Frequencies that differ by a whole swing in the longest gap.
         step = math.tau / longest * math.sqrt(period_factor(float(np.ptp(data.values)) / 2.0))
@@ -243,40 +235,21 @@ def fit_best(
             for n in range(-_LOST_SWINGS, _LOST_SWINGS + 1)
             if n and about + n * step > 0.3 * about
         ]
-        tries += _solutions(data, more, terms, aside)
-        best = min(tries, key=_cost)
+        tries += solutions_of(fit, more)
+        best = min(tries, key=cost)
     apart = [
         each
         for each in tries
         if abs(each.values["natural_frequency"] - best.values["natural_frequency"])
         > 5.0 * best.sigma("natural_frequency") + 1e-4 * best.values["natural_frequency"]
     ]
-    alone = all(_cost(each) > _cost(best) + 10.0 for each in apart)
+    alone = all(cost(each) > cost(best) + 10.0 for each in apart)
     return best, alone
-
-
-def _cost(solution: Solution) -> float:
-    """Return minus twice the log likelihood, with what is known beforehand."""
-    return deviance([solution]) + solution.prior_misfit
 
 
 def _is_poor(solution: Solution, data: Data) -> bool:
     """Return whether residuals are larger than the noise of the samples alone."""
     return solution.scatter > _POOR * noise_of(data.values) or not solution.kept.mean() > 0.95
-
-
-def _solutions(
-    data: Data,
-    starts: Sequence[Mapping[str, float]],
-    terms: Sequence[str],
-    aside: Mapping[str, Guess],
-) -> Iterator[Solution]:
-    """Yield the solutions of the starts that converge."""
-    for start in starts:
-        try:
-            yield fit_equation(data, start, terms, aside, limit=_TRIES)
-        except ConvergenceError:
-            continue
 
 
 def _grown(
@@ -324,13 +297,13 @@ def part_fitter(whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess
         }
         if about is not None:
             return fit_equation(part, near, terms, aside, limit=_SOON)
-        tries = list(_solutions(part, [near], terms, aside))
+        tries = solutions_of(lambda p: fit_equation(part, p, terms, aside, limit=_TRIES), [near])
         if not tries or _is_poor(tries[0], part):
             grown = _grown(part, near, terms, aside)
             if grown is not None:
                 tries.append(grown)
         if not tries:
             raise ConvergenceError("no fit of this part converges")
-        return min(tries, key=_cost)
+        return min(tries, key=cost)
 
     return fit_part

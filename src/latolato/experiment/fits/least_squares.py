@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,8 @@ from latolato.experiment.fits.result import Estimate
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
+# Gives the derivatives of a model for some of its parameters.
+Jacobian = Callable[[Mapping[str, float], Sequence[str]], Floats]
 
 # Residuals beyond this many robust standard deviations are taken for mistakes of the tracker.
 OUTLIER = 6.0
@@ -32,8 +35,6 @@ _MOST_CORRELATION = 0.99
 _FAR = 3.0
 # Parameters that messages name.
 _LISTED = 4
-# Relative step of derivatives, squared.
-_STEP = 1e-12
 _ROUNDS = 2
 
 
@@ -70,6 +71,12 @@ class Data:
         )
 
 
+def one_series(times: Floats, values: Floats, sigmas: Floats | None = None) -> Data:
+    """Return the samples of a single series, whose number is 1; without sigmas all count alike."""
+    sigmas = np.ones(len(times)) if sigmas is None else sigmas
+    return Data(times, values, sigmas, np.ones(len(times), dtype=np.int64))
+
+
 @dataclass(frozen=True)
 class Guess:
     """Where a parameter's search starts, and the range that it is kept in.
@@ -91,8 +98,8 @@ class Solution:
     ----------
     names : tuple of str
         Parameters, in the order of `covariance`.
-    values : dict
-        Their values.
+    values, guesses : dict
+        Their values, and these with their ranges and priors, for another fit.
     covariance : ndarray, shape (parameter, parameter)
         Correlation of residuals allowed for, scaled by their scatter.
     intervals : dict
@@ -113,10 +120,6 @@ class Solution:
         Derivatives of `curve`.
     origin : float
         Instant of the first sample [s].
-    prior_misfit : float
-        Sum of the squares of the parameters with priors over their deviations.
-    beyond_priors : dict
-        Those of them that are beyond three of these deviations, in deviations, by name.
     """
 
     names: tuple[str, ...]
@@ -132,8 +135,7 @@ class Solution:
     log_likelihood: float
     slopes: Floats = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     origin: float = 0.0
-    prior_misfit: float = 0.0
-    beyond_priors: dict[str, float] = field(default_factory=dict)
+    guesses: dict[str, Guess] = field(default_factory=dict, repr=False)
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
@@ -145,6 +147,17 @@ class Solution:
         """Return a parameter with its deviation and its interval, the profile's if there is one."""
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
+
+    @property
+    def prior_misfit(self) -> float:
+        """Sum of the squares of the parameters with priors over their deviations."""
+        return sum((guess.value / guess.prior) ** 2 for guess in self.guesses.values())
+
+    @property
+    def beyond_priors(self) -> dict[str, float]:
+        """Those that are beyond three deviations of their priors, in deviations."""
+        off = {name: guess.value / guess.prior for name, guess in self.guesses.items()}
+        return {name: size for name, size in off.items() if abs(size) > _FAR}
 
     @property
     def quality(self) -> dict[str, Any]:
@@ -180,8 +193,8 @@ def solve(
     *,
     profiles: Sequence[str] = (),
     like: Solution | None = None,
-    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None = None,
-    limit: int = 4000,
+    jacobian: Jacobian | None = None,
+    limit: int = 400,
 ) -> Solution:
     """Return the least-squares solution.
 
@@ -199,10 +212,9 @@ def solve(
         Whose samples, correlation and spread of residuals are taken; by default the samples are
         all but outliers of the first fit, and the others are found from the residuals.
     jacobian : callable, optional
-        Derivatives of the model, shape (sample, name), where something faster than differences
-        of the model is known.
+        Derivatives of the model, shape (sample, name); by default central differences.
     limit : int
-        Number of trials after which a fit gives up.
+        Number of trials after which a fit gives up, without those for derivatives.
 
     Raises
     ------
@@ -222,6 +234,7 @@ def solve(
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, min=guess.low, max=guess.high)
+    jacobian = jacobian or partial(_differences, model)
     mask = np.ones(len(data), dtype=bool) if like is None else like.kept
     rho = 0.0 if like is None else like.correlation
     # Priors are absolute, residuals over sigmas have a spread: at first as the sigmas say.
@@ -235,29 +248,21 @@ def solve(
                 continue
             mask = cleaned
         elif turn > 1:
-            rho = _correlation(data, mask, residuals)
-            errors = whitened(data, mask, rho)(residuals / data.sigmas)
-            spread = float(errors @ errors) / max(len(errors) - loose, 1)
-        white, beliefs = whitened(data, mask, rho), _beliefs(guesses, spread)
-        minimizer = _minimizer(model, parameters, data, white, jacobian, beliefs)
+            rho = correlation_of(data[mask], (residuals / data.sigmas)[mask])
+            spread = _spread(whitened(data, mask, rho)(residuals / data.sigmas), loose)
+        white = whitened(data, mask, rho)
+        minimizer = _minimizer(model, jacobian, parameters, data, white, _beliefs(guesses, spread))
         result = _minimized(minimizer, limit)
         parameters = result.params
         values = parameters.valuesdict()
         residuals = data.values - model(values)
-    slopes = jacobian(values, names) if jacobian else _slopes(model, values, names)
-    scores = np.column_stack([white(slopes[:, i] / data.sigmas) for i in range(len(names))])
+    slopes = jacobian(values, names)
     errors = white(residuals / data.sigmas)
-    freedom = max(len(errors) - loose, 1)
-    spread = float(errors @ errors) / freedom
-    known = _beliefs(guesses, spread)
-    stiffness = np.array([known.get(name, 0.0) ** 2 for name in names])
-    covariance, widening = _covariance(scores, errors, spread, stiffness)
+    spread = _spread(errors, loose)
+    covariance, widening = _covariance(
+        white(slopes / data.sigmas[:, None]), errors, spread, _beliefs(guesses, spread) ** 2
+    )
     count = len(errors)
-    off = {
-        name: values[name] / guess.prior
-        for name, guess in guesses.items()
-        if math.isfinite(guess.prior)
-    }
     solution = Solution(
         names=names,
         values=dict(values),
@@ -272,54 +277,50 @@ def solve(
         log_likelihood=-0.5 * count * math.log(max(float(errors @ errors) / count, 1e-300)),
         slopes=slopes,
         origin=float(data.times[0]),
-        prior_misfit=sum(size**2 for size in off.values()),
-        beyond_priors={name: size for name, size in off.items() if abs(size) > _FAR},
+        guesses={name: replace(guess, value=values[name]) for name, guess in guesses.items()},
     )
     if profiles:
         solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
     return solution
 
 
-def _beliefs(guesses: Mapping[str, Guess], spread: float) -> dict[str, float]:
-    """Return by what parameters with priors are multiplied to be further residuals."""
-    return {
-        name: math.sqrt(max(spread, 1e-300)) / guess.prior
-        for name, guess in guesses.items()
-        if math.isfinite(guess.prior)
-    }
+def _spread(errors: Floats, loose: int) -> float:
+    """Return the reduced sum of squares."""
+    return float(errors @ errors) / max(len(errors) - loose, 1)
+
+
+def _beliefs(guesses: Mapping[str, Guess], spread: float) -> Floats:
+    """Return by what each parameter is multiplied to be a further residual, 0 without a prior."""
+    return np.array([math.sqrt(max(spread, 1e-300)) / guess.prior for guess in guesses.values()])
 
 
 def _minimizer(
     model: Model,
+    jacobian: Jacobian,
     parameters: Any,
     data: Data,
     white: Callable[[Floats], Floats],
-    jacobian: Callable[[Mapping[str, float], Sequence[str]], Floats] | None,
-    beliefs: Mapping[str, float],
+    beliefs: Floats,
 ) -> Any:
     """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
+    known = beliefs > 0.0
 
     def errors(trial: Any) -> Floats:
         values = trial.valuesdict()
-        known = [values[name] * weight for name, weight in beliefs.items()]
-        return np.append(white((data.values - model(values)) / data.sigmas), known)
+        beyond = beliefs * np.array(list(values.values()))
+        return np.append(white((data.values - model(values)) / data.sigmas), beyond[known])
 
-    options: dict[str, Any] = {"epsfcn": _STEP, "xtol": 1e-7, "ftol": 1e-9}
-    if jacobian is not None:
+    def slopes(trial: Any) -> Floats:
+        # A profile holds one of the parameters.
+        vary = np.array([parameter.vary for parameter in trial.values()])
+        names = [name for name in trial if trial[name].vary]
+        derivatives = white(-jacobian(trial.valuesdict(), names) / data.sigmas[:, None])
+        return np.vstack([derivatives, np.diag(beliefs)[known][:, vary]])
 
-        def slopes(trial: Any) -> Floats:
-            # A profile holds one of the parameters.
-            names = [name for name in trial if trial[name].vary]
-            derivatives = jacobian(trial.valuesdict(), names)
-            columns = [white(-derivatives[:, i] / data.sigmas) for i in range(len(names))]
-            known = [[w if name == own else 0.0 for own, w in beliefs.items()] for name in names]
-            return np.column_stack([np.array(columns), np.array(known)])
-
-        options |= {"Dfun": slopes, "col_deriv": True}
-        del options["epsfcn"]
     return lmfit_module().Minimizer(
-        errors, parameters, nan_policy="raise", calc_covar=True, **options
-    )
+        errors, parameters, nan_policy="raise", calc_covar=True,
+        xtol=1e-7, ftol=1e-9, Dfun=slopes,
+    )  # fmt: skip
 
 
 def listed(names: Sequence[str]) -> str:
@@ -353,7 +354,7 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
     """A filter that makes residuals independent whose neighbours have the correlation `rho`.
 
     ``e_i = (r_i - f r_(i-1))/sqrt(1 - f^2)`` with ``f = rho^((t_i - t_(i-1))/spacing)``; the first
-    of a series is itself.
+    of a series is itself. Residuals may have further axes after that of the samples.
     """
     times, series = data.times[mask], data.series[mask]
     if rho <= 0.0 or len(times) < 2:
@@ -366,7 +367,7 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
     def white(residuals: Floats) -> Floats:
         kept = residuals[mask]
         out = kept.copy()
-        out[1:] = (kept[1:] - factor * kept[:-1]) / scale
+        out[1:] = ((kept[1:].T - factor * kept[:-1].T) / scale).T
         return out
 
     return white
@@ -378,12 +379,10 @@ def _spacing(times: Floats, series: NDArray[np.int64]) -> float:
     return float(np.median(np.diff(times)[inside])) if inside.any() else 1.0
 
 
-def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> float:
-    """Return the correlation of residuals one typical sample apart, none for a negative one."""
-    times, series = data.times[mask], data.series[mask]
-    errors = (residuals / data.sigmas)[mask]
-    steps = np.diff(times)
-    near = (series[1:] == series[:-1]) & (steps < 1.6 * _spacing(times, series))
+def correlation_of(data: Data, errors: Floats) -> float:
+    """Return the correlation of errors one typical sample apart, none for a negative one."""
+    inside = data.series[1:] == data.series[:-1]
+    near = inside & (np.diff(data.times) < 1.6 * _spacing(data.times, data.series))
     if near.sum() < 8:
         return 0.0
     a, b = errors[1:][near], errors[:-1][near]
@@ -398,12 +397,14 @@ def _correlation(data: Data, mask: NDArray[np.bool_], residuals: Floats) -> floa
 
 def _without_outliers(errors: Floats) -> NDArray[np.bool_]:
     """Return which errors are within six robust standard deviations."""
-    scale = 1.4826 * float(np.median(np.abs(errors)))
+    from scipy.stats import median_abs_deviation
+
+    scale = float(median_abs_deviation(errors, scale="normal"))
     kept: NDArray[np.bool_] = np.abs(errors) <= max(OUTLIER * scale, 1e-300)
     return kept
 
 
-def _slopes(model: Model, values: Mapping[str, float], names: Sequence[str]) -> Floats:
+def _differences(model: Model, values: Mapping[str, float], names: Sequence[str]) -> Floats:
     """Return central differences of the model, shape (sample, name)."""
     columns = []
     for name in names:

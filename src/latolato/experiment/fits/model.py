@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
+from functools import reduce
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
 from latolato.experiment.fits.adequacy import misfit_doubt, place_of_change
@@ -19,19 +21,19 @@ from latolato.experiment.fits.least_squares import (
     Floats,
     Guess,
     Solution,
-    lmfit_module,
     solve,
 )
-from latolato.experiment.fits.pivots import Pivot, pivot_for
+from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
-from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, sight_guesses
-from latolato.experiment.fits.windows import WindowedModel, window_starts
+from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, pivot_doubt, sight_guesses
+from latolato.experiment.fits.windows import Laws, WindowedModel, window_starts
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import LatoLato, System, systems
 from latolato.simulation.start import checked_system
+from latolato.sweeps.axes import replaced
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +44,6 @@ _LEVELS = (2.0, 6.0, 20.0, math.inf)
 _GROWTH = 1.15
 # More samples left out than this share: the model does not follow.
 _MOST_OUTLIERS = 0.05
-_SIDES = ("right", "left")
 # Natural periods on either side of a break.
 _SHORTEST = 2.0
 # What a camera may be turned by beyond what the table allows for [rad].
@@ -116,7 +117,6 @@ def fit_model(
     pivot's offset from its position in the table are fitted as well
     (`latolato.experiment.fits.sight`). Gravity and length cannot be told apart on a pivot at rest.
     """
-    lmfit_module()
     checked_table(table)
     checked_system(system)
     table, ball = of_own_pivot(table, system, ball)
@@ -127,23 +127,20 @@ def fit_model(
     across = not isinstance(system, LatoLato)
     moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
     pivot, origin = moving.drive, moving.origin
-    names = _names(system, pivot, vary)
-    held = {name: _value(system, pivot, name) for name in names}
-    shared = {name: _guess(system, pivot, name, value) for name, value in held.items()}
-    shared = {**_nuisances(sight_guesses(table, data), is_mirrored(table, system, ball)), **shared}
-
-    def laws(p: Mapping[str, float]) -> tuple[System, Drive]:
-        return _changed(system, pivot, {name: p[name] for name in names})
-
+    known = _known(system, pivot)
+    names = _names(system, known, vary)
+    varied = [known[name] for name in names if name in known]
+    shared = _nuisances(sight_guesses(table, data), is_mirrored(table, system, ball))
+    shared |= {name: Guess(0.0) for name in names}
+    shared |= {each.name: _guess(system, pivot, each) for each in varied}
+    laws = _laws(system, pivot, varied)
     period = math.tau / system.natural_frequency
     levels = [x * period for x in _LEVELS] if window is None else [window]
     solution, model, lost = _longest(data, laws, shared, levels, origin)
     if profile:
-        solution = solve(
-            model, {n: replace(model.guesses()[n], value=v) for n, v in solution.values.items()},
-            data, jacobian=model.jacobian, profiles=names,
-        )  # fmt: skip
-    widening, bent, unknown = _by_pivots(data, system, moving, names, solution, model)
+        solution = solve(model, solution.guesses, data, jacobian=model.jacobian, profiles=names)
+    others = [(_laws(system, other, varied), weight) for other, weight in moving.others]
+    widening, bent, unknown = _by_pivots(data, others, names, solution, model)
     estimates = {name: _estimate(solution, name, widening[name]) for name in names}
     best, best_drive = laws(solution.values)
     curves = {
@@ -186,13 +183,22 @@ def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
     return {"angle_offset": Guess(0.0, prior=_TILT), **sight}
 
 
-def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str]:
+def _known(system: System, drive: Drive) -> dict[str, Parameter]:
+    """The parameters that can vary, by name."""
+    of_drive, of_system = law_parameters(drive, "drive"), law_parameters(system, "system")
+    return {
+        each.name: each
+        for each in (*of_drive, *of_system)
+        if isinstance(_value(system, drive, each), float)
+    }
+
+
+def _names(system: System, known: Mapping[str, Parameter], vary: Sequence[str] | None) -> list[str]:
     """The names of the parameters to vary, checked."""
-    known = _known(system, drive)
     if vary is None:
         names = ["length", "damping"]
         if system.angles == 2:
-            names = [f"{side}_{name}" for name in names for side in _SIDES]
+            names = [f"{side}_{name}" for name in names for side in ("right", "left")]
         return names + (["restitution"] if system.has_contacts else [])
     if isinstance(vary, str):
         vary = [vary]
@@ -201,51 +207,25 @@ def _names(system: System, drive: Drive, vary: Sequence[str] | None) -> list[str
             raise InputError("mass acts only through damping/mass: vary damping and give the mass")
         if name.endswith("radius"):
             raise InputError("the radius is geometry: measure it")
-        if name not in known:
-            raise InputError(f"nothing called '{name}' can vary: {suggest(name, known)}")
+        if name not in known and name != "angle_offset":
+            choices = ["angle_offset", *known]
+            raise InputError(f"nothing called '{name}' can vary: {suggest(name, choices)}")
     if not vary:
         raise InputError("needs at least one name", parameter="vary")
     return list(dict.fromkeys(vary))
 
 
-def _known(system: System, drive: Drive) -> list[str]:
-    """The names of all parameters that can vary."""
-    names = ["angle_offset"]
-    for law in (system, drive):
-        for f in fields(law):
-            value = getattr(law, f.name, None)
-            if is_dataclass(value) and f.name in _SIDES:
-                names += [f"{f.name}_{inner.name}" for inner in fields(value)]
-            elif isinstance(value, float) and "quantity" in f.metadata:
-                names.append(f.name)
-    return names
-
-
-def _value(system: System, drive: Drive, name: str) -> float:
+def _value(system: System, drive: Drive, parameter: Parameter) -> Any:
     """Return the value that a law has."""
-    if name == "angle_offset":
-        return 0.0
-    law, own = _owner(system, drive, name)
-    return float(getattr(law, own))
+    return reduce(getattr, parameter.path, system if parameter.owner == "system" else drive)
 
 
-def _owner(system: System, drive: Drive, name: str) -> tuple[Any, str]:
-    """The owner of a parameter (the system, one of its balls, the drive), and its name there."""
-    side, _, inner = name.partition("_")
-    if side in _SIDES:
-        return getattr(system, side), inner
-    return (system if hasattr(system, name) else drive), name
-
-
-def _guess(system: System, drive: Drive, name: str, value: float) -> Guess:
+def _guess(system: System, drive: Drive, parameter: Parameter) -> Guess:
     """Return the guess of a parameter, clear of the ends of its range."""
-    if name == "angle_offset":
-        return Guess(0.0)
-    law, own = _owner(system, drive, name)
-    allowed = next(f.metadata["range"] for f in fields(law) if f.name == own)
-    if own == "damping" and value == 0.0:
-        one = law if hasattr(law, "mass") else system.balls[0]
-        value = 0.01 * one.mass * one.length * system.natural_frequency
+    value, allowed = _value(system, drive, parameter), parameter.allowed
+    if parameter.path[-1] == "damping" and value == 0.0:
+        ball = system.balls[0]
+        value = 0.01 * ball.mass * ball.length * system.natural_frequency
     elif value <= allowed.low:
         value = allowed.low + 1e-3
     elif value >= allowed.high:
@@ -253,22 +233,16 @@ def _guess(system: System, drive: Drive, name: str, value: float) -> Guess:
     return Guess(value, allowed.low + (1e-9 if allowed.open_low else 0.0), allowed.high)
 
 
-def _changed(system: System, drive: Drive, values: Mapping[str, float]) -> tuple[System, Drive]:
-    """Return the laws with other values."""
-    of_system: dict[str, Any] = {}
-    of_drive: dict[str, Any] = {}
-    for name, value in values.items():
-        side, _, inner = name.partition("_")
-        if name == "angle_offset":
-            continue
-        if side in _SIDES:
-            of_system[side] = replace(of_system.get(side, getattr(system, side)), **{inner: value})
-        elif hasattr(system, name):
-            of_system[name] = value
-        else:
-            of_drive[name] = value
-    changed = replace(system, **of_system) if of_system else system
-    return changed, (replace(drive, **of_drive) if of_drive else drive)
+def _laws(system: System, drive: Drive, varied: Sequence[Parameter]) -> Laws:
+    """A function for system and drive with other values of some parameters."""
+
+    def laws(p: Mapping[str, float]) -> tuple[System, Drive]:
+        values: dict[str, dict[tuple[str, ...], float]] = {"system": {}, "drive": {}}
+        for each in varied:
+            values[each.owner][each.path] = p[each.name]
+        return replaced(system, values["system"]), replaced(drive, values["drive"])
+
+    return laws
 
 
 def _longest(
@@ -290,7 +264,7 @@ def _longest(
         states = None
         if best is not None:
             solution, before = best
-            shared = {n: replace(g, value=solution.values[n]) for n, g in shared.items()}
+            shared = {name: solution.guesses[name] for name in shared}
             model = WindowedModel(data, laws, shared, begins, origin)
             states = before.states_at(solution.values, begins)
         try:
@@ -313,8 +287,7 @@ def _longest(
 
 def _by_pivots(
     data: Data,
-    system: System,
-    moving: Pivot,
+    others: Sequence[tuple[Laws, float]],
     names: Sequence[str],
     solution: Solution,
     model: WindowedModel,
@@ -328,16 +301,11 @@ def _by_pivots(
     bent: list[Floats] = []
     lost = 0
     begins = np.array([window.begin for window in model.windows])
-    for other, weight in moving.others:
-
-        def laws(p: Mapping[str, float], drive: Drive = other) -> tuple[System, Drive]:
-            return _changed(system, drive, {name: p[name] for name in names})
-
-        shared = {n: replace(g, value=solution.values[n]) for n, g in model.shared.items()}
+    shared = {name: solution.guesses[name] for name in model.shared}
+    for laws, weight in others:
         moved = WindowedModel(data, laws, shared, begins, model.origin)
-        guesses = {n: replace(g, value=solution.values[n]) for n, g in moved.guesses().items()}
         try:
-            trial = solve(moved, guesses, data, jacobian=moved.jacobian, like=solution)
+            trial = solve(moved, solution.guesses, data, jacobian=moved.jacobian, like=solution)
         except ConvergenceError:
             lost += 1
             continue
@@ -369,7 +337,7 @@ def _doubt(
     A motion in several pieces, each with its own start, may change at any of these: only its
     scatter is judged.
     """
-    few = misfit_doubt(solution, data)
+    few = pivot_doubt(solution) or misfit_doubt(solution, data)
     if few is None and len(model.windows) == 1 and model.angles == 1:
         whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
         place = place_of_change(data, whole, _SHORTEST * period)

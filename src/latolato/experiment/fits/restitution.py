@@ -18,10 +18,10 @@ from latolato.experiment.fits.flights import (
     ROUGH,
     Flights,
     Pull,
-    drag_step,
+    fit_flights,
     good_flights,
-    pull_factor,
     pull_of,
+    shared_changes,
     widening_of,
 )
 from latolato.experiment.fits.least_squares import Floats
@@ -200,10 +200,10 @@ class _Record:
 
     def flights(
         self, turn: _Turn, instant: float, pull: Pull, drag: float, widen: float = 1.0
-    ) -> tuple[Flights, Flights]:
+    ) -> tuple[Flights | None, Flights | None]:
         """Return the flights before and after a turn, carried to an instant."""
         before, after = (
-            Flights(self.time, self.angles, self.sigmas, side, instant, pull, drag, widen)
+            fit_flights(self.time, self.angles, self.sigmas, side, instant, pull, drag, widen)
             for side in (turn.before, turn.after)
         )
         return before, after
@@ -276,10 +276,11 @@ def _shared_drag(record: _Record, pull: Pull) -> _Drag:
     for _ in range(3):
         pairs = [record.flights(turn, turn.instant, pull, rate) for turn in record.turns]
         good = good_flights([flights for pair in pairs for flights in pair])
-        change, sigma = drag_step(good)
-        rate = min(max(rate + change, 0.0), 10.0)
+        (change,), (sigma,) = shared_changes(good, 1)
+        rate = min(max(rate + float(change), 0.0), 10.0)
     spread = float(np.median([flights.spread for flights in good])) if good else 1.0
-    return _Drag(rate, sigma, spread, widening_of(good), pull_factor(good))
+    (_, faster), (_, error) = shared_changes(good, 2)
+    return _Drag(rate, float(sigma), spread, widening_of(good), (1.0 + faster, error))
 
 
 def _turns(time: Floats, gap: Floats) -> list[float]:
@@ -330,36 +331,38 @@ def _impact(record: _Record, turn: _Turn, pull: Pull, drag: _Drag) -> _Impact | 
     instant = turn.instant
     for _ in range(3):
         before, after = record.flights(turn, instant, pull, drag.rate, drag.widen)
-        rough = max(before.spread, after.spread) > ROUGH * drag.spread
-        if rough or not (before.enough and after.enough):
+        if before is None or after is None:
             return None
-        jump = after.velocity - before.velocity
-        if abs(jump) < max(_SURE * math.hypot(before.sigma, after.sigma), _SLOWEST):
+        if max(before.spread, after.spread) > ROUGH * drag.spread:
             return None
-        shift = (before.gap - after.gap) / jump
+        (gap, approach), (gap_sigma, approach_sigma) = before.separation, before.separation_sigma
+        (later, recession), (later_sigma, sigma) = after.separation, after.separation_sigma
+        if abs(recession - approach) < max(_SURE * math.hypot(approach_sigma, sigma), _SLOWEST):
+            return None
+        meets = _meets(before, after)
+        shift = (gap - later) / (recession - approach)
         # Never beyond the samples on either side.
         low, high = float(record.time[turn.before[-1]]), float(record.time[turn.after[0]])
         instant = min(max(instant + shift, low), high)
-    slowest = max(_SLOWEST, _SURE_SPEED * before.sigma)
-    if not (abs(before.velocity) > slowest and before.velocity * after.velocity < 0.0):
+    slowest = max(_SLOWEST, _SURE_SPEED * approach_sigma)
+    if not (abs(approach) > slowest and approach * recession < 0.0):
         return None
-    ratio = -after.velocity / before.velocity
-    sigma = math.hypot(after.sigma, ratio * before.sigma) / abs(before.velocity)
+    ratio = -recession / approach
+    sigma = math.hypot(sigma, ratio * approach_sigma) / abs(approach)
     # Two impacts within one look: they gain speed, or the balls would have to jump.
-    if ratio > 1.0 + _SURE * sigma or not _meets(before, after):
+    if ratio > 1.0 + _SURE * sigma or not meets:
         return None
-    gap = 0.5 * (before.gap + after.gap)
-    gap_sigma = math.hypot(before.gap_sigma, after.gap_sigma)
-    return _Impact(instant, before.velocity, after.velocity, gap, gap_sigma, sigma)
+    return _Impact(
+        time=instant, before=approach, after=recession, gap=0.5 * (gap + later),
+        gap_sigma=math.hypot(gap_sigma, later_sigma), sigma=sigma,
+    )  # fmt: skip
 
 
 def _meets(before: Flights, after: Flights) -> bool:
     """Return whether every ball is where it was, as its flights on both sides have it."""
-    for i, (one, other) in enumerate(zip(before.states, after.states, strict=True)):
-        sigma = math.sqrt(before.covariances[i][0, 0] + after.covariances[i][0, 0])
-        if abs(one[0] - other[0]) > _SURE * sigma:
-            return False
-    return True
+    away = np.abs(before.states[:, 0] - after.states[:, 0])
+    sigmas = np.sqrt(before.covariances[:, 0, 0] + after.covariances[:, 0, 0])
+    return bool(np.all(away <= _SURE * sigmas))
 
 
 def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
-from latolato.experiment.fits.least_squares import Data, Floats
+from latolato.experiment.fits.least_squares import Data, Floats, one_series
 from latolato.experiment.track_table import (
     CLEAN,
     balls_of,
@@ -56,7 +57,7 @@ def samples_of(
             f"ball {ball} has {good.sum()} samples flagged ok, but a fit needs at least 8"
         )
     sigma = table[f"angle_sigma_{ball}"].values[good]
-    return Data(time[good], angle[good], filled(sigma), np.full(int(good.sum()), ball))
+    return one_series(time[good], angle[good], filled(sigma))
 
 
 def of_own_pivot(
@@ -94,22 +95,22 @@ def angles_of(
             raise InputError(
                 "a BallPair needs a table of two balls", way_out="use a Pendulum or a LatoLato"
             )
-        parts = [samples_of(table, each, start=start, end=end) for each in (1, 2)]
-        return Data(
-            **{
-                name: np.concatenate([getattr(part, name) for part in parts])
-                for name in vars(parts[0])
-            }
-        )
+        parts = []
+        for each in (1, 2):
+            part = samples_of(table, each, start=start, end=end)
+            parts.append(replace(part, series=np.full(len(part), each)))
+        columns = {
+            f.name: np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Data)
+        }
+        return Data(**columns)
     if is_mirrored(table, system, ball):
         one, two = (samples_of(table, each, start=start, end=end) for each in (1, 2))
         times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
         sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
-        series = np.ones(len(times), dtype=np.int64)
-        return Data(times, 0.5 * (one.values[i] - two.values[j]), sigmas, series)
+        return one_series(times, 0.5 * (one.values[i] - two.values[j]), sigmas)
     data = samples_of(table, ball or 1, start=start, end=end)
     sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
-    return Data(data.times, sign * data.values, data.sigmas, np.ones(len(data), dtype=np.int64))
+    return replace(data, values=sign * data.values)
 
 
 def is_mirrored(table: xr.Dataset, system: System, ball: int | None) -> bool:
@@ -152,11 +153,14 @@ def noise_of(values: Floats) -> float:
     Of the orders 3 to 10, the first after which none gives a clearly smaller scatter: few samples
     in a swing need more than three, as lower differences still show the swing itself.
     """
+    from scipy.stats import median_abs_deviation
+
     if len(values) < 8:
         return 0.0
     orders = range(3, min(_HIGHEST, len(values) - 4) + 1)
     scatters = [
-        1.4826 * float(np.median(np.abs(np.diff(values, n)))) / math.sqrt(math.comb(2 * n, n))
+        float(median_abs_deviation(np.diff(values, n), scale="normal"))
+        / math.sqrt(math.comb(2 * n, n))
         for n in orders
     ]
     least = min(scatters)

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.fits.least_squares import Data, Floats, Guess
+from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution
+from latolato.experiment.fits.result import Adequacy
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,6 +125,20 @@ class Sight:
     def part(self, chosen: Any) -> Sight:
         """Return that of some of the samples."""
         return Sight(self.smears[chosen], self.drop)
+
+
+def pivot_doubt(solution: Solution) -> Adequacy | None:
+    """Return the doubt in a fit whose pivot is far from its place in the table, None without."""
+    for name, place in ((ABOVE, "above"), (ASIDE, "beside")):
+        if name in solution.beyond_priors:
+            return Adequacy(
+                f"The fit is not to be believed: it puts the pivot {abs(solution.values[name]):.2g}"
+                f" of the arm {place} where the table has it, "
+                f"{abs(solution.beyond_priors[name]):.2g} times the uncertainty that the table "
+                "states.",
+                "pivot",
+            )
+    return None
 
 
 def drop_of(angles: Floats) -> float:

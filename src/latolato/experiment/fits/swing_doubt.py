@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -25,14 +26,14 @@ from latolato.experiment.fits.free_swing import amplitude_at, fit_equation, part
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
-from latolato.experiment.fits.sight import ABOVE, ASIDE
+from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
 
 # Periods in the shortest part of a record.
 _SHORTEST = 2.0
 # Samples that explanations of a whole record are fitted to, in so many trials, and what they must
 # gain, as a share of what two parts do.
-_ENOUGH, _TRIES, _MOST = 600, 300, 0.5
+_ENOUGH, _TRIES, _MOST = 600, 40, 0.5
 # How uncertain the instant of a cut is, in periods.
 _UNSURE = 0.1
 # Periods that a cut may have taken out of a clock.
@@ -170,15 +171,7 @@ def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | N
             "gap",
             at,
         )
-    for name, place in ((ABOVE, "above"), (ASIDE, "beside")):
-        if name in whole.beyond_priors:
-            return Adequacy(
-                f"The fit is not to be believed: it puts the pivot {abs(whole.values[name]):.2g} "
-                f"of the arm {place} where the table has it, {abs(whole.beyond_priors[name]):.2g} "
-                "times the uncertainty that the table states.",
-                "pivot",
-            )
-    return None
+    return pivot_doubt(whole)
 
 
 def _of_whole(
@@ -193,7 +186,7 @@ def _of_whole(
     size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
     tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, str]] = []
     for factor, words in _UNITS:
-        other = Data(few.times, factor * few.values, factor * few.sigmas, few.series)
+        other = replace(few, values=factor * few.values, sigmas=factor * few.sigmas)
         if np.ptp(other.values) < math.tau:
             slower = period_factor(factor * size) / period_factor(size)
             scaled = {n: factor * p[n] for n in ("initial_angle", "angle_offset")}
@@ -248,9 +241,7 @@ def _other_period(before: Mapping[str, float], after: Mapping[str, float]) -> st
     return f", with a period of {other:.4g} s instead of {one:.4g} s"
 
 
-def _by_instant(
-    before: Mapping[str, float], after: Mapping[str, float], names: Sequence[str]
-) -> Floats:
+def _by_instant(before: Mapping[str, float], after: Mapping[str, float]) -> Floats:
     """Return the covariance of differences because the instant of a cut is uncertain."""
     rates = [
         {"phase": math.exp(each["frequency"]) / period_factor(math.exp(each["amplitude"])),
@@ -258,17 +249,15 @@ def _by_instant(
         for each in (before, after)
     ]  # fmt: skip
     period = math.tau / min(rate["phase"] for rate in rates)
-    moved = [rates[1].get(name, 0.0) - rates[0].get(name, 0.0) for name in names]
+    moved = [rates[1].get(name, 0.0) - rates[0].get(name, 0.0) for name in before]
     return (_UNSURE * period) ** 2 * np.outer(moved, moved)
 
 
 def _of_cut(cut: Cut) -> tuple[str, str]:
     """Return the kind of break at a cut, and what it looks like."""
     usual = 0.5 * cut.before.values.get("linear", 0.0)
-    before, after, names, covariance = changes(cut, partial(portrait, usual=usual))
-    off = {name: after[name] - before[name] for name in names}
-    off["phase"] = math.remainder(off["phase"], math.tau)
-    covariance = covariance + _by_instant(before, after, names)
+    before, after, off, covariance = changes(cut, partial(portrait, usual=usual))
+    covariance = covariance + _by_instant(before, after)
     size = math.exp(before["amplitude"])
     period = math.tau * period_factor(size) / math.exp(before["frequency"])
     # What a break that explains one number leaves of the others.
@@ -281,9 +270,7 @@ def _of_cut(cut: Cut) -> tuple[str, str]:
         "phase jump": {**off, "amplitude": float(decayed[fewest])},
         "change of pace": {**off, "drag": after["drag"] - pace * before["drag"]},
     }
-    kind = min(
-        _KINDS, key=lambda each: misfit_of(each, left.get(each.name, off), names, covariance)
-    )
+    kind = min(_KINDS, key=lambda each: misfit_of(each, left.get(each.name, off), covariance))
     seconds = f"{float(lost[fewest]):.3g} s"
     turn = off["offset"]
     offset = f"{turn:.3g} rad"

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
 from latolato.experiment.fits.motion import LaterDrive, angles_at, step_of
-from latolato.experiment.fits.sight import SEEN, Sight
+from latolato.experiment.fits.sight import SEEN, Sight, drop_of
 from latolato.physics.contacts import ExactContact
-from latolato.physics.drives import Drive
+from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
 from latolato.simulation.start import between_walls, walls_of
 
@@ -22,7 +22,17 @@ from latolato.simulation.start import between_walls, walls_of
 _NEAR = 4
 # Relative and absolute steps of derivatives.
 _RELATIVE, _ABSOLUTE = 1e-5, 1e-6
+# Angle of trials that end early.
+_WILD = 10.0
+# Parameters of the start of one angle in one window.
+START = ("initial_angle", "initial_angular_velocity")
 Laws = Callable[[Mapping[str, float]], tuple[System, Drive]]
+
+
+def start_names(k: int, j: int) -> tuple[str, str]:
+    """Return the names of angle j and its angular velocity at the start of window k."""
+    place = f"_{k}_{j}" if k or j else ""
+    return f"{START[0]}{place}", f"{START[1]}{place}"
 
 
 @dataclass(frozen=True)
@@ -50,7 +60,7 @@ class Window:
 class WindowedModel:
     """Angles of a system over windows, with shared parameters and a start for each window.
 
-    Parameters of window k are ``angle_k_j`` and ``velocity_k_j`` for angle j.
+    The parameters of a start are named by `start_names`.
     """
 
     def __init__(
@@ -61,11 +71,17 @@ class WindowedModel:
         self.angles = system.angles
         self._sight = Sight.of(data)
         self.windows = _windows(data, begins, self.angles)
+        self._window_of = {
+            name: k for k, _ in enumerate(self.windows) for j in range(self.angles)
+            for name in start_names(k, j)
+        }  # fmt: skip
         self._held = not any(name.startswith("drive_") for name in shared)
         self._drives = [self._later(drive, w) for w in self.windows] if self._held else []
         reach = max(self._drives, key=lambda d: d.largest_acceleration) if self._held else drive
-        speed = 2.0 * float(np.sqrt((system.gravity + reach.largest_acceleration) / min(
-            ball.length for ball in system.balls)))  # fmt: skip
+        acceleration = system.gravity + reach.largest_acceleration
+        speed = 2.0 * math.sqrt(acceleration / min(ball.length for ball in system.balls))
+        if isinstance(drive, FixedPivot):  # where a swing gets no faster than it is seen to be
+            speed *= math.sqrt(0.5 * drop_of(data.values))
         self.step = step_of(system, reach, speed)
 
     def guesses(self, states: Floats | None = None) -> dict[str, Guess]:
@@ -73,11 +89,15 @@ class WindowedModel:
         guesses = dict(self.shared)
         system, _ = self.laws({name: guess.value for name, guess in guesses.items()})
         for k, window in enumerate(self.windows):
-            state = _states(self.data, window.begin, self.angles) if states is None else states[k]
+            if states is None:
+                state, _ = _parabolas(self.data, window.begin, self.angles)
+            else:
+                state = states[k]
             inside = _within_walls(system, state[:, 0])
             for j in range(self.angles):
-                guesses[f"angle_{k}_{j}"] = Guess(float(inside[j]))
-                guesses[f"velocity_{k}_{j}"] = Guess(float(state[j, 1]))
+                angle, velocity = start_names(k, j)
+                guesses[angle] = Guess(float(inside[j]))
+                guesses[velocity] = Guess(float(state[j, 1]))
         return guesses
 
     def __call__(self, p: Mapping[str, float]) -> Floats:
@@ -97,11 +117,11 @@ class WindowedModel:
             change = -size if p[name] + size > high else size
             moved = {**p, name: p[name] + change}
             out = motion.copy()
-            if name in self.shared and name not in SEEN:
-                out = self._moved(moved)
-            elif name not in SEEN:
-                k = int(name.split("_")[1])
+            if name in self._window_of:
+                k = self._window_of[name]
                 self._run(out, system, drives[k], moved, k)
+            elif name not in SEEN:
+                out = self._moved(moved)
             matrix[:, i] = (self._seen(out, moved) - middle) / change
         return matrix
 
@@ -154,7 +174,7 @@ class WindowedModel:
 
     def _start(self, p: Mapping[str, float], k: int) -> Floats:
         """Return the state at the start of a window, shape (angle, 2)."""
-        return np.array([[p[f"angle_{k}_{j}"], p[f"velocity_{k}_{j}"]] for j in range(self.angles)])
+        return np.array([[p[name] for name in start_names(k, j)] for j in range(self.angles)])
 
     def _run(
         self, out: Floats, system: System, drive: LaterDrive, p: Mapping[str, float], k: int
@@ -169,7 +189,9 @@ class WindowedModel:
         """Return angles at instants, shape (angle, instant)."""
         begun = _within_walls(system, state[:, 0])
         start = begun.tolist(), state[:, 1].tolist()
-        return angles_at(system, drive, *start, times, step=self.step, law=ExactContact())
+        angles = angles_at(system, drive, *start, times, step=self.step, law=ExactContact())
+        # A trial too wild to be followed to the end is a bad fit, not an error.
+        return np.where(np.isfinite(angles), angles, _WILD)
 
 
 def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
@@ -187,22 +209,28 @@ def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
     return windows
 
 
-def _states(data: Data, instant: float, angles: int) -> Floats:
-    """Return angles and angular velocities about an instant from parabolas, shape (angle, 2)."""
-    out = np.zeros((angles, 2))
+def _parabolas(data: Data, instant: float, angles: int) -> tuple[Floats, float]:
+    """Fit a parabola to the samples of each angle that are nearest to an instant.
+
+    Returns
+    -------
+    states : ndarray, shape (angle, 2)
+        Angles and angular velocities there.
+    misfit : float
+        Sum of the squares that the parabolas leave, and of the durations of the samples, as gaps
+        are no good place.
+    """
+    states, misfit = np.zeros((angles, 2)), 0.0
     for j in range(angles):
-        late, values = _about(data, instant, j)
+        own = np.flatnonzero(data.series == j + 1)
+        near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
+        late = data.times[near] - instant
         scale = max(float(np.max(np.abs(late))), 1e-6)
-        coefficients = np.polyfit(late / scale, values, 2)
-        out[j] = coefficients[2], coefficients[1] / scale
-    return out
-
-
-def _about(data: Data, instant: float, angle: int) -> tuple[Floats, Floats]:
-    """Return the samples of an angle nearest to an instant: times from it, and values."""
-    own = np.flatnonzero(data.series == angle + 1)
-    near = own[np.argsort(np.abs(data.times[own] - instant), kind="stable")[: 2 * _NEAR + 1]]
-    return data.times[near] - instant, data.values[near]
+        coefficients = np.polyfit(late / scale, data.values[near], 2)
+        states[j] = coefficients[2], coefficients[1] / scale
+        left = data.values[near] - np.polyval(coefficients, late / scale)
+        misfit += float(left @ left) + float(np.ptp(late))
+    return states, misfit
 
 
 def _within_walls(system: System, angles: Floats) -> Floats:
@@ -228,17 +256,6 @@ def window_starts(data: Data, length: float, angles: int) -> Floats:
         if not len(near):
             continue
         picked = near[:: max(1, len(near) // 24)]
-        misfit = [_misfit(data, float(t), angles) for t in picked]
+        misfit = [_parabolas(data, float(t), angles)[1] for t in picked]
         starts.append(float(picked[int(np.argmin(misfit))]))
     return np.array(starts)
-
-
-def _misfit(data: Data, instant: float, angles: int) -> float:
-    """Return how badly parabolas describe the samples about an instant."""
-    total = 0.0
-    for j in range(angles):
-        late, values = _about(data, instant, j)
-        coefficients = np.polyfit(late, values, 2)
-        total += float(np.sum((values - np.polyval(coefficients, late)) ** 2))
-        total += float(np.ptp(late))  # gaps are no good place
-    return total
