@@ -208,6 +208,15 @@ def test_accelerations_tell_the_stiffness_where_no_length_is_declared():
     assert predictor.noise < 0.2 * unsure
 
 
+def test_a_ball_unseen_for_long_is_found_again_with_a_positive_variance():
+    predictor = Predictor(20.0, 0.0)
+    predictor.start(0.0, np.array([0.1]), np.array([np.nan]), 1e-3)
+    for time in range(1, 200):
+        predictor.accept(time, predictor.predict(time, np.array([time]), 0.0))
+    predictor.correct(0, 0.1, 1e-4)
+    assert np.linalg.eigvalsh(predictor.covariance[0]).min() > 0.0
+
+
 @pytest.mark.parametrize("middle", [0.0, math.pi])
 def test_predicted_balls_bounce_and_never_pass(middle):
     gap = 0.16

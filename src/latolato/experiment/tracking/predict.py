@@ -18,6 +18,9 @@ _RESTITUTION, _UNSURE = 0.85, 0.15
 _UNSURE_FORCE, _LEAST_FORCE = {True: 0.08, False: 0.3}, {True: 1.0, False: 60.0}
 # Fewest accelerations that say how uncertain they are, and how much more they are believed to be.
 _FEWEST, _ROUGH = 12, 2.0
+# Largest sum of a state's variances [rad^2, rad^2/s^2]. Unseen for long, nothing is known anyway;
+# rounding would make larger ones negative.
+_UNKNOWN = 1e4
 
 
 @dataclass
@@ -142,6 +145,7 @@ class Predictor:
             if contacts:
                 error = _UNSURE * 2.0 * abs(self.velocities[b]) + 0.1
                 grown[b] += np.diag([(0.5 * error * interval) ** 2, error**2])
+            grown[b] *= min(1.0, _UNKNOWN / float(np.trace(grown[b])))
         return grown
 
     def learn(self, angle: float, acceleration: float) -> None:
@@ -163,10 +167,14 @@ class Predictor:
         self.covariance = expected.covariance.copy()
 
     def correct(self, ball: int, angle: float, sigma: float) -> None:
-        """Draw the state of one ball towards a measured angle (Kalman)."""
+        """Draw the state of one ball towards a measured angle (Kalman).
+
+        The covariance is Joseph's form, which rounding cannot make negative.
+        """
         covariance = self.covariance[ball]
         gain = covariance[:, 0] / (covariance[0, 0] + sigma**2)
         change = angle - self.angles[ball]
         self.angles[ball] += gain[0] * change
         self.velocities[ball] += gain[1] * change
-        self.covariance[ball] = covariance - np.outer(gain, covariance[0])
+        kept = np.eye(2) - np.outer(gain, [1.0, 0.0])
+        self.covariance[ball] = kept @ covariance @ kept.T + sigma**2 * np.outer(gain, gain)
