@@ -150,6 +150,9 @@ FILMS: dict[str, Limits] = {
     "repeated": Limits(1.88, ok=0.79, ratio=(0.5, 2.1), former=1.708),
     "held": Limits(1.29, ok=0.96, ratio=(0.3, 2.0), former=1.164),
     "knocked": Limits(1.12, former=1.017),
+    "askew": Limits(
+        1.4, ok=0.95, former=2.703, fails="half of the samples are ok: the oval is not followed",
+    ),
     "tilted two": Limits(1.32, ok=0.97, ratio=(0.3, 2.0), former=1.199),
 }  # fmt: skip
 

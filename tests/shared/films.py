@@ -95,6 +95,8 @@ class Film:
         When somebody knocks the camera [s], and by how many pixels the picture jumps.
     roll : float
         Angle by which the camera is turned about its axis [rad].
+    slant : float
+        Angle at which the camera, far away, looks at the swing from the side [rad].
     repeats : int
         Of so many pictures the last is shown twice, as in 24 a second converted to 30; 0 for none.
     codec : str
@@ -125,6 +127,7 @@ class Film:
     held: float = 0.0
     knock: tuple[float, int, int] | None = None
     roll: float = 0.0
+    slant: float = 0.0
     repeats: int = 0
     codec: str = "mpeg4"
 
@@ -167,11 +170,11 @@ class _Motion:
         late = np.maximum(times - film.held, 0.0)
         up = np.interp(late, self.time, self.height) * film.arm / longest
         angles = np.array([np.interp(late, self.time, angle) for angle in self.angles])
-        turned = angles + film.roll
-        rail = np.stack([-np.sin(film.roll) * up, -np.cos(film.roll) * up], axis=-1)
-        pivots = np.array(film.centre) + rail
+        c, s = math.cos(film.roll), math.sin(film.roll)
+        pivots = np.array(film.centre) - np.stack([s * up, c * up], axis=-1)
         reach = np.array(self.arms).reshape(-1, *[1] * (angles.ndim - 1))
-        places = pivots + np.stack([reach * np.sin(turned), reach * np.cos(turned)], axis=-1)
+        across, down = math.cos(film.slant) * reach * np.sin(angles), reach * np.cos(angles)
+        places = pivots + np.stack([c * across + s * down, c * down - s * across], axis=-1)
         return angles, pivots, places
 
 
@@ -520,5 +523,6 @@ films: dict[str, Film] = {
         mottle=0.05, seconds=4.0, codec="libvpx-vp9",
     ),
     "knocked": _one(knock=(1.5, 5, -3), mottle=0.12, shadow=_CAST),
+    "askew": _one(slant=0.6, mottle=0.06, codec="libvpx-vp9"),
     "tilted two": _two(arm=210.0, roll=0.1, mottle=0.08, shadow=_CAST, codec="libvpx-vp9"),
 }  # fmt: skip
