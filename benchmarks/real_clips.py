@@ -3,7 +3,8 @@
     python benchmarks/real_clips.py CLONES [TABLE]
 
 `CLONES` holds clones of the repositories in ``real_clips.toml`` as ``owner+name``, ``owner/name``
-or ``name``. Missing clips are left out. The exit code is 1 if a case does not end as expected.
+or ``name``. Missing clips are left out. For each case it prints the share of ok samples, whether
+this is as expected, and the processor time. The exit code is 1 if a case does not end as expected.
 
 `TABLE` is a Markdown file to write. For each track it lists the period, or the arm if there is no
 period, from the whole clip and from its halves, which should agree. If the pivot is known, this is
@@ -17,6 +18,7 @@ import math
 import subprocess
 import sys
 import tempfile
+import time
 import tomllib
 import warnings
 from pathlib import Path
@@ -26,8 +28,8 @@ import numpy as np
 
 import latolato as ll
 from latolato.core.errors import InputError
-from latolato.experiment.quality import circle_distances
 from latolato.experiment.period import period_of
+from latolato.experiment.quality import circle_distances
 
 # Share of samples that may be ok where the ball is not followed, and that must be where it is.
 _FEW, _MANY = 0.05, 0.6
@@ -50,7 +52,7 @@ def _content(clones: Path, clip: dict[str, Any]) -> bytes | None:
 
 def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str, Any]:
     """Return the share of samples that are ok, the reason or the warnings, and the track table."""
-    given = {name: case[name] for name in ("pivot", "balls", "length", "radius") if name in case}
+    given = {name: value for name, value in case.items() if name not in ("name", "expected")}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
@@ -112,12 +114,15 @@ def main() -> int:
             path = Path(folder) / f"{number}{Path(clip['file']).suffix}"
             path.write_bytes(content)
             for case in clip["case"]:
+                began = time.process_time()
                 share, text, table = _outcome(path, case)
+                spent = time.process_time() - began
                 outcomes = {"followed": share > _MANY, "refused": share < _FEW}
                 is_good = outcomes.get(case["expected"], any(outcomes.values()))
                 failed += not is_good
                 verdict = "as expected" if is_good else "WRONG"
-                print(f"  {case['name']:38} {100 * share:4.0f} % ok  {verdict:12} {text}")
+                print(f"  {case['name']:38} {100 * share:4.0f} % ok  {verdict:12} "
+                      f"{spent:4.0f} s  {text}")  # fmt: skip
                 sys.stdout.flush()
                 if table is not None and len(sys.argv) == 3:
                     clicks = [str(case[name]) for name in ("pivot", "balls") if name in case]
