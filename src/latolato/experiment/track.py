@@ -85,6 +85,7 @@ class Task:
     setup: Setup
     sample: Sample | None = None
     warnings: list[str] = field(default_factory=list)
+    # Of a ball that was found, roughly [pixels].
     radius: float | None = None
     # Where the set-up was read from, None if it was given or found.
     setup_file: Path | None = None
@@ -197,7 +198,7 @@ def track(
         [m] with the origin at the mean pivot and y up, ``angle_1`` from the direction of gravity
         about the moving pivot [rad], its ``angle_sigma_1`` and ``flag_1``, and the same of a second
         ball; ball 1 is the right-hand one. Flags are ok, collision (balls touch), occluded (partly
-        hidden), manual (set by hand, to 1 pixel), predicted (continued by the equation of motion)
+        hidden), manual (set by hand, to 1 pixel), predicted (on a smooth curve through a short gap)
         and lost. The attribute
         ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
         the picture and the arc does not show one at rest: angles are then NaN, flags are about the
@@ -227,10 +228,10 @@ def track(
 
     Notes
     -----
-    Pivot and balls are layers fitted to each frame in linear light, with the equation of motion as
-    the prediction; balls cannot pass each other. The track must pass the checks of
-    `latolato.experiment.tracking.gate`. It can miss two balls of different sizes or colours, a
-    perspective that the circle does not show, and what each of the checks can miss.
+    What moves is linked through the whole clip first; then pivot and balls are layers fitted to
+    each frame in linear light, from there. Balls cannot pass each other. The track must pass the
+    checks of `latolato.experiment.tracking.gate`. It can miss two balls of different sizes or
+    colours, a perspective that the circle does not show, and what each of the checks can miss.
 
     See Also
     --------

@@ -46,7 +46,7 @@ MEANINGS = {
     "collision": "measured while the balls touch",
     "occluded": "measured, partly hidden",
     "manual": "set by hand",
-    "predicted": "not seen: carried on by the equation of motion for a moment",
+    "predicted": "not seen for a moment: on a smooth curve between before and after",
     "lost": "not seen, and no number given",
 }
 GEOMETRIES = {

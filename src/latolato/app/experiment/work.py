@@ -74,7 +74,9 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
-        task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
+        # The page shows the first frame.
+        settings = {"limits": video.limits, "click_frame": video.first_frame}
+        task = prepare(Path(job["path"]), None, None, settings, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError as error:
         result["message"] = str(error)

@@ -110,7 +110,6 @@ def propose(
             click = np.array(ball, float)
             track, blobs = link_clicked(blobs, sample.copies, click, sample.click, None)
             tracks.append(track)
-    radius = float(np.median([track.radius for track in tracks]))
     lens, size = optics or Optics(), (video.width, video.height)
     starts = None if balls is None else [np.array(ball, float) for ball in balls]
     if starts is None:
@@ -127,7 +126,7 @@ def propose(
         is_proposed=True,
         click_frame=video.first_frame + sample.click,
     )
-    return setup, radius, sample
+    return setup, float(np.median([track.radius for track in tracks])), sample
 
 
 def _swinging(
