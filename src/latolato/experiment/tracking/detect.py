@@ -58,13 +58,12 @@ class Blobs(NamedTuple):
     walls: np.ndarray
 
     @classmethod
-    def of(cls, rows: list[tuple[float, ...]], scale: np.ndarray) -> Blobs:
+    def of(cls, rows: list[tuple[float, ...]], shrink: int) -> Blobs:
         """Return blobs of rows of numbers in pixels of a small picture, the clearest first."""
         table = np.array(rows, float).reshape(-1, 11)
         table = table[np.argsort(-table[:, 4] * table[:, 2], kind="stable")[:_MOST]]
-        mean = math.sqrt(float(scale.prod()))
-        places = (table[:, :2] + 0.5) * scale - 0.5
-        radii, lengths = mean * table[:, 2:4].T
+        places = (table[:, :2] + 0.5) * shrink - 0.5
+        radii, lengths = shrink * table[:, 2:4].T
         return cls(places, radii, lengths, table[:, 4], table[:, 5:8], table[:, 8:])
 
     def without(self, number: int) -> Blobs:
@@ -80,23 +79,17 @@ class Copies:
     ----------
     pictures : numpy.ndarray, shape (frame, row, column, 3)
         Luma, blue and red chroma, in steps of 255.
-    size : tuple of int
-        Width and height of the frames that they were made of [pixels].
+    shrink : int
+        Columns and rows of the video in a pixel of a small picture.
     """
 
     pictures: np.ndarray
-    size: tuple[int, int]
+    shrink: int
 
     @classmethod
     def none(cls) -> Copies:
         """Return no pictures."""
-        return cls(np.zeros((0, 1, 1, 3), np.uint8), (1, 1))
-
-    @property
-    def scale(self) -> np.ndarray:
-        """Columns and rows of the video in a pixel of a small picture."""
-        rows, columns = self.pictures.shape[1:3]
-        return np.asarray(np.array(self.size) / np.array([columns, rows]))
+        return cls(np.zeros((0, 1, 1, 3), np.uint8), 1)
 
     @cached_property
     def background(self) -> np.ndarray:
@@ -113,12 +106,12 @@ class Copies:
 
     def small(self, places: np.ndarray) -> np.ndarray:
         """Places (..., 2) of the video in pixels of small pictures."""
-        return np.asarray((places + 0.5) / self.scale - 0.5)
+        return np.asarray((places + 0.5) / self.shrink - 0.5)
 
     def colour(self, number: int, place: np.ndarray, radius: float) -> np.ndarray:
         """Return the median colour within a radius of a place in a frame, shape (3,) [255]."""
         u, v = self.small(place)
-        reach = max(0.7 * radius / float(self.scale.mean()), 0.5)
+        reach = max(0.7 * radius / self.shrink, 0.5)
         rows, columns = self.pictures.shape[1:3]
         left, right = max(0, round(u - reach)), min(columns, round(u + reach) + 1)
         top, bottom = max(0, round(v - reach)), min(rows, round(v + reach) + 1)
@@ -131,40 +124,48 @@ class Copier:
 
     def __init__(self) -> None:
         self.pictures: list[np.ndarray] = []
-        self.shape = (0, 0)
-        self.size = (0, 0)
+        self.shrink = 1
 
     def add(self, frame: Frame) -> None:
         """Keep a small picture of a frame."""
         if not self.pictures:
-            rows, columns = frame.luma.shape
-            shrink = max(1.0, math.sqrt(rows * columns / _PIXELS))
-            self.size = columns, rows
-            self.shape = max(1, round(columns / shrink)), max(1, round(rows / shrink))
-        self.pictures.append(small_picture(frame, self.shape))
-        if len(self.pictures) * self.shape[0] * self.shape[1] > _ALL_PIXELS:
-            cv2 = import_cv2()
-            columns, rows = self.shape
-            self.shape = max(1, round(0.71 * columns)), max(1, round(0.71 * rows))
-            self.pictures = [
-                cv2.resize(picture, self.shape, interpolation=cv2.INTER_AREA)
-                for picture in self.pictures
-            ]
+            self.shrink = max(1, round(math.sqrt(frame.luma.size / _PIXELS)))
+        self.pictures.append(small_picture(frame, self.shrink))
+        if len(self.pictures) * self.pictures[0][..., 0].size > _ALL_PIXELS:
+            self.shrink *= 2
+            self.pictures = [_shrunk(picture, 2) for picture in self.pictures]
 
     @property
     def copies(self) -> Copies:
         """The small pictures of the frames so far."""
-        return Copies(np.stack(self.pictures), self.size)
+        return Copies(np.stack(self.pictures), self.shrink)
 
 
-def small_picture(frame: Frame, shape: tuple[int, int]) -> np.ndarray:
-    """Return a frame in a small picture of a width and a height, shape (row, column, 3)."""
+def small_picture(frame: Frame, shrink: int) -> np.ndarray:
+    """Return a frame in a picture that is smaller by a factor, shape (row, column, 3).
+
+    What is left over at the right and lower edge is cut off: whole pixels are many times faster.
+    """
     cv2 = import_cv2()
-    planes = [
-        cv2.resize(np.ascontiguousarray(plane), shape, interpolation=cv2.INTER_AREA)
-        for plane in frame[2:]
-    ]
-    return np.asarray(cv2.merge(planes))
+    # The mean of squares of four is faster still.
+    luma = _shrunk(_shrunk(frame.luma, 2), shrink // 2) if shrink % 2 == 0 else frame.luma
+    luma = _shrunk(luma, shrink) if shrink % 2 else luma
+    rows, columns = luma.shape
+    chroma = (
+        np.ascontiguousarray(plane[: rows * shrink // 2, : columns * shrink // 2])
+        for plane in frame[3:]
+    )
+    return np.asarray(cv2.merge([luma, *(cv2.resize(one, (columns, rows)) for one in chroma)]))
+
+
+def _shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
+    """Return the means of squares of pixels."""
+    rows, columns = (side // factor for side in picture.shape[:2])
+    part = np.ascontiguousarray(picture[: rows * factor, : columns * factor])
+    if factor == 1:
+        return part
+    cv2 = import_cv2()
+    return np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
 def detect(
@@ -195,7 +196,7 @@ def detect(
     part = np.s_[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
     corner = np.array([max(left, 0), max(top, 0)])
     return [
-        _blobs(cv2, picture[part], wall[part], corner, limit, copies.scale, colour)
+        _blobs(cv2, picture[part], wall[part], corner, limit, copies.shrink, colour)
         for picture in copies.pictures
     ]
 
@@ -212,7 +213,7 @@ def _blobs(
     wall: np.ndarray,
     corner: np.ndarray,
     limit: float,
-    scale: np.ndarray,
+    shrink: int,
     colour: np.ndarray | None,
 ) -> Blobs:
     """Return the blobs of one picture, which begins at a corner of the whole one."""
@@ -231,7 +232,7 @@ def _blobs(
         own = labels[part] == number
         for u, v, *rest in _split(cv2, own, apart[part], picture[part], wall[part]):
             rows.append((u + x + corner[0], v + y + corner[1], *rest))
-    return Blobs.of(rows, scale)
+    return Blobs.of(rows, shrink)
 
 
 def _split(

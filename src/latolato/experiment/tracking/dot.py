@@ -109,7 +109,7 @@ def dot_radius(sample: Sample, route: Route) -> float:
     It is that of a disc of as many pixels as differ by half of what the clearest one does, in
     frames in which they are slow.
     """
-    if not route.radius < _SMALL * max(float(sample.copies.scale.mean()), 2.0):
+    if not route.radius < _SMALL * max(sample.copies.shrink, 2.0):
         return math.nan
     behind = median_planes(sample.frames[::3])[0]
     speeds = np.linalg.norm(route.velocities[0], axis=-1)

@@ -267,12 +267,12 @@ def link_clicked(
     if 0 <= number < len(blobs):
         own = blobs[number]
         away = np.linalg.norm(own.places - click, axis=1)
-        near = away < np.maximum(_AT_CLICK * own.lengths, _AT_CLICK_LOOSE * copies.scale.mean())
+        near = away < np.maximum(_AT_CLICK * own.lengths, _AT_CLICK_LOOSE * copies.shrink)
         if near.any():
             at = int(np.argmin(np.where(near, away, np.inf)))
             radius, colour = float(own.radii[at]), own.colours[at]
         else:
-            size = radius or 2.0 * float(copies.scale.mean())
+            size = radius or 2.0 * copies.shrink
             colour, at = copies.colour(number, click, size), len(own.radii)
             row = (click, size, size, _CLEAREST, colour, colour)
             blobs[number] = own = Blobs(
@@ -284,7 +284,7 @@ def link_clicked(
     worths = [worth_of(each, clear, colour, radius) for each in blobs]
     if worth is not None:
         worths[number] = worth
-    return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * float(copies.scale.mean())))
+    return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * copies.shrink))
 
 
 def link_movers(blobs: list[Blobs], copies: Copies, most: int) -> list[Trajectory]:

@@ -34,8 +34,8 @@ _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
 _PATIENCE, _UNSURE_FORCE = 0.3, 0.3
 # Change of speed within a gap, over that by the typical force, from which something struck a ball.
 _TURNED = 2.5
-# Error of a smear that is worth a second look [pixels].
-_SMEAR = 0.5
+# Error of a smear that is worth a second look [pixels], and how many later frames tell that.
+_SMEAR, _AHEAD = 0.5, 2
 # By how much the exposure may be longer than was learned, and contacts how much before the middle
 # of an exposure count as its own: shares of the interval.
 _UNSURE_EXPOSURE, _BEFORE = 0.04, 0.25
@@ -74,7 +74,7 @@ def refine(
     Notes
     -----
     A frame is fitted again if its neighbours, once they are fitted, say that its smear is another
-    one. So each frame is decoded once, and at most three are in memory.
+    one. So each frame is decoded once, and few are in memory.
     """
     refiner = _Refiner(scene, sample, route, corrections or (lambda _: {}))
     count, repeats = len(sample.times), sample.repeats
@@ -118,7 +118,7 @@ class _Refiner:
         self.unsure = np.zeros((count, balls))
         self.pivots = PivotFollower(scene.pivot, self.interval)
         self.gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if balls == 2 else 0.0
-        self.last: _Shot | None = None
+        self.waiting: list[_Shot] = []
 
     def measure(self, frame: Frame, is_stale: bool) -> None:
         """Fit a frame's pivot and balls, and the frame before again if its smear changed."""
@@ -131,12 +131,14 @@ class _Refiner:
         self._retry(shot)
         for b, place in fixed.items():
             self._fix(n, b, pivot, place)
-        self._again()
-        self.last = shot
+        self.waiting.append(shot)
+        if len(self.waiting) > _AHEAD:
+            self._again(self.waiting.pop(0))
 
     def finish(self) -> None:
-        """Fit the last frame again if its smear changed."""
-        self._again()
+        """Fit the last frames again if their smears changed."""
+        for shot in self.waiting:
+            self._again(shot)
 
     def _expected(self, n: int, pivot: np.ndarray, fixed: Mapping[int, np.ndarray]) -> np.ndarray:
         """Return the angles about the pivot at which balls should be, NaN where that is unknown."""
@@ -246,13 +248,12 @@ class _Refiner:
         late = exposure * ((np.arange(count) + 0.5) / count - 0.5)[:, None]
         return np.asarray(centre + late * velocity + 0.5 * late**2 * bend)
 
-    def _again(self) -> None:
-        """Fit the frame before last again if those around it say that its smear is another one."""
-        shot = self.last
-        if shot is None or not self.scene.look.exposure > 0.0:
+    def _again(self, shot: _Shot) -> None:
+        """Fit a frame again if those around it say that its smear is another one."""
+        if not self.scene.look.exposure > 0.0:
             return
         n = shot.frame.number
-        near = slice(max(n - 2, 0), n + 3)
+        near = slice(max(n - _AHEAD, 0), n + _AHEAD + 1)
         centres = np.where(self._is_good(near)[..., None], self.out.centres[near], np.nan)
         speed, bend = velocities(self.out.times[near], centres, self.scene.look.radius)
         speed, bend = speed[n - near.start], bend[n - near.start]

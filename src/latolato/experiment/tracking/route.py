@@ -18,6 +18,8 @@ _BRIDGED, _RESTED = 12, 1.5
 _PARTLY = 0.8
 # From this ratio of length to width on a thing may be more than the ball: a rod with it.
 _LONG = 2.5
+# By how much steps of time that count as even differ from the typical one, as a share.
+_EVEN = 0.05
 # Fewest fast blobs that show the exposure.
 _FEWEST = 6
 # Two balls are one blob where they are nearer than this and only one is detected [radii].
@@ -148,6 +150,20 @@ def velocities(
     takes_before |= ~np.isfinite(after).all(axis=-1)
     one_sided = np.where(takes_before[..., None], before, after)
     velocity = np.where(is_smooth[..., None], 0.5 * (before + after), one_sided)
+    # At few frames a second a swing is no parabola: where five places in even steps are smooth, the
+    # slope of the quartic through them.
+    if len(places) >= 5:
+        wide = np.full(places.shape, np.nan)
+        near, far = places[3:-1] - places[1:-3], places[4:] - places[:-4]
+        wide[2:-2] = (8.0 * near - far) / (12.0 * interval)
+        gaps = np.diff(times)
+        is_even = np.zeros(len(times), bool)
+        uneven = np.abs(np.stack([gaps[k : len(gaps) - 3 + k] for k in range(4)]) / interval - 1.0)
+        is_even[2:-2] = (uneven < _EVEN).all(axis=0)
+        around = np.zeros_like(is_smooth)
+        around[1:-1] = is_smooth[2:] & is_smooth[1:-1] & is_smooth[:-2]
+        use = around & is_even[:, None] & np.isfinite(wide).all(axis=-1)
+        velocity = np.where(use[..., None], wide, velocity)
     return velocity, np.where(is_smooth[..., None], bends, 0.0)
 
 
@@ -180,7 +196,7 @@ def find_route(
         Which frames show an older picture.
     """
     left = detect(copies, bounds)
-    empty = Blobs.of([], copies.scale)
+    empty = Blobs.of([], copies.shrink)
     for frame in np.flatnonzero(is_stale).tolist():
         if frame != number:
             left[frame] = empty
@@ -188,7 +204,7 @@ def find_route(
     for click in clicks:
         if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies):
             # It is a part of something larger that moves with it: its colour tells it.
-            colour = copies.colour(number, click, radius or 2.0 * float(copies.scale.mean()))
+            colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, bounds, colour)
             track, _ = link_clicked(own, copies, click, number, radius)
         else:
@@ -224,11 +240,11 @@ def find_route(
 def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies) -> bool:
     """Return whether what is clicked moves by itself, or nothing moves there."""
     away = np.linalg.norm(blobs.places - click, axis=1)
-    if not (away < blobs.lengths + copies.scale.mean()).any():
+    if not (away < blobs.lengths + copies.shrink).any():
         return True
     at = int(np.argmin(away))
     is_long = blobs.lengths[at] > _LONG * blobs.radii[at]
-    return not is_long and bool(away[at] < blobs.radii[at] + copies.scale.mean())
+    return not is_long and bool(away[at] < blobs.radii[at] + copies.shrink)
 
 
 def _exposure(route: Route, tracks: list[Trajectory]) -> float:
@@ -278,10 +294,10 @@ def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np
     Such a ball is in the median picture, so what differs from that is only its rim.
     """
     cv2 = import_cv2()
-    scale, count = copies.scale, len(copies.pictures)
+    shrink, count = copies.shrink, len(copies.pictures)
     number = min(max(number, 0), count - 1)
-    half = max(2, round(_PATCH * radius / float(scale.mean())))
-    reach = max(2, round(_STEP * radius / float(scale.mean())))
+    half = max(2, round(_PATCH * radius / shrink))
+    reach = max(2, round(_STEP * radius / shrink))
     padded = [
         cv2.copyMakeBorder(picture, *(half + reach + 1,) * 4, cv2.BORDER_REPLICATE)
         for picture in copies.pictures
@@ -301,7 +317,7 @@ def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np
             match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
             _, _, _, (x, y) = cv2.minMaxLoc(match)
             at = np.array([u - reach + x + _top(match[y], x), v - reach + y + _top(match[:, x], y)])
-            out[frame] = (at - half - reach - 1 + 0.5) * scale - 0.5
+            out[frame] = (at - half - reach - 1 + 0.5) * shrink - 0.5
     return out
 
 

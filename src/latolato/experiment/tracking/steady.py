@@ -307,10 +307,9 @@ def _steady_copies(copies: Copies, first: Frame, hidden: Sequence[Bar]) -> Copie
     def as_frame(picture: np.ndarray) -> Frame:
         return Frame(0, 0.0, *np.moveaxis(picture, -1, 0))
 
-    rows, columns = copies.pictures.shape[1:3]
-    share = 1.0 / float(copies.scale.mean())
+    share = 1.0 / copies.shrink
     bars = [Bar(copies.small(b.start), copies.small(b.end), b.reach * share) for b in hidden]
-    surroundings = Surroundings(as_frame(small_picture(first, (columns, rows))), bars)
+    surroundings = Surroundings(as_frame(small_picture(first, copies.shrink)), bars)
     matrix, pictures = np.eye(2, 3), np.empty_like(copies.pictures)
     for k, picture in enumerate(copies.pictures):
         motion = surroundings.motion(as_frame(picture))
