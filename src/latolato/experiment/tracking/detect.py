@@ -110,13 +110,17 @@ class Copies:
 
     def colour(self, number: int, place: np.ndarray, radius: float) -> np.ndarray:
         """Return the median colour within a radius of a place in a frame, shape (3,) [255]."""
+        part = self._around(self.pictures[number], place, radius)
+        return np.asarray(np.median(part, axis=0)) if len(part) else np.full(3, math.nan)
+
+    def _around(self, picture: np.ndarray, place: np.ndarray, radius: float) -> np.ndarray:
+        """Return the pixels of a small picture about a place, shape (pixel, 3)."""
         u, v = self.small(place)
         reach = max(0.7 * radius / self.shrink, 0.5)
-        rows, columns = self.pictures.shape[1:3]
+        rows, columns = picture.shape[:2]
         left, right = max(0, round(u - reach)), min(columns, round(u + reach) + 1)
         top, bottom = max(0, round(v - reach)), min(rows, round(v + reach) + 1)
-        part = self.pictures[number, top:bottom, left:right].reshape(-1, 3)
-        return np.asarray(np.median(part, axis=0)) if len(part) else np.full(3, math.nan)
+        return np.asarray(picture[top:bottom, left:right].reshape(-1, 3))
 
 
 class Copier:

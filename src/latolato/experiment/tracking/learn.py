@@ -50,7 +50,7 @@ _SIZE, _MEASURED = 1.5, 1.15
 # Fewest places that tell whether a pivot rests, and how much less distances from it must vary then.
 _FEWEST, _RESTS = 12, 0.5
 # How many frames in which a ball is slow show what it looks like.
-_SLOW = 4
+_SLOW = 7
 # How clear a disc about a click must be, as a share of the clearest one.
 _CLEAR = 0.85
 # How often a disc is looked for again that lies this share of its radius aside.
@@ -347,7 +347,11 @@ def _discs(
     in_clip = [k for k, n in enumerate(numbers) if 0 <= n < len(smears)]
     known = route.is_seen[:, ball] & np.isfinite(smears)
     seen = [k for k in in_clip if known[numbers[k]]]
-    slow = sorted((k for k in seen if k > 0), key=lambda k: float(smears[numbers[k]]))[:_SLOW]
+    # One of each part of the clip, for it may rest in a hand for a while.
+    later = [k for k in seen if k > 0]
+    parts = [part.tolist() for part in np.array_split(np.array(later, int), _SLOW)]
+    slow = [min(part, key=lambda k: float(smears[numbers[k]])) for part in parts if part]
+    slow = [k for k in slow if smears[numbers[k]] < 2.0 * route.radius] or slow
     is_moving = not route.is_traced and (radius is None or _is_alike(route.radius, radius))
     found: list[tuple[int, np.ndarray, float, float]] = []
     if 0 not in seen or smears[numbers[0]] < 2.0 * route.radius or not slow:

@@ -19,7 +19,7 @@ _BRIDGED, _MISSED = 8, 0.25
 # What a chain costs that goes on anywhere else, and how much more as something hardly alike; a step
 # at the edge of what is expected, the longest one in those, and what a step costs from one frame to
 # the next that is longer still.
-_JUMP, _OTHER, _STEP, _MOST_STEP, _LEAP = 2.5, 1.5, 0.6, 3.0, 0.6
+_JUMP, _OTHER, _STEP, _MOST_STEP, _LEAP = 2.5, 1.5, 0.6, 3.0, 0.9
 # How far from where its speed leads a blob is expected: radii, share of the step, pixels; and where
 # the speed is unknown.
 _NEAR, _BENT, _LOOSE = 1.0, 0.35, 2.0
@@ -38,6 +38,8 @@ _UNLIKE, _MOST_UNLIKE = 0.4, 4.0
 _FOLLOWS, _ENDS = 0.2, 30
 # What a blob at a click is worth, and how near it must be: radii and pixels.
 _CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
+# By how much of the arm the distance from where a pivot is clicked varies: by tilts and by drives.
+_DRIVEN = 0.2
 # A blob that is where others are in this share of the frames rests.
 _RESTS = 0.5
 
@@ -244,7 +246,12 @@ def _clear(blobs: list[Blobs]) -> float:
 
 
 def link_clicked(
-    blobs: list[Blobs], copies: Copies, click: np.ndarray, number: int, radius: float | None
+    blobs: list[Blobs],
+    copies: Copies,
+    click: np.ndarray,
+    number: int,
+    radius: float | None,
+    pivot: np.ndarray | None = None,
 ) -> tuple[Trajectory, list[Blobs]]:
     """Return the path of what is clicked in a frame, and the blobs that are left.
 
@@ -261,6 +268,8 @@ def link_clicked(
         The frame; one beyond the clip is not looked at.
     radius : float or None
         Of what is clicked [pixels], None if it is not known.
+    pivot : numpy.ndarray, shape (2,), optional
+        About which it swings, in the clicked frame [pixels]; it may be driven.
     """
     blobs, colour = list(blobs), None
     worth = None
@@ -282,6 +291,11 @@ def link_clicked(
         worth[at] = _CLICKED
     clear = _clear(blobs)
     worths = [worth_of(each, clear, colour, radius) for each in blobs]
+    if pivot is not None:
+        arm = float(np.hypot(*(click - pivot)))
+        for own, each in zip(blobs, worths, strict=True):
+            off = np.abs(np.linalg.norm(own.places - pivot, axis=1) / arm - 1.0)
+            each *= np.exp(-((off / _DRIVEN) ** 2))
     if worth is not None:
         worths[number] = worth
     return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * copies.shrink))

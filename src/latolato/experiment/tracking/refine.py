@@ -32,6 +32,8 @@ _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
 # Time between measured samples that is bridged [s], and how uncertain accelerations are then, as a
 # share of the typical one.
 _PATIENCE, _UNSURE_FORCE = 0.3, 0.3
+# A step this many times longer than others is a leap, also through a gap of so many frames.
+_LEAP, _LONG_GAP = 1.5, 6
 # Change of speed within a gap, over that by the typical force, from which something struck a ball.
 _TURNED = 2.5
 # Error of a smear that is worth a second look [pixels], and how many later frames tell that.
@@ -301,6 +303,7 @@ class _Refiner:
             is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
             is_old &= led > max(_STALE, _STALE_SHARE * scene.look.radius)
         good &= self.is_fixed | ~(repeats[:, None] & is_old)
+        good &= ~self._leaps(good) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"
         contacts = contact_times(out.times, out.angles, self.gap) if scene.balls == 2 else []
@@ -329,6 +332,31 @@ class _Refiner:
             out.flags[self.is_fixed[:, b], b] = "manual"
             self._bridge(b)
         return out
+
+    def _leaps(self, good: np.ndarray) -> np.ndarray:
+        """Return where a ball that is seen alone after a leap or a gap may be the other one.
+
+        Shape (frame, ball).
+        """
+        doubtful = np.zeros(good.shape, bool)
+        if self.scene.balls == 1:
+            return doubtful
+        angles = np.where(good, self.out.angles, np.nan)
+        steps = np.abs(np.diff(angles, axis=0))
+        if not np.isfinite(steps).any():
+            return doubtful
+        most = _LEAP * float(np.nanquantile(steps, 0.98)) + 0.5 * self.gap
+        for b in range(2):
+            known = np.flatnonzero(good[:, b])
+            apart = np.diff(known)
+            far = np.abs(np.diff(angles[known, b])) > most * np.minimum(apart, _LONG_GAP)
+            # Where neither is seen they may meet.
+            is_alone = ~good[known[1:], 1 - b] & ~good[known[1:] - 1, 1 - b]
+            for k in np.flatnonzero(far | ((apart > 1) & is_alone)).tolist():
+                after = np.arange(known[k + 1], len(good))
+                both = np.flatnonzero(good[after].all(axis=1))
+                doubtful[after[: both[0]] if len(both) else after, b] = True
+        return doubtful
 
     def _bridge(self, ball: int) -> None:
         """Fill short gaps between measured angles of a ball by a smooth curve."""

@@ -16,16 +16,15 @@ from latolato.experiment.tracking.link import Trajectory, link_clicked
 _BRIDGED, _RESTED = 12, 1.5
 # A blob is a part of a ball if it is smaller than this share of the typical one.
 _PARTLY = 0.8
-# From this ratio of length to width on a thing may be more than the ball: a rod with it.
-_LONG = 2.5
 # By how much steps of time that count as even differ from the typical one, as a share.
 _EVEN = 0.05
 # Fewest fast blobs that show the exposure.
 _FEWEST = 6
 # Two balls are one blob where they are nearer than this and only one is detected [radii].
 _MERGED = 3.5
-# A ball that goes no farther than this never leaves its place [radii].
-_STAYS = 3.0
+# A ball that goes no farther than this never leaves its place [radii]; how alike it looks all the
+# time then, though what is detected may leap.
+_STAYS, _SAME = 3.0, 0.9
 # Half the side of the patch that is compared then, and how far it may move between frames [radii].
 _PATCH, _STEP = 1.3, 1.5
 
@@ -175,6 +174,7 @@ def find_route(
     number: int,
     radius: float | None,
     is_stale: np.ndarray,
+    pivots: list[np.ndarray | None],
 ) -> Route:
     """Return where balls are that are pointed at in a frame.
 
@@ -194,6 +194,8 @@ def find_route(
         Of a ball [pixels], None if it is not known.
     is_stale : numpy.ndarray of bool, shape (frame,)
         Which frames show an older picture.
+    pivots : list of numpy.ndarray, shape (2,), or None
+        About which each ball swings, None where that is not known [pixels].
     """
     left = detect(copies, bounds)
     empty = Blobs.of([], copies.shrink)
@@ -201,20 +203,26 @@ def find_route(
         if frame != number:
             left[frame] = empty
     tracks: list[Trajectory] = []
-    for click in clicks:
+    for click, pivot in zip(clicks, pivots, strict=True):
         if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies):
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, bounds, colour)
-            track, _ = link_clicked(own, copies, click, number, radius)
+            track, _ = link_clicked(own, copies, click, number, radius, pivot)
         else:
-            track, left = link_clicked(left, copies, click, number, radius)
+            track, left = link_clicked(left, copies, click, number, radius, pivot)
         tracks.append(track)
     size = radius or float(np.median([track.radius for track in tracks]))
     places = np.stack([track.places for track in tracks], axis=1)
-    is_traced = [not t.is_seen.any() or np.hypot(*t.extent) < _STAYS * size for t in tracks]
-    for b in np.flatnonzero(is_traced):
-        places[:, b] = _traced(copies, clicks[b], number, size)
+    is_traced = []
+    for b, track in enumerate(tracks):
+        traced, likeness = _traced(copies, clicks[b], number, size)
+        low, high = np.nanquantile(traced, [0.02, 0.98], axis=0)
+        stays = likeness > _SAME and bool(np.hypot(*(high - low)) < _STAYS * size)
+        stays |= not track.is_seen.any() or bool(np.hypot(*track.extent) < _STAYS * size)
+        is_traced.append(stays)
+        if stays:
+            places[:, b] = traced
     detected = places.copy()
     if len(tracks) == 2:
         filled = _bridged(times, places, size)
@@ -243,8 +251,7 @@ def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies) -> bool:
     if not (away < blobs.lengths + copies.shrink).any():
         return True
     at = int(np.argmin(away))
-    is_long = blobs.lengths[at] > _LONG * blobs.radii[at]
-    return not is_long and bool(away[at] < blobs.radii[at] + copies.shrink)
+    return bool(away[at] < blobs.radii[at] + copies.shrink)
 
 
 def _exposure(route: Route, tracks: list[Trajectory]) -> float:
@@ -288,10 +295,13 @@ def _bridged(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray
     return out
 
 
-def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np.ndarray:
+def _traced(
+    copies: Copies, click: np.ndarray, number: int, radius: float
+) -> tuple[np.ndarray, float]:
     """Return places (frame, 2) of a ball that never leaves its place, by its picture at the click.
 
-    Such a ball is in the median picture, so what differs from that is only its rim.
+    Such a ball is in the median picture, so what differs from that is only its rim. How much it
+    typically looks like that picture comes second, 1 at most.
     """
     cv2 = import_cv2()
     shrink, count = copies.shrink, len(copies.pictures)
@@ -304,7 +314,7 @@ def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np
     ]
     start = copies.small(click) + half + reach + 1
     patch = cv2.getRectSubPix(padded[number], (2 * half + 1,) * 2, tuple(start.tolist()))
-    out = np.full((count, 2), np.nan)
+    out, scores = np.full((count, 2), np.nan), np.zeros(count)
     for frames in (range(number, count), range(number - 1, -1, -1)):
         at = start.copy()
         for frame in frames:
@@ -315,10 +325,10 @@ def _traced(copies: Copies, click: np.ndarray, number: int, radius: float) -> np
             if min(part.shape[:2]) < 2 * half + 1:
                 break
             match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
-            _, _, _, (x, y) = cv2.minMaxLoc(match)
+            _, scores[frame], _, (x, y) = cv2.minMaxLoc(match)
             at = np.array([u - reach + x + _top(match[y], x), v - reach + y + _top(match[:, x], y)])
             out[frame] = (at - half - reach - 1 + 0.5) * shrink - 0.5
-    return out
+    return out, float(np.median(scores))
 
 
 def _top(values: np.ndarray, at: int) -> float:
