@@ -148,7 +148,7 @@ class Copier:
 def small_picture(frame: Frame, shrink: int) -> np.ndarray:
     """Return a frame in a picture that is smaller by a factor, shape (row, column, 3).
 
-    What is left over at the right and lower edge is cut off: whole pixels are many times faster.
+    The remainder at the right and lower edge is cut off: whole pixels are many times faster.
     """
     cv2 = import_cv2()
     # The mean of squares of four is faster still.
