@@ -149,13 +149,6 @@ class Appearance:
         """Move balls from where they are expected: see `fit_balls`."""
         return fit_balls(self, planes, paths, pivot, rounds, tolerant)
 
-    def turns(self, centres: np.ndarray, pivot: np.ndarray) -> np.ndarray:
-        """Return by how much the paint is turned at centres (sample, 2) [rad]."""
-        if not self.is_spinning:
-            return np.zeros(len(centres))
-        away = centres - pivot
-        return np.asarray(np.arctan2(away[:, 0], away[:, 1]))
-
     @property
     def drawn(self) -> Ball:
         """How the kernels draw a ball, in whitened colours."""

@@ -39,7 +39,7 @@ _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 _ROUNDS = 3
 # Typical share that colours that stay explain from which those that turn are not tried, and by how
 # much these must explain more.
-_PLAIN, _TURNS = 0.85, 1.05
+_PLAIN, _TURNS = 0.97, 1.05
 # By how much turns between fitted places differ from what the route says, as a share, unless balls
 # met between them.
 _FASTER = 0.3
@@ -51,6 +51,8 @@ _SIZE, _MEASURED = 1.5, 1.15
 _FEWEST, _RESTS = 12, 0.5
 # How many frames in which a ball is slow show what it looks like.
 _SLOW = 7
+# They are smeared by less than this share of the radius, or these are the slowest of them.
+_SHARP, _FEW = 0.2, 3
 # How clear a disc about a click must be, as a share of the clearest one.
 _CLEAR = 0.85
 # How often a disc is looked for again that lies this share of its radius aside.
@@ -337,7 +339,7 @@ def _discs(
 ) -> tuple[list[tuple[int, np.ndarray]], float]:
     """Return frames of the sample with a ball's centre in each, and its radius [pixels].
 
-    They are the clicked frame, the first, unless the ball is smeared there by more than its width,
+    They are the clicked frame, the first, unless the ball is smeared there by a quarter of its width,
     and some in which it is slow: a hand may hold it in the first. Each shows the disc of the size
     that is declared or guessed, or of what moves there.
     """
@@ -351,10 +353,12 @@ def _discs(
     later = [k for k in seen if k > 0]
     parts = [part.tolist() for part in np.array_split(np.array(later, int), _SLOW)]
     slow = [min(part, key=lambda k: float(smears[numbers[k]])) for part in parts if part]
-    slow = [k for k in slow if smears[numbers[k]] < 2.0 * route.radius] or slow
+    slow.sort(key=lambda k: float(smears[numbers[k]]))
+    sharp = [k for k in slow if smears[numbers[k]] < _SHARP * route.radius]
+    slow = sharp if len(sharp) > _FEW else slow[:_FEW]
     is_moving = not route.is_traced and (radius is None or _is_alike(route.radius, radius))
     found: list[tuple[int, np.ndarray, float, float]] = []
-    if 0 not in seen or smears[numbers[0]] < 2.0 * route.radius or not slow:
+    if 0 not in seen or smears[numbers[0]] < 0.5 * route.radius or not slow:
         trials = [(np.array(click, float), size, ball > 0 or radius is not None)]
         if 0 in seen and is_moving:
             trials.append((route.places[numbers[0], ball], route.radius, True))
@@ -366,7 +370,8 @@ def _discs(
         clear = _CLEAR * max(step for _, _, step in discs)
         found.append((0, *max((d for d in discs if d[2] >= clear), key=lambda d: d[1])))
     if is_moving:
-        near = found[0][2] if found else route.radius
+        is_whole = bool(found) and _is_alike(found[0][2], route.radius)
+        near = found[0][2] if is_whole else route.radius
         others = [
             (k, *_settled(frames[k], colours, (route.places[numbers[k], ball], near, True), pivot))
             for k in slow

@@ -19,7 +19,7 @@ _BRIDGED, _MISSED = 8, 0.25
 # What a chain costs that goes on anywhere else, and how much more as something hardly alike; a step
 # at the edge of what is expected, the longest one in those, and what a step costs from one frame to
 # the next that is longer still.
-_JUMP, _OTHER, _STEP, _MOST_STEP, _LEAP = 2.5, 1.5, 0.6, 3.0, 0.9
+_JUMP, _OTHER, _STEP, _MOST_STEP, _LEAP = 2.5, 1.5, 0.6, 3.0, 0.6
 # How far from where its speed leads a blob is expected: radii, share of the step, pixels; and where
 # the speed is unknown.
 _NEAR, _BENT, _LOOSE = 1.0, 0.35, 2.0
@@ -39,7 +39,7 @@ _FOLLOWS, _ENDS = 0.2, 30
 # What a blob at a click is worth, and how near it must be: radii and pixels.
 _CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
 # By how much of the arm the distance from where a pivot is clicked varies: by tilts and by drives.
-_DRIVEN = 0.2
+_DRIVEN = 0.35
 # A blob that is where others are in this share of the frames rests.
 _RESTS = 0.5
 

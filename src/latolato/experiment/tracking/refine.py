@@ -45,8 +45,6 @@ _UNSURE_EXPOSURE, _BEFORE = 0.04, 0.25
 _STALE, _STALE_SHARE = 0.5, 0.05
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
-# Error of a place within a smear, as a share of the error of the smear's length.
-_IN_SMEAR = 0.3
 # How far from the circle, and from where it roughly is, a centre may lie, in radii; from the circle
 # also as a share of the arm, for the pivot may be a little beside the place pointed at.
 _OFF_CIRCLE, _OFF_ROUTE, _OFF_SHARE = 0.4, 1.0, 0.02
@@ -117,7 +115,6 @@ class _Refiner:
         self.explained, self.hidden = np.zeros((count, balls)), np.ones((count, balls))
         self.guesses = np.full((count, balls), np.nan)
         self.is_fixed = np.zeros((count, balls), bool)
-        self.unsure = np.zeros((count, balls))
         self.pivots = PivotFollower(scene.pivot, self.interval)
         self.gap = 2.0 * math.asin(min(scene.look.radius / scene.arm, 1.0)) if balls == 2 else 0.0
         self.waiting: list[_Shot] = []
