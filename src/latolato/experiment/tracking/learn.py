@@ -339,9 +339,9 @@ def _discs(
 ) -> tuple[list[tuple[int, np.ndarray]], float]:
     """Return frames of the sample with a ball's centre in each, and its radius [pixels].
 
-    They are the clicked frame, the first, unless the ball is smeared there by a quarter of its width,
-    and some in which it is slow: a hand may hold it in the first. Each shows the disc of the size
-    that is declared or guessed, or of what moves there.
+    They are the clicked frame, the first, unless the ball is smeared there by a quarter of its
+    width, and some in which it is slow: a hand may hold it in the first. Each shows the disc of
+    the size that is declared or guessed, or of what moves there.
     """
     speeds = np.linalg.norm(route.velocities[0][:, ball], axis=-1)
     smears = speeds * float(np.median(np.diff(route.times))) * route.exposure
