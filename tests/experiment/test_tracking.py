@@ -159,8 +159,18 @@ def test_every_decoded_frame_has_a_row_at_its_time(clips, name):
     assert np.allclose(result["time"], truth["time"], rtol=0, atol=1e-12)
 
 
-# A band of the wall's colour that turns with the ball leaves a few frames unsure.
-@pytest.mark.parametrize("name,share", [("tilted", 0.005), ("contacts", 0.1), ("turns", 0.07)])
+@pytest.mark.parametrize(
+    "name,share",
+    [
+        ("tilted", 0.005),
+        ("contacts", 0.1),
+        pytest.param(
+            "turns",
+            0.05,
+            marks=pytest.mark.xfail(reason="6 % since clips are linked first", strict=True),
+        ),
+    ],
+)
 def test_few_samples_are_flagged_in_plain_view(clips, name, share):
     _, ok = _errors(*clips(name))
     assert np.mean(~ok) <= share
