@@ -19,7 +19,7 @@ from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circ
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.pace import motion_of, pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
-from latolato.experiment.calibration.tilt import Tilt, fit_tilt
+from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.period import halves_apart, period_of
 from latolato.experiment.sidecar import (
@@ -37,6 +37,7 @@ from latolato.experiment.track_table import MEASURED, balls_of, track_table
 from latolato.experiment.tracking.appearance import Appearance
 from latolato.experiment.tracking.dot import dot_radius
 from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.geometry import Geometry, fit_geometry
 from latolato.experiment.tracking.learn import ImageModel, learn_dot_model, learn_image_model
 from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
@@ -70,9 +71,8 @@ _PATTERN, _UNEXPLAINED = 0.05, 0.1
 _READ, _LEARNED = 0.3, 0.2
 # How far from where it is clicked, and from its rod, a ball may reach, as a share of the arm.
 _ABOUT = 0.15
-# By how much distances from a pivot at rest differ on an oval, in radii of the ball; and by which
-# factor those of two balls do whose arms are different.
-_OVAL, _OTHER_ARM = 0.4, 1.15
+# By which factor the distances of two balls from one pivot differ whose arms are different.
+_OTHER_ARM = 1.15
 # How far from the picture a pivot may be, in diagonals of the picture.
 _FARTHEST = 10.0
 
@@ -627,17 +627,6 @@ def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) 
     return _Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
 
 
-def _tilt_of(task: Task, route: Route, pivot: np.ndarray) -> Tilt | None:
-    """Return how obliquely the camera looks, where balls run on an oval about a pivot at rest."""
-    size = task.video.width, task.video.height
-    places = undistorted(route.places[route.is_seen], size, task.setup.optics)
-    about = undistorted(np.broadcast_to(pivot, places.shape), size, task.setup.optics)
-    distances = np.hypot(*(places - about).T)
-    if len(places) < _FEWEST or np.ptp(np.quantile(distances, [0.05, 0.95])) < _OVAL * route.radius:
-        return None
-    return fit_tilt(places, about, size)
-
-
 def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     """Return the circle about a pivot that is not seen, and why it cannot be believed."""
     video, setup, optics = task.video, task.setup, task.setup.optics
@@ -669,28 +658,28 @@ def _followed(
     corrections = _corrections(task, sample)
     tell = _part(progress, 0.0, _LEARNED)
     is_disc = setup.shape != "template"
-    tilt = None if is_unseen or not is_disc else _tilt_of(task, route, pivot)
-
+    if is_unseen:
+        geometry = Geometry.at_rest(pivot, len(sample.from_click))
+    else:
+        geometry = fit_geometry(sample, pivot, balls, route, size, setup.optics)
     dot = dot_radius(sample, route)
 
     def learned(radius: float | None) -> ImageModel:
         if not is_disc:
             half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
-            return learn_template_model(video, sample, pivot, balls, half, route, tell)
+            return learn_template_model(video, sample, geometry, balls, half, route, tell)
         if math.isfinite(dot):
-            return learn_dot_model(sample, pivot, balls, route, dot, is_unseen=is_unseen)
-        unseen = route.radius if is_unseen else None
+            return learn_dot_model(sample, geometry, balls, route, dot)
+        rough = route.radius if is_unseen else None
         return learn_image_model(
-            video, sample, pivot, balls, radius, route, tell, unseen_radius=unseen, tilt=tilt
+            video, sample, geometry, balls, radius, route, tell, rough_radius=rough
         )
 
     if is_unseen:
         scene = learned(None)
         seen = refine(video, sample, scene, route, _part(progress, _LEARNED, 1.0), corrections)
         return scene, _believed(task, sample, seen, balls)
-    tilt = tilt or Tilt()
-    arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
-    scale = scale_of(setup, size, (arm, 0.0))
+    scale = scale_of(setup, size, (geometry.arm(balls), 0.0))
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must be at least 8 pixels apart")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,16 +18,16 @@ from latolato.experiment.tracking.appearance import (
 )
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.dot import Dot
+from latolato.experiment.tracking.geometry import Geometry
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
     PivotTracker,
-    learn_pivot,
     learn_template,
     locate_all,
     velocities,
 )
 from latolato.experiment.tracking.route import Route
-from latolato.experiment.tracking.sample import Sample, median_planes
+from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
@@ -47,8 +47,6 @@ _FASTER = 0.3
 _PATTERN = 0.05
 # By which factor radii of the same disc may differ, and those of two measurements of it.
 _SIZE, _MEASURED = 1.5, 1.15
-# Fewest places that tell whether a pivot rests, and how much less distances from it must vary then.
-_FEWEST, _RESTS = 12, 0.5
 # How many frames in which a ball is slow show what it looks like.
 _SLOW = 7
 # They are smeared by less than this share of the radius, or these are the slowest of them.
@@ -101,14 +99,13 @@ class ImageModel:
 def learn_image_model(
     video: Video,
     sample: Sample,
-    pivot: np.ndarray,
+    geometry: Geometry,
     balls: list[np.ndarray],
     radius: float | None,
     route: Route,
     progress: Callable[[float], None] | None = None,
     *,
-    unseen_radius: float | None = None,
-    tilt: Tilt | None = None,
+    rough_radius: float | None = None,
 ) -> ImageModel:
     """The image model of a clip: background, balls and pivot.
 
@@ -116,19 +113,16 @@ def learn_image_model(
     ----------
     video, sample : Video, Sample
         The clip and the frames to learn from.
-    pivot : numpy.ndarray, shape (2,)
-        Pivot in the clicked frame (column, row) [pixels], in the picture or out of it.
+    geometry : Geometry
+        What the balls turn about.
     balls : list of numpy.ndarray, shape (2,)
         Centre of each ball in the clicked frame [pixels].
     radius : float or None
         Expected radius of the balls [pixels]; None measures it.
     route : Route
         Where the balls roughly are in all frames.
-    unseen_radius : float, optional
-        Of balls about a pivot that the picture does not show, which is assumed at rest: their rough
-        radius [pixels].
-    tilt : Tilt, optional
-        How obliquely the camera looks, if the path is an oval about a pivot at rest.
+    rough_radius : float, optional
+        Of the balls, from which their radius is looked for [pixels]; by default a share of the arm.
 
     Raises
     ------
@@ -136,26 +130,17 @@ def learn_image_model(
         If no ball is found in most of the sample.
     """
     frames = sample.from_click
-    colours, tilt = Colours.of(video), tilt or Tilt()
-    arm = float(np.mean([np.hypot(*tilt.flat(ball - pivot)) for ball in balls]))
+    colours, medians = Colours.of(video), sample.medians
+    tracker, shifts, tilt = replace(geometry.tracker), geometry.shifts, geometry.tilt
+    pivots = tracker.place(shifts)
     centres = [np.array(ball, float) for ball in balls]
-    size = radius or unseen_radius or 0.08 * arm
+    size = radius or rough_radius or 0.08 * geometry.arm(balls)
     shots: list[tuple[int, np.ndarray]] = []
     for b, click in enumerate(balls):
-        own, size = _discs(frames, colours, route, b, click, size, pivot, radius)
+        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
-    arm = float(np.mean([np.hypot(*tilt.flat(centre - pivot)) for centre in centres]))
-    medians = median_planes(frames[::3])
-    pivot = np.asarray(pivot, float)
-    if unseen_radius is None:
-        tracker, shifts = _learned_pivot(frames, medians[0], pivot, arm, route, tilt)
-        if not tracker.is_still:  # what looked like an oval is the pivot's motion
-            tilt = Tilt()
-            arm = float(np.mean([np.hypot(*(centre - pivot)) for centre in centres]))
-    else:
-        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
-    pivots = tracker.place(shifts)
+    arm = geometry.arm(centres)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
@@ -243,18 +228,11 @@ def _first_fit(
 
 
 def learn_dot_model(
-    sample: Sample,
-    pivot: np.ndarray,
-    balls: list[np.ndarray],
-    route: Route,
-    radius: float,
-    *,
-    is_unseen: bool,
+    sample: Sample, geometry: Geometry, balls: list[np.ndarray], route: Route, radius: float
 ) -> ImageModel:
     """The image model of a clip whose balls are too small for an edge.
 
-    Parameters are those of `learn_image_model`, and the dots' radius [pixels]; the picture does not
-    show the pivot if it `is_unseen`.
+    Parameters are those of `learn_image_model`, and the dots' radius [pixels].
 
     Raises
     ------
@@ -262,24 +240,19 @@ def learn_dot_model(
         If the sample shows no ball.
     """
     frames = sample.from_click
-    medians = median_planes(frames[::3])
-    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
-    if is_unseen:
-        tracker, shifts = PivotTracker.unseen(pivot), np.zeros((len(frames), 2))
-    else:
-        tracker, shifts = _learned_pivot(frames, medians[0], pivot, arm, route)
+    medians = sample.medians
     rest = [
         np.abs(frame.luma.astype(np.int16) - medians[0])
         for frame in frames[:: max(1, len(frames) // 8)]
     ]
     noise = 1.4826 * float(np.median(np.median(rest, axis=0)))
     dot = Dot(medians[0], max(4.0 * noise, 4.0), radius, 0.5, route.exposure)
-    scene = ImageModel(tracker, dot, arm, len(balls))
-    sightings = first_sightings(scene, frames, tracker.place(shifts), route)
+    scene = ImageModel(geometry.tracker, dot, geometry.arm(balls), len(balls), tilt=geometry.tilt)
+    sightings = first_sightings(scene, frames, geometry.pivots, route)
     if not sightings:
         raise InputError("no dot that moves was found", way_out="point at a larger ball")
     found = [
-        dot.middles(frames[one.frame][2:], [one.path(arm, dot.exposure)], 1.0)[0]
+        dot.middles(frames[one.frame][2:], [one.path(scene.arm, dot.exposure)], 1.0)[0]
         for one in sightings
     ]
     # Of a dot that saturates, smears have more light.
@@ -287,44 +260,12 @@ def learn_dot_model(
     scene.arm = float(
         np.median(
             [
-                np.hypot(*(place - one.pivot))
+                np.hypot(*scene.tilt.flat(place - one.pivot))
                 for (_, place), one in zip(found, sightings, strict=True)
             ]
         )
     )
     return scene
-
-
-def _learned_pivot(
-    frames: list[Frame],
-    behind: np.ndarray,
-    click: np.ndarray,
-    arm: float,
-    route: Route,
-    tilt: Tilt | None = None,
-) -> tuple[PivotTracker, np.ndarray]:
-    """Return a tracker of the pivot and its shifts in the sample: see `learn_pivot`.
-
-    Balls whose distance from a pivot at rest varies less, on the oval of a camera at an angle, tell
-    that it rests: what was followed is something else.
-    """
-    tracker, shifts = learn_pivot(frames, behind, click, arm)
-    if not tracker.is_still:
-        pivots = tracker.place(shifts)
-        moving, still = [], []
-        for k, frame in enumerate(frames):
-            if 0 <= frame.number < len(route.times):
-                own = route.places[frame.number][route.is_seen[frame.number]]
-                moving += np.hypot(*(own - pivots[k]).T).tolist()
-                still += np.hypot(*(tilt or Tilt()).flat(own - click).T).tolist()
-        if len(still) >= _FEWEST and _spread(still) < _RESTS * _spread(moving):
-            return PivotTracker.unseen(click), np.zeros((len(frames), 2))
-    return tracker, shifts
-
-
-def _spread(values: list[float]) -> float:
-    """Return how far values typically are from their median."""
-    return float(np.median(np.abs(np.array(values) - np.median(values))))
 
 
 def _discs(

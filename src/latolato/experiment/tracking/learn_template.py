@@ -9,11 +9,11 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.tracking.appearance import Colours
+from latolato.experiment.tracking.geometry import Geometry
 from latolato.experiment.tracking.learn import ImageModel, first_sightings, fit_sample
 from latolato.experiment.tracking.paint import filled
-from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.route import Route
-from latolato.experiment.tracking.sample import Sample, median_planes
+from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.teach import Sighting
 from latolato.experiment.tracking.template import Template
 from latolato.experiment.video import Frame, Video
@@ -41,7 +41,7 @@ _MARGIN, _EDGE = 1.2, 3
 def learn_template_model(
     video: Video,
     sample: Sample,
-    pivot: np.ndarray,
+    geometry: Geometry,
     balls: list[np.ndarray],
     half: float | None,
     route: Route,
@@ -53,8 +53,8 @@ def learn_template_model(
     ----------
     video, sample : Video, Sample
         The clip and the frames to learn from.
-    pivot : numpy.ndarray, shape (2,)
-        Pivot in the clicked frame (column, row) [pixels].
+    geometry : Geometry
+        What the bobs turn about.
     balls : list of numpy.ndarray, shape (2,)
         The point of each bob that is followed, in the clicked frame [pixels].
     half : float or None
@@ -68,11 +68,8 @@ def learn_template_model(
         If the patch is not found in any other frame.
     """
     frames = sample.from_click
-    arm = float(np.mean([np.hypot(*(ball - pivot)) for ball in balls]))
-    medians = median_planes(frames[::3])
-    pivot = np.asarray(pivot, float)
-    tracker, shifts = learn_pivot(frames, medians[0], pivot, arm)
-    pivots = tracker.place(shifts)
+    medians, pivots = sample.medians, geometry.pivots
+    arm = geometry.arm(balls)
     reach = math.ceil(half or SHARE * arm)
     side = 2 * reach + 1
     away = np.hypot(*(np.indices((side, side)) - reach))
@@ -83,7 +80,7 @@ def learn_template_model(
     )  # fmt: skip
     first = Sighting(0, balls[0], pivots[0], _angle(balls[0], pivots[0]), 0.0, 1.0, np.zeros(2))
     _learn(look, frames, [first], medians)
-    scene = ImageModel(tracker, look, arm, len(balls))
+    scene = ImageModel(geometry.tracker, look, arm, len(balls), tilt=geometry.tilt)
     scene.lean = _lean(route, sample.click, balls, pivots[0])
     sightings: list[Sighting] = []
     for round_ in range(_ROUNDS):
@@ -98,7 +95,8 @@ def learn_template_model(
                 way_out="point at the middle of the bob, or choose another patch",
             )
         teachers = [one for one in sightings if one.explained > _TEACHES] or sightings
-        scene.arm = float(np.median([np.hypot(*(one.centre - one.pivot)) for one in teachers]))
+        arms = [np.hypot(*scene.tilt.flat(one.centre - one.pivot)) for one in teachers]
+        scene.arm = float(np.median(arms))
         teachers.sort(key=lambda one: abs(one.speed) if math.isfinite(one.speed) else math.inf)
         _learn(look, frames, teachers[:_TEACHERS], medians)
         if progress:

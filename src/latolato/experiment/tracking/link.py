@@ -29,7 +29,7 @@ _FIRST, _FIRST_LOOSE = 6.0, 8.0
 _CLEAR, _CLEAREST, _FAINT, _LONG = 12.0, 40.0, 0.25, 0.15
 # Colours that differ by so many steps of 255 are hardly alike; light counts half, for it changes
 # with shading. The least share of a colour in a smear, and how much directions of colour count.
-_ALIKE, _WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
+ALIKE, WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.
@@ -186,8 +186,8 @@ def _looks(blobs: Blobs) -> np.ndarray:
     That is which way their colour differs from the background, for a smear is a mixture of the
     two, and their size.
     """
-    change = (blobs.colours - blobs.walls) * _WEIGHTS
-    length = np.maximum(np.linalg.norm(change, axis=1), _ALIKE)
+    change = (blobs.colours - blobs.walls) * WEIGHTS
+    length = np.maximum(np.linalg.norm(change, axis=1), ALIKE)
     size = np.log(np.maximum(blobs.radii, 0.1)) / _SIZE
     return np.column_stack([_DIRECTION * change / length[:, None], size])
 
@@ -229,11 +229,11 @@ def worth_of(
     worth = share * np.clip(1.0 + _LONG * (4.0 - long), 0.2, 1.0)
     if colour is not None:
         # The nearest mixture of the colour and the wall there: a smear is one.
-        whole = (colour - blobs.walls) * _WEIGHTS
-        seen = (blobs.colours - blobs.walls) * _WEIGHTS
+        whole = (colour - blobs.walls) * WEIGHTS
+        seen = (blobs.colours - blobs.walls) * WEIGHTS
         share = np.sum(whole * seen, axis=1) / np.maximum(np.sum(whole**2, axis=1), 1.0)
         away = seen - np.clip(share, _FAINTEST, 1.0)[:, None] * whole
-        worth = worth * (0.1 + 0.9 * np.exp(-np.sum((away / _ALIKE) ** 2, axis=1)))
+        worth = worth * (0.1 + 0.9 * np.exp(-np.sum((away / ALIKE) ** 2, axis=1)))
     if radius is not None:
         worth = worth * np.exp(-((np.log(np.maximum(blobs.radii, 0.1) / radius) / _SIZE) ** 2))
     return np.asarray(worth)

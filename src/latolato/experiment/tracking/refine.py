@@ -86,7 +86,7 @@ def refine(
         if progress and n % 16 == 0:
             progress(n / count)
     refiner.finish()
-    return refiner.judged(repeats)
+    return refiner.judged(repeats, sample.is_converted)
 
 
 @dataclass
@@ -290,8 +290,12 @@ class _Refiner:
             good &= (apart | ~np.isfinite(between))[:, None]
         return np.asarray(good | self.is_fixed[frames])
 
-    def judged(self, repeats: np.ndarray) -> Positions:
-        """Return the positions with their flags."""
+    def judged(self, repeats: np.ndarray, is_converted: bool) -> Positions:
+        """Return the positions with their flags.
+
+        A picture that seems to repeat the one before is out of date if pictures are repeated
+        regularly, or if a ball has not moved as those around say.
+        """
         scene, out = self.scene, self.out
         good = self._is_good(slice(None))
         before, after = np.roll(out.angles, 1, axis=0), np.roll(out.angles, -1, axis=0)
@@ -303,7 +307,7 @@ class _Refiner:
         with np.errstate(invalid="ignore"):
             is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
             is_old &= led > max(_STALE, _STALE_SHARE * scene.look.radius)
-        good &= self.is_fixed | ~(repeats[:, None] & is_old)
+        good &= self.is_fixed | ~(repeats[:, None] & (is_converted | is_old))
         good &= ~self._leaps(good) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from latolato.experiment.tracking.detect import Blobs, Copies, detect, import_cv2
-from latolato.experiment.tracking.link import Trajectory, link_clicked
+from latolato.experiment.tracking.link import ALIKE, WEIGHTS, Trajectory, link_clicked
 
 # Frames without a detection that are bridged, and how far apart the ends of a longer gap may be
 # for a ball to have rested there [radii].
@@ -20,6 +20,8 @@ _PARTLY = 0.8
 _EVEN = 0.05
 # Fewest fast blobs that show the exposure.
 _FEWEST = 6
+# What is this many times longer than wide may be more than a ball.
+_LONG = 1.5
 # Two balls are one blob where they are nearer than this and only one is detected [radii].
 _MERGED = 3.5
 # A ball that goes no farther than this never leaves its place [radii]; how alike it looks all the
@@ -204,7 +206,7 @@ def find_route(
             left[frame] = empty
     tracks: list[Trajectory] = []
     for click, pivot in zip(clicks, pivots, strict=True):
-        if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies):
+        if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies, number):
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, bounds, colour)
@@ -245,12 +247,19 @@ def find_route(
     return replace(route, exposure=_exposure(route, tracks))
 
 
-def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies) -> bool:
-    """Return whether what is clicked moves by itself, or nothing moves there."""
+def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies, number: int) -> bool:
+    """Return whether what is clicked moves by itself, or nothing moves there.
+
+    A ball in a hand is a part of something long that mostly has another colour.
+    """
     away = np.linalg.norm(blobs.places - click, axis=1)
     if not (away < blobs.lengths + copies.shrink).any():
         return True
     at = int(np.argmin(away))
+    if blobs.lengths[at] > _LONG * blobs.radii[at]:
+        own = copies.colour(number, click, 0.5 * blobs.radii[at])
+        if np.linalg.norm((own - blobs.colours[at]) * WEIGHTS) > ALIKE:
+            return False
     return bool(away[at] < blobs.radii[at] + copies.shrink)
 
 

@@ -77,6 +77,11 @@ class Sample:
         return [*self.clicked, *(frame for frame in self.frames if frame.number not in own)]
 
     @cached_property
+    def medians(self) -> tuple[np.ndarray, ...]:
+        """Median of each plane over a third of the frames: what rests."""
+        return median_planes(self.from_click[::3])
+
+    @cached_property
     def repeats(self) -> np.ndarray:
         """Whether a frame shows the picture of the one before, shape (frame,).
 

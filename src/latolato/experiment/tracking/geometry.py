@@ -1,0 +1,121 @@
+"""What the balls of a clip turn about: a pivot at rest or driven, and how obliquely it is seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from latolato.experiment.calibration.lens import Optics, undistorted
+from latolato.experiment.calibration.tilt import Tilt, fit_tilt
+from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
+from latolato.experiment.tracking.route import Route
+from latolato.experiment.tracking.sample import Sample
+
+# Fewest places that tell whether a pivot rests, and how much less distances from it must vary then.
+_FEWEST, _RESTS = 12, 0.5
+# By how much distances from the pivot must vary to make an oval of a circle [radii].
+_OVAL = 0.4
+
+
+@dataclass
+class Geometry:
+    """The pivot in the frames of a sample, and the oval on which balls are seen about it.
+
+    Attributes
+    ----------
+    tracker : PivotTracker
+        Follows the pivot.
+    shifts : numpy.ndarray, shape (frame, 2)
+        How far it is from where it is first, in the frames of the sample [pixels].
+    tilt : Tilt
+        How obliquely the camera looks at the swing.
+    """
+
+    tracker: PivotTracker
+    shifts: np.ndarray
+    tilt: Tilt = field(default_factory=Tilt)
+
+    @classmethod
+    def at_rest(cls, place: np.ndarray, count: int) -> Geometry:
+        """Return that of a pivot that rests in all frames of a sample and is not looked for."""
+        return cls(PivotTracker.unseen(place), np.zeros((count, 2)))
+
+    @property
+    def pivots(self) -> np.ndarray:
+        """Where the pivot is in the frames of the sample, shape (frame, 2) [pixels]."""
+        return self.tracker.place(self.shifts)
+
+    def arm(self, places: list[np.ndarray]) -> float:
+        """Return the mean distance of places (2,) in the first frame from the pivot [pixels]."""
+        pivot = self.pivots[0]
+        return float(np.mean([np.hypot(*self.tilt.flat(place - pivot)) for place in places]))
+
+
+def fit_geometry(
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    route: Route,
+    size: tuple[int, int],
+    optics: Optics,
+) -> Geometry:
+    """Return whether the pivot rests, where it is in the sample, and how obliquely it is seen.
+
+    Parameters
+    ----------
+    sample : Sample
+        The frames to look at.
+    pivot : numpy.ndarray, shape (2,)
+        Where it is pointed at, in the first of them [pixels].
+    balls : list of numpy.ndarray, shape (2,)
+        Centre of each ball there [pixels].
+    route : Route
+        Where the balls roughly are in all frames.
+    size : tuple of int
+        Width and height of the picture [pixels].
+    optics : Optics
+        What is declared of the camera.
+
+    Notes
+    -----
+    If balls keep their distance from a pivot at rest better than from what moves there, it rests,
+    and what moves is something else.
+    """
+    frames = sample.from_click
+    resting = Geometry.at_rest(pivot, len(frames))
+    own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
+    resting.tilt = _oval(own, at, route.radius, size, optics)
+    tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, resting.arm(balls))
+    if tracker.is_still:
+        return Geometry(tracker, shifts, resting.tilt)
+    moving = Geometry(tracker, shifts)
+    in_clip = [k for k, frame in enumerate(frames) if 0 <= frame.number < len(route.times)]
+    numbers = [frames[k].number for k in in_clip]
+    is_seen = route.is_seen[numbers]
+    own, at = route.places[numbers][is_seen], moving.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
+    moving.tilt = _oval(own, at, route.radius, size, optics)
+    if len(own) >= _FEWEST:
+        about_it, about_click = (
+            _spread(np.hypot(*each.tilt.flat(own - place).T))
+            for each, place in ((moving, at), (resting, pivot))
+        )
+        if about_click < _RESTS * about_it:
+            return resting
+    return moving
+
+
+def _oval(
+    places: np.ndarray, pivots: np.ndarray, radius: float, size: tuple[int, int], optics: Optics
+) -> Tilt:
+    """Return how obliquely the camera looks if balls (place, 2) run on an oval about a pivot."""
+    places, pivots = (undistorted(each, size, optics) for each in (places, pivots))
+    distances = np.hypot(*(places - pivots).T)
+    if len(places) < _FEWEST or np.ptp(np.quantile(distances, [0.05, 0.95])) < _OVAL * radius:
+        return Tilt()
+    return fit_tilt(places, pivots, size) or Tilt()
+
+
+def _spread(values: np.ndarray) -> float:
+    """Return how far values typically are from their median."""
+    return float(np.median(np.abs(values - np.median(values))))
