@@ -37,7 +37,7 @@ SHAPES = ((150, 202), (75, 101), (75, 101))
 def _drawn(radius, blur, paint):
     """Return how a ball of some colours is drawn."""
     paint = np.dstack([paint, np.ones(paint.shape[:2])]).astype(np.float32)
-    return kernels.Ball(radius, blur, paint, False)
+    return kernels.Ball(radius, blur, paint, np.zeros((1, 1), np.float32), False)
 
 
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
@@ -190,16 +190,44 @@ def test_normal_equations_find_a_shift_of_a_disc():
     behind = np.full((41, 41, 3), 0.3, np.float32)
     true, guess = np.array([20.3, 19.6]), np.array([20.0, 20.0])
     seen = _disc(true)
+    ball = _drawn(10.0, 0.8, np.ones((27, 27, 3)))
     image = behind * (1.0 - seen[..., 3:]) + seen[..., :3]
     for _ in range(6):
         patch = kernels.Patch(image.astype(np.float32), behind, np.zeros(2), 1)
         _, matrix, vector, tally = kernels.normal_equations(
-            patch, _disc(guess)[None], guess[None], np.array([20.0, -200.0]), 10.0, 3.0
+            patch, _disc(guess)[None], guess[None], np.array([20.0, -200.0]), ball, 3.0
         )
         guess = guess + np.linalg.solve(matrix, vector)
     # Differences of two pixels as slopes, and four-byte colours.
     assert np.allclose(guess, true, atol=1e-3)
     assert tally[0, 1] == tally[0, 0] > 200
+
+
+@pytest.mark.parametrize("is_spinning", [False, True])
+def test_colours_that_vary_do_not_draw_a_disc_aside(is_spinning):
+    true, pivot = np.array([20.3, 19.6]), np.array([-179.7, 19.6])
+    ball = _drawn(10.0, 0.8, np.tile(np.linspace(0.5, 1.0, 27)[:, None, None], (1, 27, 3)))
+    ball = ball._replace(is_spinning=is_spinning)
+    turn = math.atan2(*(true - pivot)) if is_spinning else 0.0
+    behind = np.full((41, 41, 3), 0.3, np.float32)
+    layer = np.zeros((1, 41, 41, 4), np.float32)
+    kernels.cover(true[None], np.array([turn]), ball, np.zeros(2), layer[0])
+    image = behind * (1.0 - layer[0, ..., 3:]) + layer[0, ..., :3]
+    # A stripe that was not there before, on the side of the rod.
+    j, i = np.indices((41, 41))
+    along = true[0] - i if is_spinning else true[1] - j
+    image[(np.hypot(i - true[0], j - true[1]) < 8.0) & (along > 2.0) & (along < 6.0)] = 0.1
+    known = np.zeros((27, 27), np.float32)
+    known[6:12] = 1e6
+    patch = kernels.Patch(image, behind, np.zeros(2), 1)
+    steps = []
+    for variance in (known, np.zeros((1, 1), np.float32)):
+        _, matrix, vector, _ = kernels.normal_equations(
+            patch, layer, true[None], pivot, ball._replace(variance=variance), 30.0
+        )
+        steps.append(float(np.hypot(*np.linalg.solve(matrix, vector))))
+    assert steps[0] < 1e-4
+    assert steps[1] > 0.1
 
 
 def test_colours_of_grey_planes_are_linear_light():

@@ -102,6 +102,8 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    variance : numpy.ndarray, shape (row, column)
+        By how much more than the background's the whitened colours vary about the paint, each.
     body : None
         A ball is a disc.
     whiten, white_paint : numpy.ndarray
@@ -119,6 +121,7 @@ class Appearance:
     exposure: float = 0.0
     radius_sigma: float = 0.0
     is_spinning: bool = False
+    variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1), np.float32))
     body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
@@ -152,7 +155,7 @@ class Appearance:
     @property
     def drawn(self) -> Ball:
         """How the kernels draw a ball, in whitened colours."""
-        return Ball(self.radius, self.blur, self.white_paint, self.is_spinning)
+        return Ball(self.radius, self.blur, self.white_paint, self.variance, self.is_spinning)
 
     def ball(
         self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]

@@ -30,9 +30,10 @@ _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 _RINGS = 16
 # Share of what one kind of colours leaves unexplained that another may leave to be believed
 # instead: at first, and later.
-_TURNS, _STAYS = 0.95, 0.9
-# Frames whose ball moved less than this share of its radius in an interval teach its colours.
-_SLOW = 0.4
+_TURNS, _STAYS = 0.8, 0.9
+# The share of frames that tells how much colours vary: a pattern that moves past shows a pixel two
+# colours, the rarer one this rarely; and the mean square of three colours there, over its mean.
+_RARER, _AT_RARER = 0.8, 1.547
 
 
 @dataclass
@@ -74,6 +75,7 @@ def learn_look(
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     _learn_noise(look, frames, good)
+    _learn_variance(look, frames, teachers)
     return arm
 
 
@@ -84,17 +86,11 @@ def _learn_paint(
 
     What was believed so far stays unless the other leaves less than a share of what it leaves.
     """
-    inner = look.radius - 1.6 * look.blur - 0.3
+    look.variance = np.zeros((1, 1), np.float32)
     best: tuple[float, bool, np.ndarray] | None = None
     for is_spinning in (look.is_spinning, not look.is_spinning):
-        each = [
-            painted(
-                frames[one.frame], one.centre, one.angle if is_spinning else 0.0, look.colours,
-                look.radius, inner,
-            )
-            for one in teachers
-        ]  # fmt: skip
-        look.is_spinning, look.paint = is_spinning, filled(np.median(each, axis=0))
+        look.is_spinning = is_spinning
+        look.paint = filled(np.median(_paints(look, frames, teachers), axis=0))
         look.whitened()
         cost = sum(
             fit_balls(
@@ -108,6 +104,18 @@ def _learn_paint(
     assert best is not None
     _, look.is_spinning, look.paint = best
     look.whitened()
+
+
+def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> list[np.ndarray]:
+    """Return the colours within the edge of each ball, NaN beyond."""
+    inner = look.radius - 1.6 * look.blur - 0.3
+    return [
+        painted(
+            frames[one.frame], one.centre, one.angle if look.is_spinning else 0.0, look.colours,
+            look.radius, inner,
+        )
+        for one in teachers
+    ]  # fmt: skip
 
 
 def _learn_edge(
@@ -173,7 +181,7 @@ def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Sighting], 
 
 def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting]) -> None:
     """Learn the covariance of what the background does not explain around the balls."""
-    outer, inner, rest_walls = [], [], []
+    outer, rest_walls = [], []
     exposure = look.exposure or 0.5
     for one in sightings[:: max(1, len(sightings) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
@@ -196,15 +204,6 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             continue
         outer.append((image - wall)[ring])
         rest_walls.append(np.nanmedian(wall[ring], axis=0))
-        if one.explained > _TEACHES and smear < _SLOW * look.radius:
-            m = (look.paint.shape[0] - 1) // 2
-            core = away < 0.8 * look.radius
-            turn = one.angle if look.is_spinning else 0.0
-            back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
-            back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
-            p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
-            q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
-            inner.append(image[core] - look.paint[q, p])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
@@ -214,12 +213,6 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
     covariance = rest.T @ rest / len(rest) + np.eye(3) * 2e-6
     look.weight = np.linalg.inv(covariance)
     look.whitened()
-    own_scale = look.scale
-    if inner:
-        own = np.concatenate(inner)
-        own = own[np.isfinite(own).all(axis=1)]
-        squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
-        own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
     m = (look.paint.shape[0] - 1) // 2
     j, i = np.indices(look.paint.shape[:2]) - m
     gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
@@ -228,8 +221,15 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         raise InputError(
             "what was pointed at looks like the wall", way_out="point at the middle of the ball"
         )
-    # What the colours of the ball themselves leave open is no sign of something else.
-    look.scale = max(min(own_scale, 2.0 * _OUTLYING * contrast**0.5), _OUTLYING * contrast**0.5)
+    look.scale = _OUTLYING * contrast**0.5
+
+
+def _learn_variance(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
+    """Learn how much the balls' colours vary from frame to frame, in variances of the noise."""
+    each = np.stack(_paints(look, frames, teachers))
+    squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
+    excess = np.maximum(np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0, 0.0)
+    look.variance = filled(excess[..., None])[..., 0].astype(np.float32)
 
 
 def learn_exposure(
@@ -293,6 +293,6 @@ def _cost_in_window(
     layer = look.ball(ends, one.pivot, low, shape)
     cost, *_ = kernels.normal_equations(
         look.patch(frame[2:], low, shape), layer[None], ends.mean(axis=0)[None], one.pivot,
-        look.radius, look.scale,
+        look.drawn, look.scale,
     )  # fmt: skip
     return cost

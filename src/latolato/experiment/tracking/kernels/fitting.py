@@ -100,7 +100,7 @@ def settle(
                 centres[b, c] = paths[b][:, c].mean() + shift[b, c]
             draw(paths[b], shift[b], pivot, ball, ready[b], patch.corner, layers[b])
         cost, matrix, vector, tally = normal_equations(
-            patch, layers, centres, pivot, ball.radius, scales[round_]
+            patch, layers, centres, pivot, ball, scales[round_]
         )
         matrix += 1e-9 * np.eye(2 * balls)
         if round_ == rounds - 1:

@@ -33,12 +33,14 @@ _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
 class Ball(NamedTuple):
     """How balls are drawn: sizes [pixels], colours about the centre, whether these turn.
 
-    A fourth colour, 1, becomes the share that a ball covers.
+    A fourth colour, 1, becomes the share that a ball covers. `variance` is by how much more than
+    the background the colours vary from frame to frame, as those of a pattern that moves.
     """
 
     radius: float
     blur: float
     paint: np.ndarray
+    variance: np.ndarray
     is_spinning: bool
 
 
@@ -203,15 +205,16 @@ def normal_equations(
     layers: np.ndarray,
     centres: np.ndarray,
     pivot: np.ndarray,
-    radius: float,
+    ball: Ball,
     scale: float,
 ) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Return the robust cost, matrix and vector of the shifts of layers, and what pixels look like.
 
     The image is ``behind (1 - sum of shares) + sum of layers``, all in whitened colours; `layers`
-    has shape (ball, row, column, 4), `centres` (ball, 2). Residuals beyond `scale` count less and
-    less (Geman and McClure). The sum over a part of the pixels leaves out those that no layer
-    reaches.
+    has shape (ball, row, column, 4), `centres` (ball, 2). With ``v`` the variance of the colours of
+    a ball that covers a share ``a``, residuals are divided by the root of ``1 + a^2 v``; beyond
+    `scale` they count less and less (Geman and McClure). The sum over a part of the pixels leaves
+    out those that no layer reaches.
 
     The last one has shape (ball, 4): pixels of each ball, those explained, those that look like
     what is behind instead, and the ball's largest share, which decides what its pixels are.
@@ -240,21 +243,24 @@ def normal_equations(
             d0, d1, d2 = seen[j, i, 0] - b0, seen[j, i, 1] - b1, seen[j, i, 2] - b2
             if not (d0 == d0 and b0 == b0):
                 continue
-            if _is_rod(corner[0] + i, corner[1] + j, centres, rods, radius):
+            if _is_rod(corner[0] + i, corner[1] + j, centres, rods, ball.radius):
                 continue
-            shares = 0.0
+            shares, allowed = 0.0, 1.0
             r0, r1, r2 = d0, d1, d2
             for b in range(balls):
                 share = layers[b, j, i, 3]
                 shares += share
+                if share > 0.0:
+                    x, y = corner[0] + i - centres[b, 0], corner[1] + j - centres[b, 1]
+                    allowed += share * share * _variance(ball, x, y, rods[b])
                 r0 -= layers[b, j, i, 0] - share * b0
                 r1 -= layers[b, j, i, 1] - share * b1
                 r2 -= layers[b, j, i, 2] - share * b2
-            square = r0 * r0 + r1 * r1 + r2 * r2
+            square = (r0 * r0 + r1 * r1 + r2 * r2) / allowed
             robust = limit / (limit + square)
             cost += square * robust
             if shares > 0.0:
-                gap = d0 * d0 + d1 * d1 + d2 * d2
+                gap = (d0 * d0 + d1 * d1 + d2 * d2) / allowed
                 for b in range(balls):
                     if layers[b, j, i, 3] > _CORE * tally[b, 3]:
                         tally[b, 0] += 1.0
@@ -264,7 +270,7 @@ def normal_equations(
                             tally[b, 2] += 1.0
             if not is_edge:
                 continue
-            factor = robust * robust
+            factor = robust * robust / allowed
             for b in range(balls):
                 left, right = layers[b, j, i - 1], layers[b, j, i + 1]
                 above, below = layers[b, j - 1, i], layers[b, j + 1, i]
@@ -285,6 +291,20 @@ def normal_equations(
         for n in range(m):
             matrix[n, m] = matrix[m, n]
     return cost, matrix, vector, tally
+
+
+@jit
+def _variance(ball: Ball, x: float, y: float, rod: np.ndarray) -> float:
+    """Return the variance of a ball's colours at a place from its centre; `rod` points upwards."""
+    half = (ball.variance.shape[0] - 1) // 2
+    if ball.is_spinning:
+        # Its turn from straight down has the sine -rod[0] and the cosine -rod[1].
+        x, y = y * rod[0] - x * rod[1], -x * rod[0] - y * rod[1]
+    i, j = math.floor(x + 0.5) + half, math.floor(y + 0.5) + half
+    if i < 0 or j < 0 or i > 2 * half or j > 2 * half:
+        return 0.0
+    variance: float = ball.variance[j, i]
+    return variance
 
 
 @jit
