@@ -34,6 +34,8 @@ _TURNS, _STAYS = 0.8, 0.9
 # The share of frames that tells how much colours vary: a pattern that moves past shows a pixel two
 # colours, the rarer one this rarely; and the mean square of three colours there, over its mean.
 _RARER, _AT_RARER = 0.8, 1.547
+# Share of the residual of something else by which colours must vary to count as a pattern.
+_VARIED = 0.25
 
 
 @dataclass
@@ -228,7 +230,8 @@ def _learn_variance(look: Appearance, frames: list[Frame], teachers: list[Sighti
     """Learn how much the balls' colours vary from frame to frame, in variances of the noise."""
     each = np.stack(_paints(look, frames, teachers))
     squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
-    excess = np.maximum(np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0, 0.0)
+    excess = np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0
+    excess[excess < (_VARIED * look.scale) ** 2] = 0.0
     look.variance = filled(excess[..., None])[..., 0].astype(np.float32)
 
 

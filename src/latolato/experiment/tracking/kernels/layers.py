@@ -256,11 +256,11 @@ def normal_equations(
                 r0 -= layers[b, j, i, 0] - share * b0
                 r1 -= layers[b, j, i, 1] - share * b1
                 r2 -= layers[b, j, i, 2] - share * b2
-            square = (r0 * r0 + r1 * r1 + r2 * r2) / allowed
-            robust = limit / (limit + square)
-            cost += square * robust
+            square = r0 * r0 + r1 * r1 + r2 * r2
+            robust = limit / (limit + square / allowed)
+            cost += square / allowed * robust
             if shares > 0.0:
-                gap = (d0 * d0 + d1 * d1 + d2 * d2) / allowed
+                gap = d0 * d0 + d1 * d1 + d2 * d2
                 for b in range(balls):
                     if layers[b, j, i, 3] > _CORE * tally[b, 3]:
                         tally[b, 0] += 1.0
