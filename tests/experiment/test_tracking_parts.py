@@ -223,25 +223,25 @@ def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):
 
 def test_the_hinge_is_the_middle_of_a_wide_arc():
     found = find_hinge(*_arc((1.5, -2.0)), noise=0.0)
-    assert np.allclose(found.offset, [1.5, -2.0], atol=1e-6)
-    assert found.arm == pytest.approx(300.0)
+    assert np.allclose(found.offset, [1.5, -2.0], atol=0.02)  # drawn to the click
+    assert found.arm == pytest.approx(300.0, abs=0.02)
     assert found.arc == pytest.approx(2.4, rel=0.01)
-    assert found.residual < 1e-6
+    assert found.residual < 0.01
     assert not found.warnings
 
 
 def test_the_hinge_is_known_the_worse_along_the_middle_the_narrower_the_arc():
     wide = find_hinge(*_arc((0.0, 0.0), wide=3.0), noise=0.0).sigma
     less = find_hinge(*_arc((0.0, 0.0), wide=0.55), noise=0.0).sigma
-    assert wide == pytest.approx([0.15, 0.15], rel=0.02)  # what all frames share
-    assert less[0] < 0.16
+    assert wide == pytest.approx([0.15, 0.15], rel=0.05)  # what all frames share
+    assert less[0] < 0.17
     assert 0.17 < less[1] < 0.4
-    # Below 60 degrees the click alone tells, to a pixel.
+    # The click tells, to a pixel, what the arc does not.
     narrow = find_hinge(*_arc((0.0, 0.0), wide=0.3), noise=0.0).sigma
-    assert narrow[0] == pytest.approx(0.6, rel=0.1)
-    assert narrow[1] == pytest.approx(1.0, rel=0.1)
+    assert narrow[0] < 0.2
+    assert 0.6 < narrow[1] < 1.0
     far = find_hinge(*_arc((0.0, 9.0)), noise=0.0).sigma
-    assert far[1] == pytest.approx(9.0, rel=0.01)
+    assert far[1] == pytest.approx(9.0, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -253,16 +253,29 @@ def test_what_is_no_circle_about_the_click_is_told_and_left(case):
     assert "lens, perspective or rolling shutter" in found.warnings[0]
 
 
-def test_a_narrow_arc_moves_the_hinge_across_only():
+def test_a_narrow_arc_moves_the_hinge_across_and_little_along():
     found = find_hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
-    # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
-    assert found.offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
-    assert abs(found.offset[1]) < 0.05
+    assert found.offset[0] == pytest.approx(0.8, rel=0.05)
+    assert 0.3 < found.offset[1] < 1.5
     assert not found.warnings
 
 
 def test_a_very_narrow_arc_does_not_move_the_hinge():
-    assert np.all(find_hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0).offset == 0.0)
+    found = find_hinge(*_arc((2.0, 2.0), wide=0.01), noise=0.0)
+    assert np.all(np.abs(found.offset) < 0.4)
+    assert np.all(found.sigma > 0.9)
+
+
+@pytest.mark.parametrize("wide", [0.1, 0.3, 0.6, 1.2, 3.0])
+def test_the_error_of_the_hinge_is_as_large_as_its_deviation(wide):
+    random = np.random.default_rng(4)
+    pulls = []
+    for _ in range(40):
+        true, noise = random.standard_normal(2), 0.1 * random.standard_normal((200, 2))
+        away, angles = _arc(true, wide=wide)
+        found = find_hinge(away + noise, angles, noise=0.1)
+        pulls.append((found.offset - true) / found.sigma)
+    assert np.all(np.sqrt(np.mean(np.square(pulls), axis=0)) < 1.3)
 
 
 def test_undistorting_undoes_the_lens():

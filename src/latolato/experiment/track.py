@@ -15,7 +15,7 @@ import numpy as np
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
+from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
@@ -646,7 +646,7 @@ def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     places = undistorted(clean, size, optics)
     declared = None if setup.pivot is None else np.array(setup.pivot)
     has_lens = bool(optics.lens_k1 or optics.lens_k2)
-    circle = fit_circle(places, size, declared=declared, has_lens=has_lens)
+    circle = unseen_circle(places, size, declared=declared, has_lens=has_lens)
     return circle, doubt_about(seen.times, places, circle)
 
 

@@ -1,4 +1,4 @@
-"""What a swing tells of gravity: its direction, and its strength over the length.
+"""Gravity by a swing: its direction, and its strength over the length.
 
 The equation of motion about a moving pivot, averaged over windows of the clip, is a clock and a
 plumb line. No drive needs to be known, and contacts of two equal balls cancel in their sum.
@@ -54,7 +54,7 @@ class Swing(NamedTuple):
 
 
 def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
-    """Return what a swing tells of gravity, None if it is no swing of a pendulum.
+    """Return what a swing shows of gravity, None if it is no swing of a pendulum.
 
     Notes
     -----
