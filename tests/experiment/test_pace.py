@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.calibration.pace import Motion, pace_warnings, parts_of
+from latolato.experiment.calibration.pace import pace_warnings, parts_of
+from latolato.experiment.calibration.swing import Motion, fit_swing
 
 LENGTH = 0.363
 STIFFNESS = 9.8 / LENGTH
@@ -41,6 +42,10 @@ def filmed(run, changes, rate=30.0, seconds=8.0):
     return Motion(np.array(times), angle[:, None], pivots, np.ones((len(times), 1), bool))
 
 
+def warnings_of(motion, stiffness):
+    return pace_warnings(motion, fit_swing(motion), stiffness, 1.0)
+
+
 @pytest.fixture(scope="module", params=RUNS)
 def run(request):
     drive, angle, speed = RUNS[request.param]
@@ -51,8 +56,9 @@ def run(request):
 
 @pytest.mark.parametrize("factor", [0.5, 1.0, 4.0, 8.0])
 def test_a_swing_tells_the_pace_of_a_whole_clip(run, factor):
-    (part,) = parts_of(filmed(run, [(0.0, factor)], 30.0 if factor >= 1.0 else 60.0))
-    found = math.sqrt(STIFFNESS / part.stiffness)
+    motion = filmed(run, [(0.0, factor)], 30.0 if factor >= 1.0 else 60.0)
+    assert parts_of(motion) == []
+    found = math.sqrt(STIFFNESS / fit_swing(motion).stiffness)
     assert found == pytest.approx(factor, rel=0.01)
 
 
@@ -60,28 +66,28 @@ def test_a_swing_tells_the_pace_of_a_whole_clip(run, factor):
 def test_a_slow_part_is_found_with_its_ends(run, rate):
     motion = filmed(run, [(0.0, 1.0), (3.0, 8.0), (4.5, 1.0)], rate)
     first, slow, last = parts_of(motion)
-    paces = [math.sqrt(STIFFNESS / part.stiffness) for part in (first, slow, last)]
+    paces = [math.sqrt(STIFFNESS / part[2]) for part in (first, slow, last)]
     assert paces == pytest.approx([1.0, 8.0, 1.0], rel=0.02)
     # It is played from 3 to 15 s.
-    assert 2.5 < first.end <= slow.begin < 3.8
-    assert 14.0 < slow.end <= last.begin < 15.6
-    (text,) = pace_warnings(motion, STIFFNESS, 1.0)
+    assert 2.5 < first[1] <= slow[0] < 3.8
+    assert 14.0 < slow[1] <= last[0] < 15.6
+    (text,) = warnings_of(motion, STIFFNESS)
     assert "the clip changes its pace (slow motion 1 from 0.00 to " in text
     ends = re.search(r"start ([\d.]+) and end ([\d.]+) s with slow motion 8", text).groups()
-    assert [*map(float, ends)] == pytest.approx([slow.begin / 8.0, slow.end / 8.0], rel=0.05)
-    (text,) = pace_warnings(motion, None, 1.0)
+    assert [*map(float, ends)] == pytest.approx([slow[0] / 8.0, slow[1] / 8.0], rel=0.05)
+    (text,) = warnings_of(motion, None)
     assert "8 from" in text
     assert "if its fastest part is at normal speed" in text
 
 
 def test_a_clip_at_lifes_pace_gives_no_warning(run):
     motion = filmed(run, [(0.0, 1.0)])
-    assert pace_warnings(motion, STIFFNESS, 1.0) == []
-    assert pace_warnings(motion, None, 1.0) == []
+    assert warnings_of(motion, STIFFNESS) == []
+    assert warnings_of(motion, None) == []
 
 
 def test_a_length_that_is_somewhat_wrong_gives_no_warning(run):
-    assert pace_warnings(filmed(run, [(0.0, 1.0)]), 1.5 * STIFFNESS, 1.0) == []
+    assert warnings_of(filmed(run, [(0.0, 1.0)]), 1.5 * STIFFNESS) == []
 
 
 def test_a_hand_that_holds_or_lifts_the_ball_changes_no_pace():
@@ -92,14 +98,17 @@ def test_a_hand_that_holds_or_lifts_the_ball_changes_no_pace():
         angles = np.concatenate([before + noise, free.angles[:, 0]])[:, None]
         count = len(angles)
         motion = Motion(np.arange(count) / 30.0, angles, np.zeros((count, 2)), angles == angles)
-        (part,) = parts_of(motion)
-        assert part.stiffness == pytest.approx(STIFFNESS, rel=0.01)
-        assert pace_warnings(motion, STIFFNESS, 1.0) == []
+        assert fit_swing(motion).stiffness == pytest.approx(STIFFNESS, rel=0.01)
+        assert warnings_of(motion, STIFFNESS) == []
 
 
 def test_what_does_not_swing_tells_no_pace():
     noise = np.random.default_rng(5).standard_normal((300, 1))
     times, still, seen = np.arange(300) / 30.0, np.zeros((300, 2)), np.ones((300, 1), bool)
-    assert parts_of(Motion(times, 2e-3 * noise, still, seen)) == []
-    assert parts_of(Motion(times, 0.5 + 0.0 * noise, still, seen)) == []
-    assert parts_of(Motion(times, noise, still, ~seen)) == []
+    for motion in (
+        Motion(times, 2e-3 * noise, still, seen),
+        Motion(times, 0.5 + 0.0 * noise, still, seen),
+        Motion(times, noise, still, ~seen),
+    ):
+        assert fit_swing(motion) is None
+        assert parts_of(motion) == []

@@ -14,11 +14,11 @@ from latolato.experiment.calibration.gravity import (
     LEVELLED,
     Gravity,
     angle_offset_sigma,
-    find_extremes,
     find_gravity,
 )
 from latolato.experiment.calibration.hinge import Hinge, find_hinge
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
+from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
@@ -251,25 +251,25 @@ def _arc(offset, arm=300.0, wide=1.2, oval=0.0, count=200):
 
 def test_the_hinge_is_the_middle_of_a_wide_arc():
     found = find_hinge(*_arc((1.5, -2.0)), noise=0.0)
-    assert np.allclose(found.offset, [1.5, -2.0], atol=1e-6)
-    assert found.arm == pytest.approx(300.0)
+    assert np.allclose(found.offset, [1.5, -2.0], atol=0.02)  # drawn to the click
+    assert found.arm == pytest.approx(300.0, abs=0.02)
     assert found.arc == pytest.approx(2.4, rel=0.01)
-    assert found.residual < 1e-6
+    assert found.residual < 0.01
     assert not found.warnings
 
 
 def test_the_hinge_is_known_the_worse_along_the_middle_the_narrower_the_arc():
     wide = find_hinge(*_arc((0.0, 0.0), wide=3.0), noise=0.0).sigma
     less = find_hinge(*_arc((0.0, 0.0), wide=0.55), noise=0.0).sigma
-    assert wide == pytest.approx([0.15, 0.15], rel=0.02)  # what all frames share
-    assert less[0] < 0.16
+    assert wide == pytest.approx([0.15, 0.15], rel=0.05)  # what all frames share
+    assert less[0] < 0.17
     assert 0.17 < less[1] < 0.4
-    # Below 60 degrees the click alone tells, to a pixel.
+    # The click tells, to a pixel, what the arc does not.
     narrow = find_hinge(*_arc((0.0, 0.0), wide=0.3), noise=0.0).sigma
-    assert narrow[0] == pytest.approx(0.6, rel=0.1)
-    assert narrow[1] == pytest.approx(1.0, rel=0.1)
+    assert narrow[0] < 0.2
+    assert 0.6 < narrow[1] < 1.0
     far = find_hinge(*_arc((0.0, 9.0)), noise=0.0).sigma
-    assert far[1] == pytest.approx(9.0, rel=0.01)
+    assert far[1] == pytest.approx(9.0, rel=0.02)
 
 
 @pytest.mark.parametrize(
@@ -281,16 +281,29 @@ def test_what_is_no_circle_about_the_click_is_told_and_left(case):
     assert "lens, perspective or rolling shutter" in found.warnings[0]
 
 
-def test_a_narrow_arc_moves_the_hinge_across_only():
+def test_a_narrow_arc_moves_the_hinge_across_and_little_along():
     found = find_hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
-    # Drawn to the click by (0.15 / 0.21)^2 of the click's error of a pixel.
-    assert found.offset[0] == pytest.approx(0.8 / (1.0 + 0.5), rel=0.1)
-    assert abs(found.offset[1]) < 0.05
+    assert found.offset[0] == pytest.approx(0.8, rel=0.05)
+    assert 0.3 < found.offset[1] < 1.5
     assert not found.warnings
 
 
 def test_a_very_narrow_arc_does_not_move_the_hinge():
-    assert np.all(find_hinge(*_arc((2.0, 2.0), wide=0.05), noise=0.0).offset == 0.0)
+    found = find_hinge(*_arc((2.0, 2.0), wide=0.01), noise=0.0)
+    assert np.all(np.abs(found.offset) < 0.4)
+    assert np.all(found.sigma > 0.9)
+
+
+@pytest.mark.parametrize("wide", [0.1, 0.3, 0.6, 1.2, 3.0])
+def test_the_error_of_the_hinge_is_as_large_as_its_deviation(wide):
+    random = np.random.default_rng(4)
+    pulls = []
+    for _ in range(40):
+        true, noise = random.standard_normal(2), 0.1 * random.standard_normal((200, 2))
+        away, angles = _arc(true, wide=wide)
+        found = find_hinge(away + noise, angles, noise=0.1)
+        pulls.append((found.offset - true) / found.sigma)
+    assert np.all(np.sqrt(np.mean(np.square(pulls), axis=0)) < 1.3)
 
 
 def test_undistorting_undoes_the_lens():
@@ -370,76 +383,80 @@ def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
     straight = np.stack([noise, rows], axis=-1)
     bent = np.stack([noise + 0.05 * np.sin(rows / 6.0), rows], axis=-1)
     nothing = np.full((600, 1), np.nan)
+    hinge = Hinge(np.zeros(2), np.array([0.15, 1.0]), 400.0, 3.0, 0.0)
     down, other = (
-        find_gravity(np.arange(600) / 60, path, nothing, np.isfinite(nothing))
+        find_gravity(
+            Motion(np.arange(600) / 60, nothing, path / [400.0, -400.0], np.isfinite(nothing)),
+            hinge,
+        )
         for path in (straight, bent)
     )
     assert down.source == other.source == "drive axis"
-    wide, narrow = (Hinge(np.zeros(2), np.zeros(2), 400.0, arc, 0.0) for arc in (3.0, 0.1))
-    sigmas = [angle_offset_sigma(one, wide) for one in (down, other)]
-    assert sigmas[0] < 2e-4
-    assert 3e-4 < sigmas[1] < 3e-3
-    # A click of a narrow arc is a pixel uncertain.
-    assert angle_offset_sigma(down, narrow) > 1.0 / 400.0
-    assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), wide) >= LEVELLED
-
-
-def test_extremes_give_the_rest_position_of_a_decay():
-    times = np.arange(900) / 60
-    swing = 0.02 + 0.6 * np.exp(-0.1 * times) * np.cos(5.2 * times)
-    angles = np.array([one.angle for one in find_extremes(times, swing)])
-    middles = 0.25 * (angles[:-2] + 2.0 * angles[1:-1] + angles[2:])
-    # Second order of the decrement: (k T / 2)^2 / 4 of the amplitude.
-    assert np.median(middles) == pytest.approx(0.02, abs=6e-4)
+    sigmas = [angle_offset_sigma(one, hinge) for one in (down, other)]
+    assert 0.15 / 400.0 < sigmas[0] < 6e-4
+    assert 6e-4 < sigmas[1] < 5e-3
+    assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), hinge) >= LEVELLED
 
 
 def _swing(rest, seen_from, drags):
-    """Return times, a pivot at rest, and a free swing of which only a part is seen."""
+    """Return a free swing about a pivot at rest of which only a part is seen."""
     random = np.random.default_rng(8)
     times = np.arange(360) / 60
     system = ll.Pendulum(length=0.363, mass=0.1, **drags)
     angles = ll.simulate(system, initial_angle=0.7, times=times).angle.values
     is_seen = angles > seen_from
-    angles = rest + angles + 2e-4 * random.standard_normal(360)
-    return times, 0.02 * random.standard_normal((360, 2)), angles[:, None], is_seen[:, None]
+    angles = np.where(is_seen, rest + angles + 2e-4 * random.standard_normal(360), np.nan)
+    pivots = 5e-5 * random.standard_normal((360, 2))
+    return Motion(times, angles[:, None], pivots, is_seen[:, None])
 
 
-def test_the_edge_of_the_picture_is_no_turning_point():
-    times, _, angles, is_seen = _swing(0.0, -0.3, {"damping": 0.0})
-    found = find_extremes(times, np.where(is_seen, angles, np.nan)[:, 0])
-    assert len(found) >= 4
-    assert min(one.angle for one in found) > 0.69
+def _gravity(motion):
+    return find_gravity(motion, Hinge(np.zeros(2), np.ones(2), 400.0, 1.4, 0.0))
 
 
 @pytest.mark.parametrize("drags", [{"damping": 0.003}, {"quadratic_damping": 0.01}])
-@pytest.mark.parametrize("seen_from", [-0.5, -0.3, -0.1, 0.05])
+@pytest.mark.parametrize("seen_from", [-9.0, -0.5, -0.3, -0.1, 0.05])
 @pytest.mark.parametrize("rest", [0.0, -0.122])
-def test_gravity_is_found_where_one_turning_point_is_out_of_the_picture(rest, seen_from, drags):
-    found = find_gravity(*_swing(rest, seen_from, drags))
-    assert found.source in ("fitted swing", "rest position")
+def test_gravity_is_found_where_a_part_of_the_swing_is_out_of_the_picture(rest, seen_from, drags):
+    found = _gravity(_swing(rest, seen_from, drags))
+    assert found.source == "swing"
     assert abs(found.direction - rest) < 2.0 * found.sigma + 1e-4
     assert found.sigma < 5e-3
 
 
-def test_gravity_is_found_between_turning_points_that_are_both_seen():
-    found = find_gravity(*_swing(0.05, -9.0, {"damping": 0.003}))
-    assert found.source == "rest position"
-    assert abs(found.direction - 0.05) < 2.0 * found.sigma + 1e-4
-    assert found.sigma < 1e-3
+def test_gravity_is_found_where_no_turning_point_is_seen():
+    motion = _swing(0.1, -9.0, {"damping": 0.003})
+    is_seen = np.abs(motion.angles - 0.1) < 0.3
+    found = _gravity(motion._replace(angles=np.where(is_seen, motion.angles, np.nan)))
+    assert abs(found.direction - 0.1) < 2.0 * found.sigma < 5e-3
 
 
-@pytest.mark.parametrize("case", ["one arc", "no turning point", "no pendulum"])
+@pytest.mark.parametrize("case", ["one arc", "no pendulum"])
 def test_gravity_that_cannot_be_found_is_straight_down_to_some_degrees(case):
-    times, pivots, angles, is_seen = _swing(0.1, -9.0, {"damping": 0.003})
+    motion = _swing(0.1, -9.0, {"damping": 0.003})
+    angles = motion.angles
     if case == "one arc":
-        is_seen[40:] = False
-    elif case == "no turning point":
-        is_seen = np.abs(angles - 0.1) < 0.3
+        angles[40:] = np.nan
     else:
         jumps = np.random.default_rng(9).uniform(-1.0, 1.0, 13)
-        angles = np.interp(times, np.arange(13) / 2.0, jumps)[:, None]
-        is_seen = angles > 0.0
-    assert find_gravity(times, pivots, angles, is_seen) == Gravity(0.0, "image", LEVELLED)
+        angles = np.interp(motion.times, np.arange(13) / 2.0, jumps)[:, None]
+        angles[angles < 0.0] = np.nan
+    assert _gravity(motion._replace(angles=angles)) == Gravity(0.0, "image", LEVELLED)
+
+
+def test_gravity_is_found_through_contacts_of_two_driven_balls():
+    toy = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.3 * toy.natural_frequency)
+    times = np.arange(240) / 60
+    run = ll.simulate(toy, drive, initial_angle=0.9, times=times)
+    angle, height = run.angle.values, run.pivot_height.values / 0.245
+    noise = 1e-3 * np.random.default_rng(2).standard_normal((240, 2))
+    angles = 0.02 + np.column_stack([angle, -angle]) + noise
+    # The camera is turned by as much as angles are.
+    pivots = height[:, None] * [-math.sin(0.02), math.cos(0.02)]
+    found = _gravity(Motion(times, angles, pivots, angles > 9.0))
+    assert found.source == "swing"
+    assert abs(found.direction - 0.02) < 2.0 * found.sigma < 1e-3
 
 
 @pytest.mark.parametrize("period", [2.0, 5.0, 18.68, 37.36, 112.0 / 6.0])

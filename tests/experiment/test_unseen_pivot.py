@@ -10,7 +10,7 @@ import pytest
 import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
-from latolato.experiment.calibration.circle import doubt_about, fit_circle
+from latolato.experiment.calibration.circle import doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.overlay import place_of, places_of
@@ -38,7 +38,7 @@ def swing(arm=1200.0, amplitude=0.15, noise=0.1, ellipse=0.0, drive=0.0, seed=0)
 
 
 def circle_of(places, declared=None):
-    return fit_circle(places, SIZE, declared=declared, has_lens=False)
+    return unseen_circle(places, SIZE, declared=declared, has_lens=False)
 
 
 @pytest.mark.parametrize("k1", [-0.01, 0.0, 0.01])

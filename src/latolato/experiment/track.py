@@ -15,9 +15,9 @@ import numpy as np
 from latolato.core.atomic import checked_path
 from latolato.core.errors import InputError, reading
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
-from latolato.experiment.calibration.circle import Circle, doubt_about, fit_circle
+from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import Optics, undistorted
-from latolato.experiment.calibration.pace import motion_of, pace_warnings
+from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import Scale, scale_of, stick_pixels
 from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.parameters import VIDEO_PARAMETERS
@@ -635,7 +635,7 @@ def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     places = undistorted(clean, size, optics)
     declared = None if setup.pivot is None else np.array(setup.pivot)
     has_lens = bool(optics.lens_k1 or optics.lens_k2)
-    circle = fit_circle(places, size, declared=declared, has_lens=has_lens)
+    circle = unseen_circle(places, size, declared=declared, has_lens=has_lens)
     return circle, doubt_about(seen.times, places, circle)
 
 
@@ -745,7 +745,8 @@ def _calibrated(
         places = video.steadier.deviations(len(seen.times))
         measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)
     stiffness = setup.gravity / setup.length if setup.length else None
-    task.warnings += pace_warnings(motion_of(seen, measured), stiffness, setup.slow_motion)
+    swing = measured.gravity.swing
+    task.warnings += pace_warnings(measured.motion, swing, stiffness, setup.slow_motion)
     if scene.look.is_spinning:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm

@@ -27,12 +27,15 @@ from latolato.experiment.calibration.gravity import (
 )
 from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
+from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.tracking.positions import Positions
 
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
 # may scatter about an axis as a share of its stroke.
 _JUMP, _ASIDE = 4.0, 0.02
+# How near its circle a ball is whose string is taut, as a share of the radius.
+_TAUT = 0.05
 
 
 @dataclass
@@ -52,6 +55,8 @@ class Calibration:
     angle_offset_sigma : float
         Standard deviation of the error that all angles share: direction of gravity and position
         of the hinge [rad].
+    motion : Motion
+        What was seen of balls and pivot, with angles from straight down in the picture.
     warnings : list of str
         What the user should know.
     tilt : Tilt
@@ -65,6 +70,7 @@ class Calibration:
     hinge: Hinge
     gravity: Gravity
     angle_offset_sigma: float
+    motion: Motion
     warnings: list[str] = field(default_factory=list)
     tilt: Tilt = field(default_factory=Tilt)
 
@@ -179,9 +185,10 @@ def calibrate(
                 f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
                 "declare the lens (--lens-k1) or the shutter (--row-time)"
             )
-    down = find_gravity(seen.times, tilt.flat(pivots), angles, is_clean)
+    motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
+    down = find_gravity(motion, hinge)
     shared = angle_offset_sigma(down, hinge)
-    if tilt.angle > 0.0 and down.source != "rest position":
+    if tilt.angle > 0.0 and down.source != "swing":
         # An oval's middle moves with its axes: the hinge is no better known than the click.
         shared = math.hypot(shared, CLICK / hinge.arm)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
@@ -199,6 +206,7 @@ def calibrate(
         hinge,
         down,
         shared,
+        motion,
         warnings,
         tilt,
     )
@@ -210,6 +218,23 @@ def _noise(times: np.ndarray, away: np.ndarray, use: np.ndarray) -> float:
     scatters = [scatter_of(times, reach[:, b]) for b in range(reach.shape[1])]
     # Where no scatter is known, all that is off the circle may be the circle's fault.
     return min((one for one in scatters if math.isfinite(one)), default=0.0)
+
+
+def _motion(
+    seen: Positions, away: np.ndarray, angles: np.ndarray, pivots: np.ndarray, arm: float
+) -> Motion:
+    """Return the motion of balls at places from the hinge and of the pivot, without slack strings.
+
+    Angles are those from straight down in the picture [rad], places are in pixels.
+    """
+    is_taut = np.abs(np.linalg.norm(away, axis=-1) / arm - 1.0) < _TAUT
+    is_free = (seen.flags == "ok") & is_taut
+    if angles.shape[1] == 2:
+        apart = np.linalg.norm(away[:, 0] - away[:, 1], axis=-1)
+        closing = np.abs(np.gradient(apart))
+        is_free &= (apart > 2.0 * seen.radius + 1.5 * closing)[:, None]
+    places = pivots / arm * [1.0, -1.0]
+    return Motion(seen.times, np.where(is_taut, angles, np.nan), places, is_free)
 
 
 def unsmeared(times: np.ndarray, pivots: np.ndarray, exposure: float) -> np.ndarray:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
@@ -62,7 +63,7 @@ class Circle:
         return math.sqrt(float(self.covariance[2, 2])) / self.arm
 
 
-def fit_circle(
+def unseen_circle(
     places: np.ndarray, size: tuple[int, int], *, declared: np.ndarray | None, has_lens: bool
 ) -> Circle | None:
     """Return the circle of places about a pivot at rest, None for too few.
@@ -89,174 +90,47 @@ def fit_circle(
     points = places[known]
     if len(points) < _FEWEST:
         return None
-    bow = _Bow.through(points)
-    keep = np.ones(len(points), bool)
+    fit = fit_circle(lambda: points, 1.0)
     for _ in range(3):
-        bow = bow.fitted(points[keep], 1.0)[0]
-        off = bow.distances(points)
+        off = fit.bow.distances(points)
         keep = np.abs(off) <= _MISTAKEN * max(1.4826 * float(np.median(np.abs(off))), 1e-3)
-    points = points[keep]
-    sigma = _shared_sigma(bow, points, frames[keep] * _PIECES // len(places))
-    bent = np.zeros_like(points) if has_lens else undistorted(points, size, UNKNOWN_LENS) - points
-    bow, spread = bow.fitted(points, sigma, bent)
+        fit = fit_circle(lambda keep=keep: points[keep], 1.0)
+    kept = points[keep]
+    sigma = _shared_sigma(fit, frames[keep] * _PIECES // len(places))
+    bent = np.zeros_like(kept) if has_lens else undistorted(kept, size, UNKNOWN_LENS) - kept
+    fit = fit_circle(lambda: kept, sigma, bent=bent)
     warnings, is_declared = [], False
     if declared is not None:
-        about = bow.about(declared)
-        error = math.hypot(CLICK, _DECLARED * about.centre[2])
+        about = fit.bow.about(declared)
+        arm = float(about.circle[2])
+        error = math.hypot(CLICK, _DECLARED * arm)
         # Directions and curvatures have errors that are alike on both sides; far centres have not.
-        apart = (about.shape - bow.shape)[1:]
-        both = spread[1:, 1:] + np.diag([1.0, about.shape[2]]) ** 2 * (error / about.centre[2]) ** 2
+        apart = (about.shape - fit.bow.shape)[1:]
+        both = fit.spread[1:, 1:] + np.diag([1.0, about.shape[2]]) ** 2 * (error / arm) ** 2
         is_declared = bool(apart @ np.linalg.solve(both, apart) <= _AGREES**2)
         if is_declared:
-            bow, spread = about.fitted(points, sigma, bent, (declared, error))
+            fit = fit_circle(lambda: kept, sigma, bent=bent, belief=(declared, error))
         else:
-            centre, away = bow.centre, np.sqrt(np.diag(bow.covariance(spread)))
+            centre, away = fit.centre, np.sqrt(np.diag(fit.covariance))
             warnings = [
                 f"the pivot declared at ({declared[0]:.0f}, {declared[1]:.0f}) is not the centre "
                 f"of the ball's arc, ({centre[0]:.0f}, {centre[1]:.0f}) give or take "
                 f"({away[0]:.0f}, {away[1]:.0f}) pixels, which is used instead"
             ]
-    residual = 1.4826 * float(np.median(np.abs(bow.distances(points))))
-    *place, arm = bow.centre
-    covariance = bow.covariance(spread)
-    return Circle(np.array(place), arm, covariance, residual, is_declared, warnings)
+    return Circle(fit.centre, fit.arm, fit.covariance, fit.residual, is_declared, warnings)
 
 
-@dataclass(frozen=True)
-class _Bow:
-    """A circle by a point on it, its direction there, and its curvature: all finite if straight.
-
-    Attributes
-    ----------
-    origin, outwards : numpy.ndarray, shape (2,)
-        A place near the path [pixels], and a unit vector across it.
-    unit : float
-        Extent of the path [pixels].
-    shape : numpy.ndarray, shape (3,)
-        How far the path is outside the origin [unit], its turn from the direction of `outwards`
-        [rad], and its curvature towards the other side [1/unit].
-    """
-
-    origin: np.ndarray
-    outwards: np.ndarray
-    unit: float
-    shape: np.ndarray
-
-    @classmethod
-    def through(cls, points: np.ndarray) -> _Bow:
-        """Return roughly the circle of places."""
-        middle = points.mean(axis=0)
-        away = points - middle
-        # x^2 + y^2 = 2 a x + 2 b y + c is linear.
-        columns = np.column_stack([2.0 * away, np.ones(len(away))])
-        a, b, c = np.linalg.lstsq(columns, (away**2).sum(axis=1), rcond=None)[0]
-        distance = max(math.hypot(a, b), 1e-6)
-        arm = math.sqrt(max(c + a * a + b * b, 1.0))
-        unit = max(float(np.hypot(*np.ptp(away, axis=0))), 1.0)
-        shape = np.array([(arm - distance) / unit, 0.0, unit / arm])
-        return cls(middle, np.array([-a, -b]) / distance, unit, shape)
-
-    def about(self, centre: np.ndarray) -> _Bow:
-        """Return the circle about a centre through the origin."""
-        away = self.origin - centre
-        across = _turned(self.outwards, 0.5 * math.pi)
-        turn = math.atan2(float(away @ across), float(away @ self.outwards))
-        bend = self.unit / max(float(np.hypot(*away)), 1e-9)
-        return replace(self, shape=np.array([0.0, turn, bend]))
-
-    @property
-    def centre(self) -> tuple[float, float, float]:
-        """Column, row and radius [pixels]."""
-        height, turn, bend = self.shape
-        bend = bend or 1e-12
-        place = self.unit * (height * self.outwards - _turned(self.outwards, turn) / bend)
-        return *(self.origin + place).tolist(), self.unit / abs(bend)
-
-    def covariance(self, spread: np.ndarray) -> np.ndarray:
-        """Return the covariance of column, row and radius [pixels^2] from that of the shape."""
-        _, turn, bend = self.shape
-        bend = bend or 1e-12
-        outwards, across = _turned(self.outwards, turn), _turned(self.outwards, turn + math.pi / 2)
-        slopes = self.unit * np.column_stack(
-            [self.outwards, -across / bend, outwards / bend**2],
-        )
-        slopes = np.vstack([slopes, [0.0, 0.0, -self.unit * math.copysign(1.0, bend) / bend**2]])
-        return np.asarray(slopes @ spread @ slopes.T)
-
-    def distances(self, points: np.ndarray) -> np.ndarray:
-        """Return how far places are outside the circle [pixels]."""
-        height, turn, bend = self.shape
-        outwards = _turned(self.outwards, turn)
-        away = (points - self.origin) / self.unit - height * self.outwards
-        inside = -(away @ outwards) - 0.5 * bend * np.sum(away**2, axis=1)
-        root = np.sqrt(np.maximum(1.0 - 2.0 * bend * inside, 0.0))
-        return np.asarray(-2.0 * self.unit * inside / (1.0 + root))
-
-    def slopes(self, points: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the distances by the shape, shape (place, 3)."""
-        steps = 1e-6 * np.eye(3)
-        up, down = (
-            [replace(self, shape=self.shape + sign * step).distances(points) for step in steps]
-            for sign in (1.0, -1.0)
-        )
-        return np.asarray((np.array(up) - np.array(down)).T / 2e-6)
-
-    def fitted(
-        self,
-        points: np.ndarray,
-        sigma: float,
-        bent: np.ndarray | None = None,
-        belief: tuple[np.ndarray, float] | None = None,
-    ) -> tuple[_Bow, np.ndarray]:
-        """Return the circle of places and the covariance of its shape.
-
-        Parameters
-        ----------
-        points : numpy.ndarray, shape (place, 2)
-            The places [pixels].
-        sigma : float
-            Error of one of them [pixels].
-        bent : numpy.ndarray, shape (place, 2), optional
-            An error of all of them by one and the same number with a standard deviation of 1.
-        belief : tuple of numpy.ndarray, shape (2,), and float, optional
-            Where the centre is beforehand, and the error of that [pixels].
-        """
-        from scipy.optimize import least_squares
-
-        def rest(shape: np.ndarray) -> np.ndarray:
-            bow = replace(self, shape=shape)
-            off = bow.distances(points) / sigma
-            if belief is None:
-                return off
-            return np.append(off, (bow.centre[:2] - belief[0]) / belief[1])
-
-        fit = least_squares(rest, self.shape, x_scale="jac", max_nfev=100)
-        found, spread = replace(self, shape=fit.x), np.linalg.pinv(fit.jac.T @ fit.jac)
-        if bent is not None:
-            change = (found.distances(points + bent) - found.distances(points)) / sigma
-            shift = spread @ (fit.jac[: len(points)].T @ change)
-            spread = spread + np.outer(shift, shift)
-        return found, spread
-
-
-def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
-    """Return a vector turned by an angle [rad]."""
-    cosine, sine = math.cos(angle), math.sin(angle)
-    return np.array([cosine * vector[0] - sine * vector[1], sine * vector[0] + cosine * vector[1]])
-
-
-def _shared_sigma(bow: _Bow, points: np.ndarray, piece: np.ndarray) -> float:
+def _shared_sigma(fit: CircleFit, piece: np.ndarray) -> float:
     """Return the error of one place [pixels] with which a fit to all has the right covariance.
 
     Errors of neighbours go together: the curvatures of pieces of the clip differ by more than the
     scatter inside each explains. Of `UNROUND` all places together are worth one.
     """
-    off, slopes = bow.distances(points), bow.slopes(points)
-    bends = np.linalg.pinv(slopes)[2]
-    plain = float(np.mean(off**2))
-    said = np.bincount(piece, bends * off, minlength=_PIECES)
+    bends = np.linalg.pinv(fit.slopes)[2]
+    plain = float(np.mean(fit.distances**2))
+    said = np.bincount(piece, bends * fit.distances, minlength=_PIECES)
     factor = float(said @ said) * _PIECES / (_PIECES - 3) / max(plain * float(bends @ bends), 1e-30)
-    return math.sqrt(max(factor, 1.0) * plain + len(points) * UNROUND**2)
+    return math.sqrt(max(factor, 1.0) * plain + len(piece) * UNROUND**2)
 
 
 def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) -> str | None:

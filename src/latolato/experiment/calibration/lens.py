@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.experiment.calibration.circle_fit import fit_circle
+
 # Places from which a lens can be told, and most of them that are fitted.
 _FEWEST, _MOST = 40, 600
 # Strongest distortion that is tried.
@@ -43,58 +45,6 @@ class Optics:
 UNKNOWN_LENS = Optics(lens_k1=0.01)
 
 
-def _lens_of(
-    balls: np.ndarray, pivots: np.ndarray, size: tuple[int, int], noise: float
-) -> tuple[Optics, np.ndarray] | None:
-    """Return the lens with which places lie on a circle best, and the circle's centre.
-
-    None for too few places and for a distortion that is not sure. The centre is that of the
-    undistorted places from the pivot as clicked [pixels]. A lens stretches the circle more where it
-    is far from the middle of the picture. A narrow arc, or one all at the same distance from the
-    middle, tells little. What the lens leaves of the distances beyond their `noise` [pixels] may
-    change slowly along the path, as errors of a fast pivot do, and does not average out.
-    """
-    from scipy.optimize import least_squares
-
-    if len(balls) < _FEWEST:
-        return None
-    count = len(balls)
-    thin = slice(None, None, math.ceil(len(balls) / _MOST))
-    balls, pivots = balls[thin], pivots[thin]
-
-    def rest(p: np.ndarray) -> np.ndarray:
-        away = _from_centre(balls, pivots, size, Optics(lens_k1=p[3]), p[:2])
-        return np.asarray(np.hypot(away[:, 0], away[:, 1]) - p[2])
-
-    arm = float(np.median(np.hypot(*(balls - pivots).T)))
-    fit = least_squares(
-        rest,
-        [0.0, 0.0, arm, 0.0],
-        bounds=([-np.inf] * 3 + [-_STRONGEST], [np.inf] * 3 + [_STRONGEST]),
-        loss="soft_l1",
-        f_scale=_ROBUST,
-        x_scale=[1.0, 1.0, 1.0, 0.01],
-        max_nfev=40,
-    )
-    scatter = 1.4826 * float(np.median(np.abs(rest(fit.x))))
-    left = max(scatter**2 - noise**2, _UNEVEN**2)
-    spread = len(balls) * float(np.linalg.pinv(fit.jac.T @ fit.jac)[3, 3])
-    sigma = math.sqrt(spread * (left + noise**2 / count))
-    return (Optics(lens_k1=float(fit.x[3])), fit.x[:2]) if abs(fit.x[3]) >= _SURE * sigma else None
-
-
-def _from_centre(
-    balls: np.ndarray,
-    pivots: np.ndarray,
-    size: tuple[int, int],
-    optics: Optics,
-    centre: np.ndarray,
-) -> np.ndarray:
-    """Undistorted positions of balls from the centre of their circle [pixels]."""
-    away = undistorted(balls, size, optics) - undistorted(pivots, size, optics)
-    return np.asarray(away - centre)
-
-
 def lens_errors(
     balls: np.ndarray,
     pivots: np.ndarray,
@@ -117,12 +67,34 @@ def lens_errors(
         Width and height of the picture [pixels].
     noise : float
         Scatter of the distances from the pivot [pixels].
+
+    Notes
+    -----
+    It is the lens with which places lie on a circle best. A lens stretches the circle more where it
+    is far from the middle of the picture. A narrow arc, or one all at the same distance from the
+    middle, tells little. What the lens leaves of the distances beyond their noise may change slowly
+    along the path, as errors of a fast pivot do, and does not average out.
     """
-    lens = _lens_of(balls[use], pivots[use], size, noise)
-    if lens is None:
+    count = int(use.sum())
+    if count < _FEWEST:
         return None
-    away = _from_centre(balls, pivots, size, *lens)
-    turned = np.arctan2(away[..., 0], away[..., 1]) - angles
+    thin = slice(None, None, math.ceil(count / _MOST))
+    some, about = balls[use][thin], pivots[use][thin]
+
+    def away(k1: float, balls: np.ndarray, pivots: np.ndarray) -> np.ndarray:
+        lens = Optics(lens_k1=k1)
+        return np.asarray(undistorted(balls, size, lens) - undistorted(pivots, size, lens))
+
+    fit = fit_circle(
+        lambda k1: away(k1, some, about), 1.0, robust=_ROBUST, extra=[0.0], limits=[_STRONGEST]
+    )
+    left = max(fit.residual**2 - noise**2, _UNEVEN**2)
+    sigma = math.sqrt(len(some) * float(fit.spread[3, 3]) * (left + noise**2 / count))
+    k1 = float(fit.extra[0])
+    if abs(k1) < _SURE * sigma:
+        return None
+    true = away(k1, balls, pivots) - fit.centre
+    turned = np.arctan2(true[..., 0], true[..., 1]) - angles
     return np.asarray(np.remainder(turned + math.pi, 2.0 * math.pi) - math.pi)
 
 

@@ -9,14 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from latolato.experiment.calibration.circle_fit import fit_circle
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
 # Fewest places that make an oval, and most of them that are fitted.
 _FEWEST, _MOST = 30, 800
-# How far off the pivot may be [standard deviations], and strongest lens that may pass for a tilt
-# [undeclared lenses].
-_SOFT, _LENSES = 3.0, 10.0
+# What may pass for a tilt: a lens of so many undeclared ones, about a pivot that is so many times
+# better known than that of an oval.
+_LENSES, _STIFF = 10.0, 10.0
 # Pieces of the path whose errors count as independent.
 _PIECES = 12
 # Error of the pivot against the oval's middle, as a share of the arm: perspective moves it.
@@ -125,8 +126,6 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     make this oval, there is none. A narrow arc does not tell. It can miss a perspective that makes
     one side larger than the other.
     """
-    from scipy.optimize import least_squares
-
     if len(places) < _FEWEST:
         return None
     thin = slice(None, None, math.ceil(len(places) / _MOST))
@@ -134,35 +133,24 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     away = places - pivots
     bend = undistorted(places, size, UNKNOWN_LENS) - undistorted(pivots, size, UNKNOWN_LENS) - away
     arm = float(np.median(np.hypot(*away.T)))
-    believed = math.hypot(CLICK, _ASIDE * arm)
+    belief = np.zeros(2), math.hypot(CLICK, _ASIDE * arm)
 
-    def on_circle(p: np.ndarray) -> np.ndarray:
-        return np.asarray(np.linalg.norm(away + p[3] * bend - p[1:3], axis=1) - p[0])
+    def oval(e1: float, e2: float) -> np.ndarray:
+        return np.asarray(away @ np.array([[1.0 + e1, e2], [e2, 1.0 - e1]]))
 
-    def on_oval(p: np.ndarray, away: np.ndarray = away) -> np.ndarray:
-        u, v = (away - p[1:3]).T
-        e1, e2 = p[3:]
-        return np.asarray(np.hypot((1.0 + e1) * u + e2 * v, e2 * u + (1.0 - e1) * v) - p[0])
+    def of_one(sigma: float) -> float:
+        return sigma * math.sqrt(len(away) / _PIECES)
 
-    def fitted(off: Any, start: list[float], sigma: float) -> tuple[Any, float]:
-        weight = math.sqrt(_PIECES / len(away)) / sigma
-        # The loss is soft for mistakes of the tracker, not for pivot and lens.
-        far = np.array([np.inf, _SOFT * believed, _SOFT * believed, _LENSES, np.inf])[: len(start)]
-        fit = least_squares(
-            lambda p: np.append(weight * off(p), p[1:3] / believed),
-            start, bounds=(-far, far), loss="soft_l1", x_scale="jac", max_nfev=200,
-        )  # fmt: skip
-        return fit, 1.4826 * float(np.median(np.abs(off(fit.x))))
-
-    _, round_left = fitted(on_circle, [arm, 0.0, 0.0, 0.0], UNROUND)
-    fit, left = fitted(on_oval, [arm, 0.0, 0.0, 0.0, 0.0], UNROUND)
-    sigma = max(left, UNROUND)
-    fit, left = fitted(on_oval, fit.x.tolist(), sigma)
-    p, spread = fit.x, np.linalg.pinv(fit.jac.T @ fit.jac)
-    bent = (on_oval(p, away + bend) - on_oval(p)) * math.sqrt(_PIECES / len(away)) / sigma
-    shift = spread @ fit.jac[: len(away)].T @ bent
-    spread = spread + np.outer(shift, shift)
-    e1, e2 = p[3:]
+    circle = fit_circle(
+        lambda lens: away + lens * bend, of_one(UNROUND), extra=[0.0], limits=[_LENSES],
+        belief=(belief[0], belief[1] / _STIFF),
+    )  # fmt: skip
+    fit = fit_circle(oval, of_one(UNROUND), belief=belief, extra=[0.0, 0.0])
+    fit = fit_circle(
+        oval, of_one(max(fit.residual, UNROUND)), belief=belief, extra=fit.extra.tolist(), bent=bend
+    )
+    left, round_left, spread = fit.residual, circle.residual, fit.spread
+    e1, e2 = fit.extra
     e = math.hypot(e1, e2)
     is_near = left < min(max(_NEAR, _NEAR_SHARE * arm), _BETTER * round_left)
     if not 0.0 < e < _STRONGEST or not is_near:

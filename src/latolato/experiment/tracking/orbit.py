@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
+
 # Frequencies of a drive that are tried [Hz], finely enough for half a radian over the clip.
 _SLOWEST, _FASTEST, _FINENESS = 0.3, 12.0, 8
 _MOST_TRIALS = 3000
@@ -14,6 +16,8 @@ _MOST_TRIALS = 3000
 _FEWEST, _FEWEST_DRIVEN = 12, 24
 # How much smaller residuals must be for a pivot to be driven.
 _BETTER = 0.5
+# Distance beyond which places are mistakes, and the least error of one [pixels].
+_MISTAKEN, _LEAST = 1.0, 0.3
 
 
 @dataclass(frozen=True)
@@ -54,18 +58,7 @@ def circle(places: list[np.ndarray], shifts: np.ndarray) -> Orbit | None:
     points = np.concatenate([group - shifts[k] for k, group in enumerate(places)])
     if len(points) < _FEWEST:
         return None
-    middle = points.mean(axis=0)
-    away = points - middle
-    # x^2 + y^2 = 2 a x + 2 b y + c is linear.
-    columns = np.column_stack([2.0 * away, np.ones(len(away))])
-    a, b, c = np.linalg.lstsq(columns, (away**2).sum(axis=1), rcond=None)[0]
-    start = np.array([a, b, math.sqrt(max(c + a * a + b * b, 1.0))])
-
-    def rest(p: np.ndarray) -> np.ndarray:
-        return np.asarray(np.hypot(away[:, 0] - p[0], away[:, 1] - p[1]) - p[2])
-
-    p, residual, vague = _polished(rest, start)
-    return Orbit(p[:2] + middle, abs(p[2]), residual, vague, shifts)
+    return _orbit(fit_circle(lambda: points, 1.0, robust=_MISTAKEN), shifts)
 
 
 def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
@@ -97,30 +90,22 @@ def driven_circle(places: list[np.ndarray], times: np.ndarray) -> Orbit | None:
     candidates.sort(key=lambda one: one[0])
     best: Orbit | None = None
     for _, frequency, solution in candidates[:4]:
-        cu, cv = 0.5 * solution[0], 0.5 * solution[1]
         a, b = 0.5 * solution[3], 0.5 * solution[4]
-        arm = math.sqrt(max(float(np.median((u - cu) ** 2 + (v - cv) ** 2)), 0.01))
-        start = np.array([cu, cv, arm, a, b, frequency * span, 0.0])
 
-        def pivot(p: np.ndarray, at: np.ndarray) -> np.ndarray:
-            phase = p[5] * at / span
-            lift = p[3] * np.cos(phase) + p[4] * np.sin(phase)
-            return np.stack([p[0] + lift * math.sin(p[6]), p[1] + lift * math.cos(p[6])], axis=-1)
+        def pivot(
+            at: np.ndarray, a: float, b: float, turns: float, lean: float, span: float = span
+        ) -> np.ndarray:
+            lift = a * np.cos(turns * at / span) + b * np.sin(turns * at / span)
+            return np.stack([lift * math.sin(lean), lift * math.cos(lean)], axis=-1)
 
-        def rest(p: np.ndarray) -> np.ndarray:
-            at = pivot(p, t)
-            return np.asarray((np.hypot(u - at[:, 0], v - at[:, 1]) - p[2]) * scale)
-
-        p, residual, vague = _polished(rest, start)
-        if best is None or residual < best.residual:
-            way = pivot(p, times - times[0])
-            best = Orbit(
-                way[0] * scale + middle,
-                abs(p[2]) * scale,
-                residual,
-                vague,
-                (way - way[0]) * scale,
-            )
+        fit = fit_circle(
+            lambda *p: points - pivot(t, *p), 1.0, robust=_MISTAKEN,
+            extra=[scale * a, scale * b, frequency * span, 0.0],
+        )  # fmt: skip
+        way = pivot(times - times[0], *fit.extra)
+        orbit = _orbit(fit, way - way[0], way[0])
+        if best is None or orbit.residual < best.residual:
+            best = orbit
     return best
 
 
@@ -131,14 +116,8 @@ def better(still: Orbit | None, driven: Orbit | None) -> Orbit | None:
     return driven if driven.residual < _BETTER * still.residual else still
 
 
-def _polished(rest: object, start: np.ndarray) -> tuple[np.ndarray, float, float]:
-    """Return parameters, median residual, and the relative error of the centre (the first two)."""
-    from scipy.optimize import least_squares
-
-    fit = least_squares(rest, start, loss="soft_l1", f_scale=1.0, x_scale="jac", max_nfev=60)
-    residual = float(np.median(np.abs(rest(fit.x))))  # type: ignore[operator]
-    normal = fit.jac.T @ fit.jac
-    sizes = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    spread = np.linalg.pinv(normal / np.outer(sizes, sizes), rcond=1e-14) / np.outer(sizes, sizes)
-    error = math.sqrt(float(spread[0, 0] + spread[1, 1])) * max(residual, 0.3)
-    return fit.x, residual, error / abs(float(fit.x[2]))
+def _orbit(fit: CircleFit, shifts: np.ndarray, first: np.ndarray | float = 0.0) -> Orbit:
+    """Return a circle about a pivot that is off its middle by `first` in the beginning."""
+    residual = float(np.median(np.abs(fit.distances)))
+    error = math.sqrt(float(np.trace(fit.covariance[:2, :2]))) * max(residual, _LEAST)
+    return Orbit(fit.centre + first, fit.arm, residual, error / fit.arm, shifts)

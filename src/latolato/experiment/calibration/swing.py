@@ -1,0 +1,174 @@
+"""Gravity by a swing: its direction, and its strength over the length.
+
+The equation of motion about a moving pivot, averaged over windows of the clip, is a clock and a
+plumb line. No drive needs to be known, and contacts of two equal balls cancel in their sum.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+# Half widths of windows, in the time in which the phase of the fastest swing grows by 1: the widest
+# of which there are enough; windows begin a quarter of that apart.
+_WIDTHS, _FEWEST, _APART = (3.0, 2.2, 1.5, 1.0), 6, 0.25
+# Half width for one of two balls, which is free between contacts only.
+_ALONE = 1.5
+# Share of angles and speeds that are below those of the fastest swing.
+_LARGEST = 0.98
+# How much larger than the scatter from frame to frame a swing must be.
+_CLEAR = 3.0
+# Longest time between samples of a window, in typical ones.
+_GAP = 4.5
+# What the equation may leave over, as a share of the accelerations.
+_LEFT_OVER = 0.02
+
+
+class Motion(NamedTuple):
+    """What was seen of balls and pivot.
+
+    `times` (frame,) [s], `angles` (frame, ball) from down [rad], NaN where unknown, `pivots`
+    (frame, 2) to the right and up [arms], and which angles are those of a ball that `is_free`: only
+    rod and air act on it, (frame, ball).
+    """
+
+    times: np.ndarray
+    angles: np.ndarray
+    pivots: np.ndarray
+    is_free: np.ndarray
+
+
+class Swing(NamedTuple):
+    """What a swing tells, each with its standard deviation.
+
+    `direction` of gravity from what angles are measured from [rad], `stiffness`, gravity over
+    length in the clip's time [1/s^2].
+    """
+
+    direction: float
+    direction_sigma: float
+    stiffness: float
+    stiffness_sigma: float
+
+
+def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
+    """Return what a swing shows of gravity, None if it is no swing of a pendulum.
+
+    Notes
+    -----
+    ``a'' + y'' sin(a) + x'' cos(a) = -k sin(a - d) - c a'`` with the pivot's place (x, y) to the
+    right and up, in arms, gravity's direction d, and drag c; each term is averaged with weights
+    ``(1 - u^2)^2`` of the time u (the weak form of Messenger and Bortz, SIAM Multiscale Model.
+    Simul. 19 (2021) 1474). Differences of slopes make the accelerations, so uneven time stamps do
+    no harm. A pivot that `is_driven` moves along d, by y. Windows are of one ball, or of the sum of
+    two, in which contacts cancel, and of each of them where it is free. It can miss a swing of
+    which no half is seen in one piece, and mistake a ball swung by hand for one that swings freely.
+    """
+    from scipy.optimize import least_squares
+
+    rows = next(
+        (
+            each
+            for each in (windows(motion, width, is_driven=is_driven) for width in _WIDTHS)
+            if len(each) >= _FEWEST
+        ),
+        None,
+    )
+    if rows is None:
+        return None
+    _, bend, sine, cosine, speed, lift, aside, pull = rows.T
+
+    def rest(p: np.ndarray) -> np.ndarray:
+        c, s = math.cos(p[0]), math.sin(p[0])
+        push = c * lift - s * aside
+        return np.asarray(bend + push + p[1] * (c * sine - s * cosine) + p[2] * speed)
+
+    # A hand may hold the ball for a while: of all windows and each half, what explains most begins.
+    half, starts = len(rows) // 2, []
+    for part in (slice(None), slice(half), slice(half, None)):
+        a, b, drag = np.linalg.lstsq(-rows[part, 2:5], (bend + lift)[part], rcond=None)[0]
+        turn = math.atan2(-b, max(a, 1e-3 * abs(b)))
+        starts.append(np.array([turn, math.hypot(a, b), drag]))
+    known = min(starts, key=lambda p: float(np.median(np.abs(rest(p)))))
+    bounds = [-0.5 * math.pi, 0.0, -math.inf], [0.5 * math.pi, math.inf, math.inf]
+    for _ in range(4):
+        scale = 3.0 * float(np.median(np.abs(rest(known)))) + 1e-12
+        fit = least_squares(rest, known, loss="cauchy", f_scale=scale, bounds=bounds)
+        known = fit.x
+    direction, stiffness, _ = known
+    weights = 1.0 / (1.0 + (rest(known) / scale) ** 2)
+    squares = float(np.sum(weights * rest(known) ** 2))
+    # Windows overlap: of four, one counts.
+    spread = np.linalg.pinv(fit.jac.T @ fit.jac) * squares / max(_APART * len(rows) - 3.0, 1.0)
+    sigmas = np.sqrt(np.diag(spread))
+    is_explained = squares < float(np.sum(weights * (_LEFT_OVER * stiffness * pull) ** 2))
+    if not (is_explained and stiffness > sigmas[1]):
+        return None
+    return Swing(float(direction), float(sigmas[0]), float(stiffness), float(sigmas[1]))
+
+
+def windows(motion: Motion, width: float, *, is_driven: bool = False) -> np.ndarray:
+    """Return the terms of the equation in windows in order of time, shape (window, 8).
+
+    They are the time of its middle, the angular acceleration, sine and cosine of the angle, the
+    speed, the acceleration of a driven pivot times sine and cosine, and the size of the sine. Half
+    a window is as long as the phase of the fastest swing needs to grow by a `width`.
+    """
+    times, angles, unit = motion.times, motion.angles, _unit(motion)
+    steps = np.diff(times)
+    pushes = np.diff(np.diff(motion.pivots, axis=0) / steps[:, None], axis=0)
+    spans = 0.5 * (steps[1:] + steps[:-1])[:, None]
+    sine, cosine = np.sin(angles[1:-1]), np.cos(angles[1:-1])
+    bend = np.diff(np.diff(angles, axis=0) / steps[:, None], axis=0)
+    speed = 0.5 * (angles[2:] - angles[:-2])
+    lift, aside = pushes[:, 1:] * sine, pushes[:, 1:] * cosine
+    if not is_driven:
+        bend, lift, aside = bend + lift + pushes[:, :1] * cosine, 0.0 * lift, 0.0 * aside
+    terms = np.stack(
+        [bend, spans * sine, spans * cosine, speed, lift, aside, spans * np.abs(sine)], axis=-1
+    )
+    is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
+    known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
+    free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
+    if unit == 0.0:
+        return np.empty((0, 8))
+    inner = times[1:-1]
+    parts = [_averages(inner, terms.sum(axis=1), known.all(axis=1), width * unit)]
+    if angles.shape[1] == 2:
+        half = min(width, _ALONE) * unit
+        parts += [_averages(inner, terms[:, b], free[:, b], half) for b in (0, 1)]
+    rows = np.concatenate(parts)
+    return rows[np.argsort(rows[:, 0], kind="stable")]
+
+
+def _averages(times: np.ndarray, terms: np.ndarray, ok: np.ndarray, half: float) -> np.ndarray:
+    """Return times and weighted sums of terms (frame, term) in windows of frames that are ok."""
+    rows = []
+    for middle in np.arange(times[0] + half, times[-1] - half, _APART * half):
+        near = slice(*np.searchsorted(times, [middle - half, middle + half]))
+        if near.stop - near.start >= 3 and ok[near].all():
+            weight = (1.0 - ((times[near] - middle) / half) ** 2) ** 2
+            rows.append([middle, *(weight @ terms[near])])
+    return np.array(rows).reshape(-1, 1 + terms.shape[1])
+
+
+def _unit(motion: Motion) -> float:
+    """Return the time in which the phase of the fastest swing grows by 1 [s], 0 for no swing."""
+    times, angles = motion.times, motion.angles
+    if np.isfinite(angles).sum() < _FEWEST:
+        return 0.0
+    size = min(float(np.nanquantile(np.abs(angles - np.nanmedian(angles)), _LARGEST)), 1.0)
+    bends = np.abs(np.diff(angles, 2, axis=0))
+    if not (np.isfinite(bends).any() and size > _CLEAR * float(np.nanmedian(bends))):
+        return 0.0
+    step = float(np.median(np.diff(times)))
+    unit, lag = 0.0, 1
+    for _ in range(4):  # noise makes speeds over short times large
+        speeds = np.abs(angles[lag:] - angles[:-lag]) / (times[lag:] - times[:-lag])[:, None]
+        if not np.nansum(speeds) > 0.0:
+            return 0.0
+        unit = max(size / float(np.nanquantile(speeds, _LARGEST)), 2.01 * step)
+        lag = min(max(int(0.5 * unit / step), 1), len(times) // 4)
+    return unit
