@@ -26,6 +26,8 @@ _FASTEST = 6
 _HARDLY, _FEWEST_SHOTS = 0.4, 3
 # How many of the slowest balls tell an edge otherwise, and shares by which the radius is varied.
 _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
+# Frames whose ball moved less than this share of its radius in an interval teach its colours.
+_SLOW = 0.4
 # Balls around which noise is learned.
 _RINGS = 16
 # Share of what one kind of colours leaves unexplained that another may leave to be believed
@@ -76,8 +78,8 @@ def learn_look(
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
-    _learn_noise(look, frames, good)
-    _learn_variance(look, frames, teachers)
+    clear = _learn_noise(look, frames, good)
+    _learn_variance(look, frames, teachers, clear)
     return arm
 
 
@@ -181,9 +183,12 @@ def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Sighting], 
     look.radius_sigma = look.blur
 
 
-def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting]) -> None:
-    """Learn the covariance of what the background does not explain around the balls."""
-    outer, rest_walls = [], []
+def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting]) -> float:
+    """Learn the covariance of what the background does not explain around the balls.
+
+    Returns the residual from which something would be else than a ball of one colour.
+    """
+    outer, inner, rest_walls = [], [], []
     exposure = look.exposure or 0.5
     for one in sightings[:: max(1, len(sightings) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
@@ -206,15 +211,30 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             continue
         outer.append((image - wall)[ring])
         rest_walls.append(np.nanmedian(wall[ring], axis=0))
+        if one.explained > _TEACHES and smear < _SLOW * look.radius:
+            m = (look.paint.shape[0] - 1) // 2
+            core = away < 0.8 * look.radius
+            turn = one.angle if look.is_spinning else 0.0
+            back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
+            back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
+            p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
+            q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
+            inner.append(image[core] - look.paint[q, p])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
-        return
+        return look.scale
     size = np.linalg.norm(rest, axis=1)
     rest = rest[size <= np.quantile(size, 0.97)]
     covariance = rest.T @ rest / len(rest) + np.eye(3) * 2e-6
     look.weight = np.linalg.inv(covariance)
     look.whitened()
+    own_scale = look.scale
+    if inner:
+        own = np.concatenate(inner)
+        own = own[np.isfinite(own).all(axis=1)]
+        squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
+        own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
     m = (look.paint.shape[0] - 1) // 2
     j, i = np.indices(look.paint.shape[:2]) - m
     gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
@@ -223,15 +243,23 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         raise InputError(
             "what was pointed at looks like the wall", way_out="point at the middle of the ball"
         )
-    look.scale = _OUTLYING * contrast**0.5
+    # What the colours of the ball themselves leave open is no sign of something else.
+    clear = _OUTLYING * math.sqrt(contrast)
+    look.scale = max(min(own_scale, 2.0 * clear), clear)
+    return clear
 
 
-def _learn_variance(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
-    """Learn how much the balls' colours vary from frame to frame, in variances of the noise."""
+def _learn_variance(
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], clear: float
+) -> None:
+    """Learn how much the balls' colours vary from frame to frame, in variances of the noise.
+
+    `clear` is the residual of something else than a ball of one colour.
+    """
     each = np.stack(_paints(look, frames, teachers))
     squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
     excess = np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0
-    excess[excess < (_VARIED * look.scale) ** 2] = 0.0
+    excess[excess < (_VARIED * clear) ** 2] = 0.0
     look.variance = filled(excess[..., None])[..., 0].astype(np.float32)
 
 
