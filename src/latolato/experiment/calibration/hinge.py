@@ -91,7 +91,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     oval = float(np.hypot(*np.linalg.lstsq(waves, fit.distances, rcond=None)[0]))
     limit = max(_ROUND, _ROUND_SHARE * fit.arm, 2.0 * noise)
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
-    is_oval = arc >= WIDE_ARC and (bent > limit or oval > 1.5 * limit)
+    is_wide = arc >= WIDE_ARC
+    is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
     if is_oval or float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fit.arm):
         warning = (
             f"the ball does not move on a circle about the pivot (centre off by "
@@ -100,7 +101,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
         )
         sigma = np.maximum(clicked, np.abs(offset))
         as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
-        return Hinge(none, sigma, arm, arc, as_clicked, [warning])
+        return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
     spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / uneven) ** 2)
     sigma = np.sqrt(_SHARED**2 + np.minimum(spread, CLICK**2))
     return Hinge(offset, sigma, fit.arm, arc, residual)
