@@ -65,6 +65,10 @@ class Hinge:
         """Whether the picture shows the pivot."""
         return self.source == "picture"
 
+    def sigma_along(self, direction: float) -> float:
+        """Standard deviation of its place along a direction from straight down [pixels]."""
+        return math.hypot(math.sin(direction) * self.sigma[0], math.cos(direction) * self.sigma[1])
+
 
 def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     """Return the hinge from positions (place, 2) about the click, which is believed to `CLICK`.
