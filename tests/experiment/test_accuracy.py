@@ -142,10 +142,7 @@ FILMS: dict[str, Limits] = {
     "free": Limits(0.87, former=0.849),
     "top two": Limits(0.48, ok=0.96, ratio=(0.4, 2.0), former=0.520),
     "dot": Limits(0.83, ok=0.93),
-    "arms": Limits(
-        2.0, ok=0.9,
-        fails="refused: no ball like it was found in other frames; point at the middle of the ball",
-    ),
+    "arms": Limits(0.89),
     # A fifth of its pictures repeats another.
     "repeated": Limits(
         1.88, ok=0.79, ratio=(0.5, 2.1), former=1.708,

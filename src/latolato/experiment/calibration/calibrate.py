@@ -79,7 +79,7 @@ class Calibration:
         """Distance from hinge to ball and its standard deviation [pixels]."""
         hinge = self.hinge
         if hinge.is_seen:
-            return hinge.arm, _along(self.gravity, hinge)
+            return hinge.arm, hinge.sigma_along(self.gravity.direction)
         return hinge.arm, hinge.arm * hinge.scale_sigma
 
 
@@ -273,13 +273,8 @@ def _shared_error(angles: np.ndarray, down: Gravity, shared: float, hinge: Hinge
         shared = angle_offset_sigma(level, hinge)
     if not hinge.is_seen:
         return np.full_like(angles, shared)
-    return np.hypot(shared, np.sin(angles - down.direction) * _along(down, hinge) / hinge.arm)
-
-
-def _along(down: Gravity, hinge: Hinge) -> float:
-    """Return the standard deviation of the hinge's place along gravity [pixels]."""
-    turn = down.direction
-    return math.hypot(math.sin(turn) * hinge.sigma[0], math.cos(turn) * hinge.sigma[1])
+    along = hinge.sigma_along(down.direction) / hinge.arm
+    return np.hypot(shared, np.sin(angles - down.direction) * along)
 
 
 def _sensor_row(places: np.ndarray, size: tuple[int, int], rotation: int) -> np.ndarray:

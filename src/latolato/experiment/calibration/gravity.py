@@ -83,8 +83,7 @@ def angle_offset_sigma(down: Gravity, hinge: Hinge) -> float:
     elif not hinge.is_seen:
         beside = hinge.aside
     else:
-        turn = down.direction
-        beside = math.hypot(math.cos(turn) * hinge.sigma[0], math.sin(turn) * hinge.sigma[1])
+        beside = hinge.sigma_along(down.direction + 0.5 * math.pi)
     return math.hypot(down.sigma, beside / hinge.arm)
 
 

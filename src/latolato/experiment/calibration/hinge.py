@@ -22,6 +22,8 @@ _SHARED, _UNEVEN, _MISTAKEN = 0.15, 0.02, 0.3
 _BLOCK = 16.0
 # Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
+# Pieces of an arc that may be bent each for itself.
+_PIECES = 9
 # Offset that a click may have [pixels, arm].
 _NEAR, _NEAR_SHARE = 5.0, 0.01
 
@@ -65,6 +67,10 @@ class Hinge:
         """Whether the picture shows the pivot."""
         return self.source == "picture"
 
+    def sigma_along(self, direction: float) -> float:
+        """Standard deviation of its place along a direction from straight down [pixels]."""
+        return math.hypot(math.sin(direction) * self.sigma[0], math.cos(direction) * self.sigma[1])
+
 
 def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     """Return the hinge from positions (place, 2) about the click, which is believed to `CLICK`.
@@ -80,10 +86,13 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     if len(away) < 20:
         return Hinge(none, clicked, arm, arc, math.nan)
     count = max(min(len(away), arc * arm / _BLOCK), 1.0)
-    uneven = math.hypot(_UNEVEN, noise / math.sqrt(count))
-    fit = fit_circle(
-        lambda: away, uneven * math.sqrt(len(away)), robust=_MISTAKEN, belief=(none, CLICK)
-    )
+    uneven, bent = math.hypot(_UNEVEN, noise / math.sqrt(count)), 0.0
+    for _ in range(2):  # what the circle leaves beyond noise bends some pieces of the arc
+        shared = math.hypot(uneven, bent / math.sqrt(_PIECES))
+        fit = fit_circle(
+            lambda: away, shared * math.sqrt(len(away)), robust=_MISTAKEN, belief=(none, CLICK)
+        )
+        bent = math.sqrt(max(fit.residual**2 - noise**2, 0.0))
     offset, residual = fit.centre, fit.residual
     # Lenses and perspective make an oval: its second harmonic beside the circle.
     direction = np.arctan2(away[:, 0] - offset[0], away[:, 1] - offset[1])
@@ -91,7 +100,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     oval = float(np.hypot(*np.linalg.lstsq(waves, fit.distances, rcond=None)[0]))
     limit = max(_ROUND, _ROUND_SHARE * fit.arm, 2.0 * noise)
     bent = math.sqrt(max(residual**2 - noise**2, 0.0))
-    is_oval = arc >= WIDE_ARC and (bent > limit or oval > 1.5 * limit)
+    is_wide = arc >= WIDE_ARC
+    is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
     if is_oval or float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fit.arm):
         warning = (
             f"the ball does not move on a circle about the pivot (centre off by "
@@ -100,8 +110,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
         )
         sigma = np.maximum(clicked, np.abs(offset))
         as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
-        return Hinge(none, sigma, arm, arc, as_clicked, [warning])
-    spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / uneven) ** 2)
+        return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
+    spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / shared) ** 2)
     sigma = np.sqrt(_SHARED**2 + np.minimum(spread, CLICK**2))
     return Hinge(offset, sigma, fit.arm, arc, residual)
 
