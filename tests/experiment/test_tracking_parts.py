@@ -151,6 +151,14 @@ def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
     assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
 
 
+def test_a_ball_whose_rim_is_out_of_the_picture_has_no_edge_to_measure():
+    shots = _shots(22.0, 0.9)
+    for shot in shots:
+        shot.wall[np.hypot(*(np.indices((91, 91)) - 45)) > 10.0] = np.nan
+    with pytest.raises(ll.InputError, match="out of the picture"):
+        measured_edge(shots, 22.0, 0.9, is_far=False)
+
+
 def _meeting(gap, rate, time, restitution=0.8):
     """Return times and angles of two balls that meet at a time, at the bottom."""
     times = np.arange(12) / 60.0
