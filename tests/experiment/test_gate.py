@@ -17,7 +17,7 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.steady import Bar, camera_motions, distance_of
+from latolato.experiment.tracking.steady import Bar, camera_motions, farthest
 from latolato.experiment.video import Frame
 from videos import rewritten
 
@@ -217,7 +217,7 @@ def test_the_cameras_motion_is_measured(step):
     )
     assert unknown == 0.0
     # The last but one frame has the second largest shift.
-    assert distance_of(motions) == pytest.approx(step * np.hypot(14, 7), abs=0.6)
+    assert farthest(motions).moved == pytest.approx(step * np.hypot(14, 7), abs=0.6)
 
 
 def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refused():
@@ -239,7 +239,7 @@ def test_a_camera_before_a_plain_wall_is_unknown():
     _, motions, _ = camera_motions(
         _drawn(centres, texture=0.0), [Bar(centres[0], centres[0], 18.0)]
     )
-    assert np.isnan(distance_of(motions))
+    assert farthest(motions) is None
 
 
 @pytest.mark.parametrize("texture", [0.0, 40.0])
