@@ -579,12 +579,12 @@ def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
 
 def _route(task: Task, sample: Sample) -> Route:
     """Return where the balls of a set-up roughly are in all frames."""
-    setup, video = task.setup, task.video
+    setup = task.setup
     radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
     if setup.radius and setup.length and setup.pivot:
         radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
     return find_route(
-        sample.copies, video.bounds, sample.times,
+        sample.copies, sample.times,
         [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
         [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
     )  # fmt: skip

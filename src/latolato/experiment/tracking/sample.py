@@ -137,7 +137,7 @@ def read_sample(
     changes = [math.nan]
     changed: list[tuple[float, int, Frame]] = []
     before = None
-    copier = Copier()
+    copier = Copier(video.bounds)
     for frame in video.frames():
         times.append(frame.time)
         copier.add(frame)
@@ -172,7 +172,7 @@ def read_sample(
     most = [frame for _, _, frame in changed]
     sample = Sample(
         np.array(times), kept, clicked, np.array(changes[: len(times)]), most,
-        copies=copier.copies,
+        copies=copier.taken(),
     )  # fmt: skip
     repeats = sample.repeats
     even = even_times(sample.times, repeats, sample.changes)
