@@ -89,6 +89,14 @@ def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
 
 
 @quiet
+def test_a_ball_that_swings_about_another_pivot_is_refused_for_that(film):
+    path, attrs = film("plain")
+    u, v = _place(attrs, "pivot")
+    ball = _place(attrs, "ball_1")
+    _assert_refused(path, (u - 60, v + 20), ball, "so it does not swing about it")
+
+
+@quiet
 @pytest.mark.parametrize("click", [(60, 60), (160, 120)])
 def test_a_click_on_a_textured_wall_is_not_followed(film, click):
     path, attrs = film("texture", background="texture")
