@@ -715,7 +715,7 @@ def _followed(
 
 
 def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:
-    """Refuse balls that are not on a circle, or an oval, about pivots (frame, 2) for a long time."""
+    """Refuse balls that are often off the circle, or oval, about pivots (frame, 2)."""
     away = (route.places - pivots[:, None])[route.is_seen]
     off = scene.off(away) > max(route.radius, _OFF * scene.arm)
     if not len(away) or np.mean(off) < _ASTRAY:
