@@ -4,7 +4,8 @@
 
 `CLONES` holds clones of the repositories in ``real_clips.toml`` as ``owner+name``, ``owner/name``
 or ``name``. Missing clips are left out. For each case it prints the share of ok samples, whether
-this is as expected, and the processor time. The exit code is 1 if a case does not end as expected.
+this is as expected, and the processor time. The exit code is 1 if a case does not end as expected,
+as by a crash.
 
 `TABLE` is a Markdown file to write. For each track it lists the period, or the arm if there is no
 period, from the whole clip and from its halves, which should agree. If the pivot is known, this is
@@ -20,6 +21,7 @@ import sys
 import tempfile
 import time
 import tomllib
+import traceback
 import warnings
 from pathlib import Path
 from typing import Any
@@ -51,7 +53,10 @@ def _content(clones: Path, clip: dict[str, Any]) -> bytes | None:
 
 
 def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str, Any]:
-    """Return the share of samples that are ok, the reason or the warnings, and the track table."""
+    """Return the share of samples that are ok, the reason or the warnings, and the track table.
+
+    The share is NaN after a crash, which is neither as expected nor a reason to stop.
+    """
     given = {name: value for name, value in case.items() if name not in ("name", "expected")}
     try:
         with warnings.catch_warnings():
@@ -59,6 +64,10 @@ def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str, Any]:
             table = ll.track(path, **given)
     except InputError as error:
         return 0.0, f"refused: {error}".replace(f"{path}: ", ""), None
+    except Exception as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(where.filename).name}:{where.lineno}"
+        return math.nan, f"crashed at {place}: {type(error).__name__}: {error}", None
     return float((table.flag_1 == "ok").mean()), str(table.attrs.get("warnings", "")), table
 
 

@@ -31,6 +31,7 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 from latolato.experiment.video import open_video
 from little_videos import encoded, slowed
+from videos import rewritten
 
 GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]
 
@@ -103,6 +104,26 @@ def test_a_page_knows_what_a_file_says_of_slow_motion_and_plays_it_as_it_is(clip
     _, points = unpack((tmp_path / "points.bin").read_bytes())
     np.testing.assert_allclose(points["time"], truth["time"], atol=1e-3)
     np.testing.assert_allclose(points["media_time"], 4.0 * truth["time"], atol=1e-3)
+
+
+def test_a_page_begins_with_the_frame_that_shows_the_ball(clip, tmp_path):
+    path, truth = clip
+
+    def empty_at_first(frames, number):
+        if number >= 10:
+            return frames[number][1]
+        return np.uint8(np.median([picture for _, picture in frames[::5]], axis=0))
+
+    late = rewritten(path, tmp_path / "late.mp4", empty_at_first)
+    limits = dataclasses.asdict(Allowance().limits)
+    job = {"path": str(late), "folder": str(tmp_path), "limits": limits, "name": "late.mp4"}
+    proposal = WORK["look"](job, lambda stage, share: None)["proposal"]
+    at = proposal["click_frame"]
+    assert at >= 10
+    scale = truth.attrs["metres_per_pixel"]
+    u = truth.attrs["pivot_pixel_u"] + (truth.ball_1_x[at] - truth.pivot_x[0]) / scale
+    v = truth.attrs["pivot_pixel_v"] - (truth.ball_1_y[at] - truth.pivot_y[0]) / scale
+    assert proposal["balls"][0] == pytest.approx([float(u), float(v)], abs=2.0)
 
 
 def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):

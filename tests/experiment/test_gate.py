@@ -17,7 +17,7 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.steady import Bar, camera_motions, distance_of
+from latolato.experiment.tracking.steady import Bar, camera_motions, farthest
 from latolato.experiment.video import Frame
 from videos import rewritten
 
@@ -86,6 +86,14 @@ def test_a_ball_at_rest_beside_the_one_that_swings_is_not_followed(film, aside):
     path, attrs = film(f"parked{aside}", parked_x=aside[0], parked_y=aside[1])
     click = _place(attrs, "parked")
     assert _ok_share(path, _place(attrs, "pivot"), click, length=SWING.length) < 0.05
+
+
+@quiet
+def test_a_ball_that_swings_about_another_pivot_is_refused_for_that(film):
+    path, attrs = film("plain")
+    u, v = _place(attrs, "pivot")
+    ball = _place(attrs, "ball_1")
+    _assert_refused(path, (u - 60, v + 20), ball, "so it does not swing about it")
 
 
 @quiet
@@ -217,7 +225,7 @@ def test_the_cameras_motion_is_measured(step):
     )
     assert unknown == 0.0
     # The last but one frame has the second largest shift.
-    assert distance_of(motions) == pytest.approx(step * np.hypot(14, 7), abs=0.6)
+    assert farthest(motions).moved == pytest.approx(step * np.hypot(14, 7), abs=0.6)
 
 
 def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refused():
@@ -239,7 +247,7 @@ def test_a_camera_before_a_plain_wall_is_unknown():
     _, motions, _ = camera_motions(
         _drawn(centres, texture=0.0), [Bar(centres[0], centres[0], 18.0)]
     )
-    assert np.isnan(distance_of(motions))
+    assert farthest(motions) is None
 
 
 @pytest.mark.parametrize("texture", [0.0, 40.0])

@@ -104,6 +104,13 @@ def test_tilt_and_its_axis_are_found(tilt, axis):
     assert found.flat(np.array([0.0, 10.0]))[0] == pytest.approx(0.0)  # down stays down
 
 
+def test_a_pivot_that_is_off_is_no_tilt():
+    # The ball swings about a hinge half way down, to 9 degrees as seen from the pivot pointed at.
+    places, pivots = _places(0.0, 0.0, 0.3)
+    places = pivots + [0.0, 90.0] + 0.3 * (places - pivots)
+    assert fit_tilt(places, pivots, SIZE) is None
+
+
 @pytest.mark.parametrize("tilt,widest", [(0.0, 1.2), (0.5, 0.03)])
 def test_no_tilt_is_found_on_a_circle_and_on_a_narrow_arc(tilt, widest):
     assert fit_tilt(*_places(tilt, 0.0, widest), SIZE) is None

@@ -24,6 +24,7 @@ from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import fitting, smears
 from latolato.experiment.tracking.kernels import layers as kernels
+from latolato.experiment.tracking.link import Trajectory
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
 from latolato.experiment.tracking.refine import contact_times
 from latolato.experiment.tracking.route import Route
@@ -149,6 +150,33 @@ def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
     assert edge.radius == pytest.approx(22.0, rel=0.01)
     assert edge.blur == pytest.approx(0.9, rel=0.35)
     assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
+
+
+def test_a_ball_whose_rim_is_out_of_the_picture_has_no_edge_to_measure():
+    shots = _shots(22.0, 0.9)
+    for shot in shots:
+        shot.wall[np.hypot(*(np.indices((91, 91)) - 45)) > 10.0] = np.nan
+    with pytest.raises(ll.InputError, match="out of the picture"):
+        measured_edge(shots, 22.0, 0.9, is_far=False)
+
+
+def _trajectory(places):
+    """Return what moves there, a thing of 5 pixels radius."""
+    count = len(places)
+    return Trajectory(places, np.full(count, 5.0), np.full(count, 5.0), np.zeros((count, 3)))
+
+
+def test_travel_counts_no_leaps_but_gaps_and_few_frames():
+    swing = 100.0 * np.sin(np.arange(200) / 12.0)[:, None] * [1.0, 0.2]
+    extent = np.hypot(*np.ptp(swing, axis=0))
+    assert _trajectory(swing).travel == pytest.approx(extent)
+    gap = swing.copy()
+    gap[50:54] = np.nan
+    assert _trajectory(gap).travel == pytest.approx(extent, rel=0.01)
+    assert _trajectory(swing[::9]).travel == pytest.approx(extent, rel=0.02)
+    resting = np.repeat([[0.0, 0.0], [300.0, 50.0], [100.0, 200.0]], 60, axis=0)
+    resting += np.random.default_rng(1).normal(0.0, 0.2, resting.shape)
+    assert _trajectory(resting).travel < 5.0
 
 
 def _meeting(gap, rate, time, restitution=0.8):

@@ -61,6 +61,9 @@ _FEW_MISSING = 3
 # Shares of samples that are measured, and that are clean, below which no ball was followed; below
 # which too few are clean; and below which one in slow motion is measured too seldom.
 _NEVER, _HARDLY, _SELDOM, _OFTEN = 0.25, 0.1, 0.7, 0.95
+# Share of frames from which a ball that is off its circle does not swing about the pivot, and the
+# share of the arm by which it is off at least.
+_ASTRAY, _OFF = 0.4, 0.03
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
@@ -579,12 +582,12 @@ def _apart(task: Task, sample: Sample, progress: Progress | None) -> xr.Dataset:
 
 def _route(task: Task, sample: Sample) -> Route:
     """Return where the balls of a set-up roughly are in all frames."""
-    setup, video = task.setup, task.video
+    setup = task.setup
     radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
     if setup.radius and setup.length and setup.pivot:
         radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
     return find_route(
-        sample.copies, video.bounds, sample.times,
+        sample.copies, sample.times,
         [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
         [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
     )  # fmt: skip
@@ -695,8 +698,25 @@ def _followed(
             scene = free
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, _part(progress, _LEARNED, 1.0), corrections)
+    _check_distances(scene, route, seen.pivots)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:
+    """Refuse balls that are often off the circle, or oval, about pivots (frame, 2)."""
+    away = (route.places - pivots[:, None])[route.is_seen]
+    off = scene.off(away) > max(route.radius, _OFF * scene.arm)
+    if not len(away) or np.mean(off) < _ASTRAY:
+        return
+    low, high = np.quantile(np.hypot(*away.T), [0.05, 0.95])
+    u, v = np.median(pivots, axis=0)
+    raise InputError(
+        f"what was taken for the ball is {low:.0f} to {high:.0f} pixels from the pivot at "
+        f"({u:.0f}, {v:.0f}), so it does not swing about it",
+        way_out=f"point at the pivot about which it swings, or use '{OUTSIDE}' if the picture does "
+        "not show it",
+    )
 
 
 def _believed(
@@ -717,8 +737,8 @@ def _believed(
     clean = seen.clean_share(~sample.repeats)
     if share < _NEVER or clean < _HARDLY:
         raise InputError(
-            f"what was pointed at as a ball, at {places}, is found in {100.0 * share:.0f} % of the "
-            f"samples only ({100.0 * clean:.0f} % are ok)",
+            f"what was taken for the ball, at {places} in frame {task.setup.click_frame}, is found "
+            f"in {100.0 * share:.0f} % of the samples only ({100.0 * clean:.0f} % are ok)",
             way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
         )
     _examine(task, sample, seen, balls, radius)

@@ -74,15 +74,14 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
-        # The page shows the first frame.
-        settings = {"limits": video.limits, "click_frame": video.first_frame}
-        task = prepare(Path(job["path"]), None, None, settings, None,
+        task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError as error:
         result["message"] = str(error)
         return result
     result["proposal"] = {
         "pivot": task.setup.pivot, "balls": task.setup.balls, "radius": task.radius,
+        "click_frame": task.setup.click_frame,
     }  # fmt: skip
     return result
 

@@ -13,8 +13,9 @@ from latolato.experiment.calibration.circle_fit import fit_circle
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
-# Fewest places that make an oval, and most of them that are fitted.
-_FEWEST, _MOST = 30, 800
+# Fewest places that make an oval, most of them that are fitted, and the narrowest arc [rad]: on a
+# narrower one a pivot that is off makes the same path.
+_FEWEST, _MOST, _NARROW = 30, 800, 0.5
 # What may pass for a tilt: a lens of so many undeclared ones, about a pivot that is so many times
 # better known than that of an oval.
 _LENSES, _STIFF = 10.0, 10.0
@@ -123,10 +124,11 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     A circle of radius ``R`` whose plane is tilted by ``t`` is seen as an oval with the semi-axes
     ``R`` and ``R cos t`` about the pivot, which is believed to 1 pixel and 0.3 % of the arm. The
     covariance includes a lens of ``k1 = 0.01``, which makes ovals, too; where one of up to 0.1 may
-    make this oval, there is none. A narrow arc does not tell. It can miss a perspective that makes
-    one side larger than the other.
+    make this oval, there is none, and none on an arc of less than 0.5 rad. It can
+    miss a perspective that makes one side larger than the other.
     """
-    if len(places) < _FEWEST:
+    turns = np.unwrap(np.arctan2(*(places - pivots).T))
+    if len(places) < _FEWEST or np.ptp(np.quantile(turns, [0.02, 0.98])) < _NARROW:
         return None
     thin = slice(None, None, math.ceil(len(places) / _MOST))
     places, pivots = places[thin], pivots[thin]

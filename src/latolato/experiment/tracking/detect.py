@@ -29,6 +29,8 @@ _CLEAR, _LEAST = 6.0, 9.0
 _OWN = 0.45
 # How far colours may be from one that is looked for [steps of 255]; light may be twice as far.
 _SAME_COLOUR, _WEIGHTS = 20.0, np.array([2.0, 1.0, 1.0])
+# Half widths of rods of which parts of a pixel count [pixels of a small picture].
+_SMALL = 1.0, 2.0
 # Fewest pixels of a small picture that make a blob.
 _FEWEST = 3
 # Blobs of a frame that are kept, the clearest first.
@@ -81,15 +83,23 @@ class Copies:
         Luma, blue and red chroma, in steps of 255.
     shrink : int
         Columns and rows of the video in a pixel of a small picture.
+    bounds : tuple of numpy.ndarray, shape (2,)
+        First column and row in which balls are looked for, and the first ones beyond [pixels].
     """
 
     pictures: np.ndarray
     shrink: int
+    bounds: tuple[np.ndarray, np.ndarray]
 
     @classmethod
     def none(cls) -> Copies:
         """Return no pictures."""
-        return cls(np.zeros((0, 1, 1, 3), np.uint8), 1)
+        return cls(np.zeros((0, 1, 1, 3), np.uint8), 1, (np.zeros(2, int), np.zeros(2, int)))
+
+    @cached_property
+    def blobs(self) -> list[Blobs]:
+        """What moves in each frame: see `detect`."""
+        return detect(self)
 
     @cached_property
     def background(self) -> np.ndarray:
@@ -126,9 +136,9 @@ class Copies:
 class Copier:
     """Makes small pictures of frames as they are decoded; of long clips smaller ones."""
 
-    def __init__(self) -> None:
+    def __init__(self, bounds: tuple[np.ndarray, np.ndarray]) -> None:
         self.pictures: list[np.ndarray] = []
-        self.shrink = 1
+        self.shrink, self.bounds = 1, bounds
 
     def add(self, frame: Frame) -> None:
         """Keep a small picture of a frame."""
@@ -139,10 +149,13 @@ class Copier:
             self.shrink *= 2
             self.pictures = [_shrunk(picture, 2) for picture in self.pictures]
 
-    @property
-    def copies(self) -> Copies:
-        """The small pictures of the frames so far."""
-        return Copies(np.stack(self.pictures), self.shrink)
+    def taken(self) -> Copies:
+        """The small pictures of the frames so far; they are not kept here any longer."""
+        self.pictures.reverse()
+        pictures = np.empty((len(self.pictures), *self.pictures[0].shape), np.uint8)
+        for picture in pictures:  # one by one: not all are in memory twice
+            picture[...] = self.pictures.pop()
+        return Copies(pictures, self.shrink, self.bounds)
 
 
 def small_picture(frame: Frame, shrink: int) -> np.ndarray:
@@ -172,17 +185,13 @@ def _shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
     return np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
-def detect(
-    copies: Copies, bounds: tuple[np.ndarray, np.ndarray], colour: np.ndarray | None = None
-) -> list[Blobs]:
+def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
     """Return what moves in each frame.
 
     Parameters
     ----------
     copies : Copies
         Small pictures of all frames.
-    bounds : tuple of numpy.ndarray, shape (2,)
-        First column and row that are looked at, and the first ones beyond [pixels].
     colour : numpy.ndarray, shape (3,), optional
         Luma and chroma of what is looked for [steps of 255]; by default anything.
 
@@ -196,7 +205,9 @@ def detect(
     some = copies.pictures[:: max(1, len(copies.pictures) // 12)]
     typical = np.median([_difference(cv2, picture, wall) for picture in some], axis=0)
     limit = max(_LEAST, _CLEAR * (1.4826 * float(np.median(typical)) + 0.3))
-    (left, top), (right, bottom) = (np.rint(copies.small(edge)).astype(int) for edge in bounds)
+    (left, top), (right, bottom) = (
+        np.rint(copies.small(edge)).astype(int) for edge in copies.bounds
+    )
     part = np.s_[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
     corner = np.array([max(left, 0), max(top, 0)])
     return [
@@ -249,7 +260,9 @@ def _split(
     limit = _OWN * float(np.quantile(apart[own], 0.9))
     clear = np.pad((own & (apart > limit)).astype(np.uint8), 2)
     depth = cv2.distanceTransform(clear, cv2.DIST_L2, 5)
-    reach = int(0.5 * float(depth.max()))
+    reach = float(0.5 * depth.max())
+    # Of a ball of few pixels, half a pixel more cuts a rod off.
+    reach = round(reach) if _SMALL[0] <= reach < _SMALL[1] else int(reach)
     if reach >= 1:
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
         clear = cv2.morphologyEx(

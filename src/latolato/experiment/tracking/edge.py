@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from latolato.core.errors import InputError
+
 # Luminance of linear light (BT.709), and the share of the largest contrast that must be in it.
 _LUMA = np.array([0.2126, 0.7152, 0.0722])
 _BRIGHT = 0.17
@@ -91,6 +93,11 @@ def measured_edge(shots: list[Shot], radius: float, blur: float, is_far: bool) -
         Where to begin [pixels].
     is_far : bool
         Whether the radius may be far from where to begin.
+
+    Raises
+    ------
+    InputError
+        If no shot shows the ball's rim and the background there.
     """
     if is_far:
         trials = radius * np.linspace(0.8, 1.25, 19)
@@ -204,6 +211,11 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
         gaps.append((shot.image - shot.wall)[rim])
     gap = np.concatenate(gaps)
     gap = gap[np.isfinite(gap).all(axis=1)]
+    if not len(gap):
+        raise InputError(
+            "the rim of what is followed lies out of the picture in all frames to learn from",
+            way_out="point at a ball that is in the picture as a whole",
+        )
     size = np.sqrt(np.mean(gap**2, axis=0))
     if math.sqrt(float(np.mean((gap @ _LUMA) ** 2))) > _BRIGHT * float(size.max()):
         return _LUMA

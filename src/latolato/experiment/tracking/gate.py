@@ -13,7 +13,15 @@ import numpy as np
 from latolato.experiment.tracking.detect import import_cv2
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.steady import TOO_FAR, Bar, camera_motions, distance_of, reduced
+from latolato.experiment.tracking.steady import (
+    STEADY,
+    TOO_FAR,
+    Bar,
+    camera_motions,
+    farthest,
+    motion_text,
+    reduced,
+)
 from latolato.experiment.video import Frame
 
 # Largest ratio between the measured and the declared radius, either way.
@@ -136,14 +144,15 @@ def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0
         step = float(np.nanmean(steps[max(near - 1, 0) : near + 2])) if len(steps) else math.nan
         if late > _SOON and (away > reach or step > _RESTING):  # it may have rested there
             return Finding(
-                "the ball was not seen where it was pointed at: the nearest frame that shows it is "
-                f"{late} frames away",
-                "point at the middle of the ball",
+                f"the ball is not seen where it was taken to be, at {track.times[number]:.4g} s: "
+                f"the nearest frame that shows one is {late} frames away, at "
+                f"{track.times[near]:.4g} s",
+                "point at the middle of the ball, or in a frame that shows it (--click-frame)",
             )
         if away > reach:
             return Finding(
                 f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
-                f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was pointed at",
+                f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was taken to be",
                 "point at the middle of the ball",
             )
     return None
@@ -199,12 +208,12 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
         end = pivot if np.isfinite(pivot).all() else place
         hidden.append(Bar(place, end, 1.5 * track.reach))
     _, motions, unknown = camera_motions(sample, hidden)
-    moved = distance_of(motions)
-    if math.isnan(moved) or moved < _MENTIONED:
+    far = farthest(motions)
+    if far is None or far.moved < _MENTIONED:
         return None
-    reason = f"the camera moves: the background shifts by up to {moved:.1f} pixels"
-    if moved > TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
-        return Finding(reason, "film with the camera at rest, on a tripod")
+    reason = motion_text(far)
+    if far.moved > TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
+        return Finding(reason, STEADY)
     if unknown > _UNSHOWN:  # a small motion would be seen in the other frames, too
         return None
     for ball in range(track.centres.shape[1]):
@@ -216,7 +225,7 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
             ]
         )
         extent = _extent(own) if len(own) >= _FEWEST else math.inf
-        if extent < max(_RESTING, _CARRIED * moved):
+        if extent < max(_RESTING, _CARRIED * far.moved):
             return Finding(
                 f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
                 "before the background",

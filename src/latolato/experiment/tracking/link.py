@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -30,6 +31,8 @@ _CLEAR, _CLEAREST, _FAINT, _LONG = 12.0, 40.0, 0.25, 0.15
 # Colours that differ by so many steps of 255 are hardly alike; light counts half, for it changes
 # with shading. The least share of a colour in a smear, and how much directions of colour count.
 ALIKE, WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
+# By which factor a way changes more than it typically does in a leap.
+_LEAPS = 4.0
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.
@@ -73,6 +76,26 @@ class Trajectory:
         """Typical half width [pixels]."""
         return float(np.nanmedian(self.radii)) if self.is_seen.any() else math.nan
 
+    @cached_property
+    def travel(self) -> float:
+        """How far it typically goes without a leap [pixels].
+
+        That is the mean extent of its parts between leaps. In a leap its way from frame to frame
+        changes by more than its radius, by more than half and by much more than it typically does.
+        """
+        known = np.flatnonzero(self.is_seen)
+        at = self.places[known]
+        if len(at) < 3:
+            return 0.0
+        speeds = np.diff(at, axis=0) / np.diff(known)[:, None]
+        turns = np.linalg.norm(np.diff(speeds, axis=0), axis=1)
+        ways = np.linalg.norm(0.5 * (speeds[1:] + speeds[:-1]), axis=1)
+        usual = np.maximum(self.radius + 1.0, _LEAPS * float(np.median(turns)))
+        leaps = np.flatnonzero(turns > np.maximum(usual, 0.5 * ways)) + 1
+        parts = np.split(at, leaps)
+        extents = [float(np.hypot(*np.ptp(part, axis=0))) for part in parts if len(part)]
+        return float(np.average(extents, weights=[len(part) for part in parts if len(part)]))
+
     @property
     def extent(self) -> np.ndarray:
         """Width and height of what it passes, but for a fiftieth at each end [pixels]."""
@@ -80,7 +103,9 @@ class Trajectory:
         return np.asarray(high - low)
 
 
-def best_chain(blobs: list[Blobs], worth: list[np.ndarray], radius: float) -> np.ndarray:
+def best_chain(
+    blobs: list[Blobs], worth: list[np.ndarray], radius: float, dear: float = 1.0
+) -> np.ndarray:
     """Return the number of the best chain's blob in each frame, -1 for none, shape (frame,).
 
     Parameters
@@ -91,6 +116,8 @@ def best_chain(blobs: list[Blobs], worth: list[np.ndarray], radius: float) -> np
         What each blob is worth by itself, 1 for one that is surely right.
     radius : float
         Of what is followed, roughly [pixels].
+    dear : float
+        By which factor leaps, and going on anywhere else, cost more.
 
     Notes
     -----
@@ -108,11 +135,13 @@ def best_chain(blobs: list[Blobs], worth: list[np.ndarray], radius: float) -> np
         if expired >= 0:
             ended = ended.joined(nodes[expired])
         if count and len(ended.totals):
-            now.take(ended, ended.totals - _JUMP - _OTHER * _unlike(looks, ended.looks), None)
+            jump = dear * (_JUMP + _OTHER * _unlike(looks, ended.looks))
+            now.take(ended, ended.totals - jump, None)
         for before in range(max(0, frame - _BRIDGED), frame):
             if count and len(nodes[before].totals):
                 last, apart = nodes[before], frame - before
-                cost, step = _steps(own, blobs[before].places, last.speeds, apart, radius)
+                leap = dear * _LEAP if apart == 1 else math.inf
+                cost, step = _steps(own, blobs[before].places, last.speeds, apart, radius, leap)
                 cost = cost + _UNLIKE * _unlike(looks, last.looks)
                 now.take(last, last.totals - cost, step)
         for source in now.origins[now.origins[:, 0] >= 0]:
@@ -199,9 +228,17 @@ def _unlike(looks: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _steps(
-    own: Blobs, places: np.ndarray, speeds: np.ndarray, apart: int, radius: float
+    own: Blobs,
+    places: np.ndarray,
+    speeds: np.ndarray,
+    apart: int,
+    radius: float,
+    leap: float,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what steps from earlier places cost, shape (blob, earlier), and their speeds."""
+    """Return what steps from earlier places cost, shape (blob, earlier), and their speeds.
+
+    None costs more than a `leap`.
+    """
     step = own.places[:, None] - places
     is_known = np.isfinite(speeds[:, 0])
     led = np.where(is_known[:, None], speeds, 0.0) * apart
@@ -214,7 +251,7 @@ def _steps(
     cost = _STEP * (off / reach) ** 2 + _MISSED * (apart - 1)
     # From one frame to the next it may leap: a fast ball at few frames a second.
     far = np.where(off > _MOST_STEP * reach, np.inf, cost)
-    return np.minimum(far, _LEAP if apart == 1 else np.inf), step / apart
+    return np.minimum(far, leap), step / apart
 
 
 def worth_of(
@@ -301,14 +338,17 @@ def link_clicked(
     return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * copies.shrink))
 
 
-def link_movers(blobs: list[Blobs], copies: Copies, most: int) -> list[Trajectory]:
+def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:
     """Return the paths of what moves, the best ones first, at most some.
+
+    Leaps cost more than of what is clicked by the factor `dear`: nothing else tells what belongs
+    together.
 
     Blobs that are always at the same place count little: they are where something was in most of
     the clip, or flickers.
     """
-    resting = _resting(blobs, copies)
-    clear = _clear(blobs)
+    blobs = copies.blobs
+    resting, clear = _resting(blobs, copies), _clear(blobs)
     worths = [
         worth_of(own, clear) * (1.0 - 0.9 * rests)
         for own, rests in zip(blobs, resting, strict=True)
@@ -320,7 +360,7 @@ def link_movers(blobs: list[Blobs], copies: Copies, most: int) -> list[Trajector
         )
         if not len(radii):
             break
-        chain = best_chain(blobs, worths, float(np.median(radii)))
+        chain = best_chain(blobs, worths, float(np.median(radii)), dear)
         path, blobs = _taken(blobs, chain)
         worths = [
             np.delete(worth, at) if at >= 0 else worth

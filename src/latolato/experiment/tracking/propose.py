@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -10,19 +11,25 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.detect import detect
 from latolato.experiment.tracking.link import Trajectory, link_clicked, link_movers
 from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
 
-# How many things that move are looked at, and how many places of each are enough for a circle.
-_MOVERS, _ENOUGH = 6, 120
+# How many things that move are looked at for each price of leaps, and how many places of each are
+# enough for a circle.
+_MOVERS, _ENOUGH = 4, 120
 # Fewest frames, share of the frames and way in radii that show a ball; share that shows a second.
-_FEWEST, _SEEN, _TRAVELS, _TWICE = 12, 0.3, 2.0, 0.4
-# How much less likely something is a ball that does not run on a circle.
-_UNROUND = 0.2
+_FEWEST, _SEEN, _TRAVELS, _TWICE = 12, 0.2, 2.0, 0.4
+# By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
+_DEAR = 6.0, 1.0
+# Share of its whole way that a ball goes without a leap; what goes less consists of several things.
+_ALL_WAY = 0.35
+# How much longer than wide a thing is a rod, and no ball.
+_LONG = 5.0
+# How far off a circle something is half as likely a ball: pixels and share of its way.
+_LOOSE, _LOOSE_SHARE = 0.5, 0.01
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
 # By how much colours [steps of 255], radii and ways of two balls may differ.
@@ -100,12 +107,10 @@ def propose(
     less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
-    blobs = detect(sample.copies, video.bounds)
     if balls is None:
-        movers = link_movers(blobs, sample.copies, _MOVERS)
-        tracks = _swinging(movers, sample.times, count, known)
+        tracks = _swinging(sample, count, known)
     else:
-        tracks = []
+        tracks, blobs = [], sample.copies.blobs
         for ball in balls:
             click = np.array(ball, float)
             track, blobs = link_clicked(blobs, sample.copies, click, sample.click, None)
@@ -129,36 +134,22 @@ def propose(
     return setup, float(np.median([track.radius for track in tracks])), sample
 
 
-def _swinging(
-    tracks: list[Trajectory], times: np.ndarray, count: int | None, pivot: np.ndarray | None
-) -> list[Trajectory]:
-    """Return the one or two of the things that move that swing.
-
-    The ball is seen often, goes far, is large, and runs on a circle about a pivot that rests or is
-    driven, about the one that is known if any is; a second one looks like it and goes about as far.
-    """
-    scores = []
-    for track in tracks:
-        travel = float(np.hypot(*track.extent)) if track.is_seen.sum() >= _FEWEST else 0.0
-        share = float(track.is_seen.mean())
-        if share < _SEEN or travel < _TRAVELS * track.radius:
-            scores.append(0.0)
-            continue
-        some = _some(track.places)
-        if pivot is None:
-            orbit = better(*_circles([track.places[some]], times[some]))
-            is_round = orbit is not None and orbit.residual < max(_OFF, _OFF_SHARE * orbit.arm)
-        else:
-            away = np.hypot(*(track.places[some] - pivot).T)
-            is_round = bool(np.ptp(np.quantile(away, [0.1, 0.9])) < _ABOUT * np.median(away))
-        scores.append(share * travel * track.radius * (1.0 if is_round else _UNROUND))
-    if not max(scores, default=0.0) > 0.0:
+def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> list[Trajectory]:
+    """Return the one or two of the things that move that swing."""
+    tracks = [track for dear in _DEAR for track in link_movers(sample.copies, _MOVERS, dear)]
+    scored = [(*_score(track, sample.times, pivot), track) for track in tracks]
+    best, _, first = max(scored, key=lambda one: one[0], default=(0.0, math.inf, None))
+    if first is None or not best > 0.0:
         raise InputError("no moving ball was found", way_out="point at pivot and ball")
-    first = tracks[int(np.argmax(scores))]
+    if _is_rod(first):
+        raise InputError(
+            "what moves is long and thin, and no ball stands out from it",
+            way_out="point at pivot and ball",
+        )
     others = [
         (score, track)
-        for score, track in zip(scores, tracks, strict=True)
-        if track is not first and score > 0.0 and _is_second(first, track)
+        for score, off, track in scored
+        if score > 0.0 and off < 1.0 and _is_second(first, track)
     ]
     second = max(others, key=lambda one: one[0], default=None)
     if count == 2 and second is None:
@@ -168,13 +159,44 @@ def _swinging(
     return [first] if second is None or count == 1 else [first, second[1]]
 
 
+def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tuple[float, float]:
+    """Return how likely something that moves is the ball, 0 for surely not, and how far off it is.
+
+    The ball is seen often, goes far without leaps, is large, and runs on a circle about a pivot
+    that rests or is driven, about the one that is known if any is. It is less likely if it is off
+    that by 1 or more.
+    """
+    share, travel = float(track.is_seen.mean()), track.travel
+    if track.is_seen.sum() < _FEWEST or share < _SEEN:
+        return 0.0, math.inf
+    if travel < max(_TRAVELS * track.radius, _ALL_WAY * float(np.hypot(*track.extent))):
+        return 0.0, math.inf
+    some = _some(track.places)
+    if pivot is None:
+        orbit = better(*_circles([track.places[some]], times[some]))
+        off = math.inf if orbit is None else orbit.residual / (_LOOSE + _LOOSE_SHARE * travel)
+    else:
+        away = np.hypot(*(track.places[some] - pivot).T)
+        off = float(np.ptp(np.quantile(away, [0.1, 0.9])) / (_ABOUT * np.median(away)))
+    return math.sqrt(share) * travel * track.radius / (1.0 + off**2), off
+
+
+def _is_rod(track: Trajectory) -> bool:
+    """Return whether what moves is a rod and no ball: long and thin, even where it is slow."""
+    return float(np.nanquantile(track.lengths, 0.1)) > _LONG * track.radius
+
+
 def _is_second(first: Trajectory, other: Trajectory) -> bool:
     """Return whether something that moves may be the other ball of a pair."""
     one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
     is_alike = float(np.linalg.norm((one - two) * [0.5, 1.0, 1.0])) < _SAME_COLOUR
     is_as_large = 1.0 / _SIZE < other.radius / first.radius < _SIZE
-    goes_as_far = np.hypot(*other.extent) > _AS_FAR * np.hypot(*first.extent)
-    return bool(is_alike and is_as_large and goes_as_far and other.is_seen.mean() > _TWICE)
+    goes_as_far = other.travel > _AS_FAR * first.travel
+    both = first.is_seen & other.is_seen
+    apart = np.linalg.norm(first.places[both] - other.places[both], axis=1)
+    is_other = both.any() and np.median(apart) > first.radius
+    is_often = other.is_seen.mean() > _TWICE * first.is_seen.mean()
+    return bool(is_alike and is_as_large and goes_as_far and is_other and is_often)
 
 
 def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: bool) -> Sample:

@@ -170,7 +170,6 @@ def velocities(
 
 def find_route(
     copies: Copies,
-    bounds: tuple[np.ndarray, np.ndarray],
     times: np.ndarray,
     clicks: list[np.ndarray],
     number: int,
@@ -184,8 +183,6 @@ def find_route(
     ----------
     copies : Copies
         Small pictures of all frames.
-    bounds : tuple of numpy.ndarray, shape (2,)
-        First column and row in which balls are looked for, and the first ones beyond [pixels].
     times : numpy.ndarray, shape (frame,)
         Time stamps [s].
     clicks : list of numpy.ndarray, shape (2,)
@@ -199,7 +196,7 @@ def find_route(
     pivots : list of numpy.ndarray, shape (2,), or None
         About which each ball swings, None where that is not known [pixels].
     """
-    left = detect(copies, bounds)
+    left, bounds = list(copies.blobs), copies.bounds
     empty = Blobs.of([], copies.shrink)
     for frame in np.flatnonzero(is_stale).tolist():
         if frame != number:
@@ -209,7 +206,7 @@ def find_route(
         if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies, number):
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
-            own = detect(copies, bounds, colour)
+            own = detect(copies, colour)
             track, _ = link_clicked(own, copies, click, number, radius, pivot)
         else:
             track, left = link_clicked(left, copies, click, number, radius, pivot)

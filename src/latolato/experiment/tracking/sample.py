@@ -14,8 +14,9 @@ from latolato.core.errors import InputError
 from latolato.experiment.tracking.detect import Copier, Copies
 from latolato.experiment.video import Frame, Video
 
-# Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way.
-_PAIRS = 24
+# Pairs of consecutive frames that are kept to learn from, and at most twice as many on the way;
+# the fewest, and the memory from which there are fewer than usual [bytes].
+_PAIRS, _FEWEST_PAIRS, _MEMORY = 24, 10, 200e6
 _GOLDEN = 0.6180339887498949
 # A frame repeats the one before if it changes by less than this share of what is usual among the
 # frames about it: how many of them on each side, and the share of them that may repeat as well.
@@ -135,14 +136,17 @@ def read_sample(
         If the file has no such frame.
     """
     expected = video.expected_count or 1
-    step = max(1, expected // _PAIRS)
+    # 4:2:0 of 8 bits.
+    fitting = int(_MEMORY / (3.0 * video.width * video.height))
+    pairs = min(_PAIRS, max(_FEWEST_PAIRS, fitting))
+    step = max(1, expected // pairs)
     times: list[float] = []
     kept: list[Frame] = []
     clicked: list[Frame] = []
     changes = [math.nan]
     changed: list[tuple[float, int, Frame]] = []
     before = None
-    copier = Copier()
+    copier = Copier(video.bounds)
     for frame in video.frames():
         times.append(frame.time)
         copier.add(frame)
@@ -161,7 +165,7 @@ def read_sample(
             clicked.append(_copied(frame))
         if _is_wanted(frame.number, step):
             kept.append(_copied(frame))
-        if len(kept) > 4 * _PAIRS + 1:
+        if len(kept) > 4 * pairs + 1:
             step *= 2
             kept = [one for one in kept if _is_wanted(one.number, step)]
         if progress and frame.number % 64 == 0:
@@ -177,7 +181,7 @@ def read_sample(
     most = [frame for _, _, frame in changed]
     sample = Sample(
         np.array(times), kept, clicked, np.array(changes[: len(times)]), most,
-        copies=copier.copies,
+        copies=copier.taken(),
     )  # fmt: skip
     repeats = sample.repeats
     even = even_times(sample.times, repeats, sample.changes)

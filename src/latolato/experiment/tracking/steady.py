@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.experiment.tracking.detect import Copies, import_cv2, small_picture
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
@@ -29,6 +30,8 @@ _AGREE, _OUTLYING, _FINE = 1.0, 3.0, 0.1
 # Motion of the camera from which frames are corrected [pixels], the largest one that is, as a share
 # of the picture's diagonal, and the share of frames that need not show it.
 _MOVES, TOO_FAR, _UNKNOWN = 0.3, 0.02, 0.1
+# What to do about a camera that moves farther.
+STEADY = "film with the camera on a tripod, or use a part in which it rests (--start, --end)"
 # By how many of its standard deviations it must exceed none.
 _CLEAR = 3.0
 # How many frames are compared with the first one.
@@ -57,11 +60,14 @@ class CameraMotion:
         How far places move, the middles of the picture's quarters at most [pixels].
     sigma : float
         Standard deviation of places that are corrected [pixels].
+    time : float
+        When [s].
     """
 
     matrix: np.ndarray
     moved: float
     sigma: float
+    time: float
 
 
 class Surroundings:
@@ -115,9 +121,11 @@ class Surroundings:
             )  # fmt: skip
             kept &= (seen[:, 0] > 0) & (np.hypot(*(fine[:, 0] - after).T) < _AGREE * self.scale)
             after = fine[:, 0]
-        return self._agreed(cv2, before[kept], after[kept])
+        return self._agreed(cv2, before[kept], after[kept], frame.time)
 
-    def _agreed(self, cv2: Any, before: np.ndarray, after: np.ndarray) -> CameraMotion | None:
+    def _agreed(
+        self, cv2: Any, before: np.ndarray, after: np.ndarray, time: float
+    ) -> CameraMotion | None:
         """Return the motion on which features agree."""
         if len(before) < _FEATURES:
             return None
@@ -144,7 +152,7 @@ class Surroundings:
         moves = quarters @ matrix[:, :2].T + matrix[:, 2] - quarters
         # Compression lets parts of the picture lag, which features share: no mean over them helps.
         sigma = math.hypot(math.sqrt(float(np.mean(left**2))), _FLOOR)
-        return CameraMotion(matrix, float(np.hypot(*moves.T).max()), sigma)
+        return CameraMotion(matrix, float(np.hypot(*moves.T).max()), sigma, time)
 
 
 def _similarity(places: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -266,16 +274,24 @@ def camera_motions(
     return surroundings, known, 1.0 - len(known) / max(len(some), 1)
 
 
-def distance_of(motions: dict[int, CameraMotion]) -> float:
-    """Return how far a camera moves [pixels], NaN if it is unknown; one frame may be a mistake."""
-    moves = sorted(motion.moved for motion in motions.values())
-    return moves[-2] if len(moves) > 1 else math.nan
+def farthest(motions: dict[int, CameraMotion]) -> CameraMotion | None:
+    """Return the largest motion of a camera but one, which may be a mistake; None if unknown."""
+    ordered = sorted(motions.values(), key=lambda motion: motion.moved)
+    return ordered[-2] if len(ordered) > 1 else None
+
+
+def motion_text(motion: CameraMotion) -> str:
+    """Return how far the camera moves, in words."""
+    return (
+        f"the camera moves: the background shifts by up to {motion.moved:.1f} pixels (at "
+        f"{motion.time:.4g} s)"
+    )
 
 
 def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[Video, Sample]:
     """Return a video and its sample as a camera at rest would have taken them.
 
-    They are the same if the camera rests, moves too far or is not shown to move.
+    They are the same if the camera rests or is not shown to move.
 
     Parameters
     ----------
@@ -283,12 +299,21 @@ def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[
         The clip and its first reading.
     hidden : sequence of Bar
         Balls and rods, which are not the background.
+
+    Raises
+    ------
+    InputError
+        If the camera moves too far for that.
     """
     surroundings, motions, unknown = camera_motions(sample, hidden)
-    moved = distance_of(motions)
-    if unknown > _UNKNOWN or not _MOVES <= moved <= TOO_FAR * math.hypot(video.width, video.height):
+    motion = farthest(motions)
+    if motion is None or motion.moved < _MOVES:
         return video, sample
-    if moved < _CLEAR * float(np.median([motion.sigma for motion in motions.values()])):
+    if motion.moved > TOO_FAR * math.hypot(video.width, video.height):
+        raise InputError(motion_text(motion), way_out=STEADY)
+    if unknown > _UNKNOWN or motion.moved < _CLEAR * float(
+        np.median([motion.sigma for motion in motions.values()])
+    ):
         return video, sample
     steadier = Steadier(surroundings)
     frames, clicked, changed = (

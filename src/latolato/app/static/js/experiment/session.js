@@ -13,8 +13,9 @@ import { Track } from "./track.js";
 /**
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number,
- *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean}}
- *     | null, sheet: import("./sheet.js").Sheet | null, decimal: string, code: string[],
+ *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean},
+ *     proposal: {pivot: number[] | null, balls: number[][], radius: number,
+ *       click_frame: number} | null} | null, sheet: import("./sheet.js").Sheet | null, decimal: string, code: string[],
  *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
  *   hasRegion: boolean, hasStick: boolean, shape: string,
  *   corrections: {frame: number, ball: number, u: number, v: number}[],
@@ -183,7 +184,10 @@ export class Session {
     clip.hasBalls = Boolean(proposal);
     clip.proposed = placesOf(about);
     clip.radius = proposal?.radius ?? 0.03 * Math.min(width, height);
-    if (isNew) clip.places = { ...toolPlaces(about), ...clip.proposed };
+    if (isNew) {
+      clip.places = { ...toolPlaces(about), ...clip.proposed };
+      clip.clickFrame = proposal?.click_frame ?? 0;
+    }
     this.changed();
   }
 

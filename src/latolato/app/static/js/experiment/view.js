@@ -337,9 +337,10 @@ export class ExperimentView {
     const { clip } = this.session;
     if (!clip) return;
     const { ball_2: _, ...places } = clip.places;
+    const clickFrame = clip.about?.proposal?.click_frame ?? 0;
     this.changed({ places: { ...places, ...clip.proposed }, isProposed: true,
-      isPivotOutside: false, clickFrame: 0 });
-    this.screen.goTo(0);
+      isPivotOutside: false, clickFrame });
+    this.screen.goTo(clickFrame);
   }
 
   /** @param {number} balls */
