@@ -23,7 +23,7 @@ _BLOCK = 16.0
 # Residual of the circle above which lens, perspective or shutter are suspected [pixels, arm].
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Pieces of an arc that may be bent each for itself.
-_PIECES = 9
+_PIECES = 25
 # Offset that a click may have [pixels, arm].
 _NEAR, _NEAR_SHARE = 5.0, 0.01
 
