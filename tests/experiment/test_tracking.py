@@ -164,11 +164,7 @@ def test_every_decoded_frame_has_a_row_at_its_time(clips, name):
     [
         ("tilted", 0.005),
         ("contacts", 0.1),
-        pytest.param(
-            "turns",
-            0.05,
-            marks=pytest.mark.xfail(reason="6 % since clips are linked first", strict=True),
-        ),
+        ("turns", 0.05),
     ],
 )
 def test_few_samples_are_flagged_in_plain_view(clips, name, share):
