@@ -9,7 +9,7 @@ import numpy as np
 
 from latolato.experiment.calibration.circle_fit import fit_circle
 
-# Arc above which an oval is told from a circle [rad].
+# Arc above which a path that is no circle shows [rad].
 WIDE_ARC = math.radians(60.0)
 # Errors of a click and of distances on the whole [pixels].
 CLICK, UNROUND = 1.0, 0.15
@@ -99,7 +99,6 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     waves = np.stack([np.cos(2 * direction), np.sin(2 * direction)], axis=-1)
     oval = float(np.hypot(*np.linalg.lstsq(waves, fit.distances, rcond=None)[0]))
     limit = max(_ROUND, _ROUND_SHARE * fit.arm, 2.0 * noise)
-    bent = math.sqrt(max(residual**2 - noise**2, 0.0))
     is_wide = arc >= WIDE_ARC
     is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
     if is_oval or float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fit.arm):
