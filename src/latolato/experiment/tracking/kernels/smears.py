@@ -43,10 +43,9 @@ def pieces_of(path: np.ndarray) -> np.ndarray:
     steps = knots[1:] - knots[:-1]
     first, last = steps[0], steps[count - 1]
     lengths = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
-    bend = abs(
-        math.atan2(first[0] * last[1] - first[1] * last[0], first[0] * last[0] + first[1] * last[1])
-    )
-    number = max(1, math.ceil(math.sqrt(lengths.sum() * bend / (8.0 * _SAGITTA))))
+    # How far the path's middle is from that of its chord, as an arc and as speed that changes.
+    sagitta = count * math.sqrt((last[0] - first[0]) ** 2 + (last[1] - first[1]) ** 2) / 8.0
+    number = max(1, math.ceil(math.sqrt(sagitta / _SAGITTA)))
     if number > count:
         return none
     pieces = np.empty((number, 6))
