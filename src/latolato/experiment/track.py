@@ -59,8 +59,9 @@ _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
 # Shares of samples that are measured, and that are clean, below which no ball was followed; below
-# which too few are clean; and below which one in slow motion is measured too seldom.
-_NEVER, _HARDLY, _SELDOM, _OFTEN = 0.25, 0.1, 0.7, 0.95
+# which too few are clean; below which one in slow motion is measured too seldom, and below which
+# something that is not known to swing was.
+_NEVER, _HARDLY, _SELDOM, _OFTEN, _AT_LEAST = 0.25, 0.1, 0.7, 0.95, 0.5
 # Share of frames from which a ball that is off its circle does not swing about the pivot, and the
 # share of the arm by which it is off at least.
 _ASTRAY, _OFF = 0.4, 0.03
@@ -968,6 +969,15 @@ def _wandered(task: Task, sample: Sample, path: _Path) -> xr.Dataset:
             "clip, as with the amplitude, with the length, or where films are joined"
         )
     if math.isnan(period):
+        share = seen.clean_share(~sample.repeats)
+        if share < _AT_LEAST:  # nothing says that it swings
+            u, v = task.setup.balls[0]
+            raise InputError(
+                f"what was taken for the ball, at ({u:.0f}, {v:.0f}) in frame "
+                f"{task.setup.click_frame}, is seen in only {100.0 * share:.0f} % of the samples, "
+                f"and no swing is seen: {path.doubt}",
+                way_out="point at the middle of the ball that swings, and at its pivot",
+            )
         task.warnings.append("no period: fewer than three swings were seen")
     attributes = {
         **_declared(task, "unknown"),
