@@ -206,7 +206,7 @@ def test_balls_that_seem_to_pass_each_other_keep_their_order():
     pivot, arm = np.array([100.0, 50.0]), 80.0
     places = pivot + arm * np.stack([np.sin(seen), np.cos(seen)], axis=-1)
     places[5, 1] = np.nan
-    route = Route(times, places, np.isfinite(places[..., 0]), 8.0).ordered(pivot)
+    route = Route(times, places, np.isfinite(places[..., 0]), 8.0, 8.0).ordered(pivot)
     found = np.arctan2(*np.moveaxis(route.places - pivot, -1, 0))
     known = np.isfinite(found).all(axis=1)
     assert known.sum() == 11

@@ -318,6 +318,12 @@ def _discs(
             for k in slow
         ]
         others = [one for one in others if radius is None or _is_alike(one[2], radius)]
+        # What moves is as large as the ball: a circle of another size is that of a highlight.
+        alike = [one for one in others if _is_alike(one[2], route.detected_radius)]
+        if not alike and radius is None:  # no rim is clear: the ball is what moves
+            whole = route.detected_radius, 0.0
+            alike = [(k, route.places[numbers[k], ball], *whole) for k in slow]
+        others = alike or others
         typical = float(np.median([one[2] for one in others])) if others else near
         # What most frames show is the ball; in a hand it may look larger.
         if others and found and not _is_same(found[0][2], typical):

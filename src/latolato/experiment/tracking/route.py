@@ -44,7 +44,9 @@ class Route:
     is_seen : numpy.ndarray, shape (frame, ball)
         Where a ball was detected as a whole.
     radius : float
-        Of a ball, roughly [pixels].
+        Of a ball, roughly [pixels]: the declared one, or else the detected one.
+    detected_radius : float
+        Typical half width of what was detected [pixels]; NaN if nothing was.
     exposure : float
         Share of the time between frames that the length of smears shows, roughly.
     is_traced : bool
@@ -55,6 +57,7 @@ class Route:
     places: np.ndarray
     is_seen: np.ndarray
     radius: float
+    detected_radius: float
     exposure: float = 0.0
     is_traced: bool = False
 
@@ -211,7 +214,8 @@ def find_route(
         else:
             track, left = link_clicked(left, copies, click, number, radius, pivot)
         tracks.append(track)
-    size = radius or float(np.median([track.radius for track in tracks]))
+    detected_radius = float(np.median([track.radius for track in tracks]))
+    size = radius or detected_radius
     places = np.stack([track.places for track in tracks], axis=1)
     is_traced = []
     for b, track in enumerate(tracks):
@@ -240,7 +244,7 @@ def find_route(
     places = _bridged(times, places, size)
     # Where nothing better is known, a part of a ball tells where it is.
     places = np.where(np.isfinite(places), places, detected)
-    route = Route(times, places, is_seen, size, is_traced=any(is_traced))
+    route = Route(times, places, is_seen, size, detected_radius, is_traced=any(is_traced))
     return replace(route, exposure=_exposure(route, tracks))
 
 
