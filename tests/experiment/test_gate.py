@@ -198,6 +198,38 @@ def test_a_ball_that_comes_to_the_click_only_later_is_refused():
     assert "4 frames" in late.reason
 
 
+def test_a_cut_is_told_and_what_follows_it_given_up():
+    whole = _swinging(90)
+    cut = np.concatenate([whole[:40], whole[52:]])
+    assert gate.uncut_clip(_track(whole)) is None
+    found = gate.uncut_clip(_track(cut))
+    assert found is not None
+    assert "it is cut at 1.333 s" in found.reason
+    assert np.flatnonzero(found.doubtful[:, 0]).tolist() == [40]
+
+
+def test_a_single_wrong_place_is_no_cut():
+    centres = _swinging(90)
+    centres[40] += 80.0
+    assert gate.uncut_clip(_track(centres)) is None
+
+
+def test_a_pause_is_told_and_given_up():
+    whole = _swinging(90)
+    stop = 45  # on its way, not at a turning point
+    centres = np.concatenate([whole[:stop], np.repeat(whole[stop : stop + 1], 20, 0), whole[stop:]])
+    found = gate.uncut_clip(_track(centres))
+    assert found is not None
+    assert "stands still from 1.5 to 2.167 s" in found.reason
+    assert np.flatnonzero(found.doubtful[:, 0]).tolist() == list(range(46, 66))
+
+
+def test_a_ball_that_a_hand_holds_and_releases_is_no_pause():
+    whole = _swinging(90)
+    held = np.concatenate([whole[:26], np.repeat(whole[25:26], 20, 0), whole[26:]])
+    assert gate.uncut_clip(_track(held)) is None
+
+
 @pytest.mark.parametrize(
     "declared,passes", [(9.0, True), (7.9, False), (17.9, True), (18.1, False)]
 )

@@ -58,6 +58,8 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
+# By which factor what moves may be larger or smaller than the declared ball.
+_OTHER_SIZE = 5.0
 # Shares of samples that are measured, and that are clean, below which no ball was followed; below
 # which too few are clean; below which one in slow motion is measured too seldom, and below which
 # something that is not known to swing was.
@@ -687,6 +689,14 @@ def _followed(
     expected = radius / scale.metres if radius and scale else None
     if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
         raise InputError("pivot and ball must be at least 8 pixels apart")
+    seen_radius = math.nan if route.is_traced or math.isfinite(dot) else route.detected_radius
+    if is_disc and expected and abs(math.log(expected / seen_radius)) > math.log(_OTHER_SIZE):
+        raise InputError(
+            f"what moves there has a radius of about {seen_radius:.0f} pixels, the declared radius "
+            f"is {expected:.3g} pixels by the scale",
+            way_out="check radius and length (from pivot to ball centre); without a radius it is "
+            "measured",
+        )
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
     if is_off and isinstance(scene.look, Appearance):

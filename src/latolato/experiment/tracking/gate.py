@@ -33,6 +33,11 @@ _BESIDE, _SOON = 3.0, 3
 # Extent of a ball's path below which the ball rests [pixels], and the same in radii: the place of a
 # large disc on a wall is measured badly.
 _RESTING, _RESTING_RADII = 2.0, 0.1
+# Share of the speeds below a fast one, and how many steps at that no ball leaps between frames.
+_FAST, _LEAPS = 0.98, 2.0
+# Over a fast one, speeds of a picture that stands still and of a ball on its way; by which share
+# speeds before and after a pause may differ, and its fewest frames.
+_STILL, _ON_ITS_WAY, _AS_FAST, _PAUSE = 0.05, 0.2, 0.5, 4
 # Motion of the camera that is reported [pixels], and the share of it by which a ball must move.
 _MENTIONED, _CARRIED = 1.0, 0.3
 # Share of frames that need not show a small motion of the camera for it to be believed.
@@ -109,6 +114,7 @@ def examine(
         lambda: clicked_ball(track, clicks, sample.click),
         lambda: declared_radius(track, expected_radius),
         lambda: moving_ball(track),
+        lambda: uncut_clip(track),
         lambda: resting_camera(sample, track),
         lambda: changing_pixels(sample, track),
     )
@@ -193,6 +199,81 @@ def moving_ball(track: Positions) -> Finding | None:
                 "point at the ball that swings",
             )
     return None
+
+
+def uncut_clip(track: Positions) -> Finding | None:
+    """Check that no ball leaps, and that none stops at once and goes on as fast: a cut, a pause.
+
+    A ball leaps where the ways before and after a step lead to places that are two steps of a fast
+    ball apart. Where two touch they are one step apart at most. What a pause repeats and the frame
+    after a cut are doubtful. It can miss what is cut where a ball is nearly the same on both sides,
+    and pauses of fewer than four frames or near a turning point.
+    """
+    known = np.flatnonzero(track.is_measured.all(axis=1))
+    if len(known) < _FEWEST:
+        return None
+    times, places = track.times[known], track.centres[known]
+    cuts, pauses = _cuts(times, places, track.radius), _pauses(times, places)
+    if not cuts and not pauses:
+        return None
+    doubtful = np.zeros(track.flags.shape, bool)
+    doubtful[known[[k + 1 for k in cuts]]] = True
+    for i, j in pauses:
+        doubtful[known[i] + 1 : known[j] + 1] = True
+    told = [f"it is cut at {times[k + 1]:.4g} s" for k in cuts]
+    told += [f"the picture stands still from {times[i]:.4g} to {times[j]:.4g} s" for i, j in pauses]
+    shown = told if len(told) < 4 else [*told[:3], f"{len(told) - 3} more"]
+    return Finding(
+        f"the clip is not in one piece: {', '.join(shown)}, so times there are not those of the "
+        "swing",
+        "track its pieces separately (--start, --end)",
+        is_refusal=False,
+        doubtful=doubtful,
+    )
+
+
+def _cuts(times: np.ndarray, places: np.ndarray, radius: float) -> list[int]:
+    """Return the last samples before cuts, of balls at places (sample, ball, 2) [pixels]."""
+    steps = np.diff(times)
+    rates = np.diff(places, axis=0) / steps[:, None, None]
+    fastest = np.quantile(np.linalg.norm(rates, axis=-1), _FAST, axis=0)
+    leaps = np.zeros(len(steps))
+    for k in range(2, len(steps) - 2):
+        middle = 0.5 * (times[k] + times[k + 1])
+        # One sample further away as well: a single wrong place is no cut.
+        ways = [
+            places[k + 1 + j]
+            - rates[k + 1 + j] * (times[k + 1 + j] - middle)
+            - places[k - j]
+            - rates[k - 1 - j] * (middle - times[k - j])
+            for j in (0, 1)
+        ]
+        reach = _LEAPS * fastest * steps[k] + radius
+        leaps[k] = float(np.min(np.linalg.norm(ways, axis=-1) / reach))
+    # The steps beside a cut seem to leap as well.
+    far = np.flatnonzero(leaps > 1.0)
+    return [int(k) for k in far if leaps[k] == leaps[k - 1 : k + 2].max()]
+
+
+def _pauses(times: np.ndarray, places: np.ndarray) -> list[tuple[int, int]]:
+    """Return the first and last samples of pauses, of balls at places (sample, ball, 2)."""
+    rates = np.diff(places, axis=0) / np.diff(times)[:, None, None]
+    speeds = np.linalg.norm(rates, axis=-1)
+    fastest = np.quantile(speeds, _FAST, axis=0)
+    is_still = (speeds < _STILL * fastest).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.r_[False, is_still, False])).tolist()
+    found = []
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - begin < _PAUSE or begin < 1 or end + 1 >= len(rates):
+            continue
+        before = rates[begin - 1]
+        for after in rates[end : end + 2]:  # of the first one, a part may be the pause's
+            fast = np.fmax(*(np.linalg.norm(one, axis=-1) for one in (before, after)))
+            goes_on = np.linalg.norm(after - before, axis=-1) < _AS_FAST * fast
+            if (goes_on & (fast > _ON_ITS_WAY * fastest)).all():
+                found.append((begin, end))
+                break
+    return found
 
 
 def resting_camera(sample: Sample, track: Positions) -> Finding | None:

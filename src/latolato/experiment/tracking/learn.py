@@ -169,7 +169,8 @@ def learn_image_model(
             raise InputError(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
                 "frames",
-                way_out="point at the middle of the ball",
+                way_out="point at the middle of the ball"
+                + (", and check radius and length" if radius else ""),
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
