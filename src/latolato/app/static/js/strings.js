@@ -31,7 +31,7 @@ export const STRINGS = {
   view_play: "Play",
   view_map: "Map",
   view_live: "Live",
-  view_paper: "Paper",
+  view_report: "Report",
   view_experiment: "Experiment",
   view_analyse: "Analyse",
   view_story: "Stories",
@@ -461,37 +461,8 @@ export const STRINGS = {
   fileHint_svg: "the same, for print",
   fileHint_toml: "the scenario, to run it again",
   fileHint_mp4: "The animation with its curves, 30 frames per second.",
-  // paper
-  paperTitle: "The paper’s claims, recalculated",
-  paperLead: "This page quotes the paper on the Lato Lato 2.0 and compares its words with an " +
-    "accurate calculation. Figures are computed as you reach them, with fewer points than in " +
-    "the full report of “latolato reproduce”. Every verdict follows from the numbers and limits " +
-    "below it.",
-  paperList: "Figures",
-  paperAll: "Judge everything now (about a minute)",
-  paperOpen: "{count} of {total} not judged yet",
-  paperUnjudged: "Not judged yet.",
-  paperFilm: "Make this figure",
-  paperUnread: "This figure could not be loaded, and this browser has not kept it. Come back when "
-    + "you are online.",
-  paperTurn: "Waiting for its turn …",
-  paperWaits: "Waiting for {name} …",
-  paperFilmHint: "This makes and evaluates a synthetic experiment, which may take some tens of seconds. " +
-    "The caption says what is filmed and tracked, and what is simulated with the tracker’s noise.",
-  paperQuick: "Quick numbers: scans have fewer points than in the full report.",
-  paperReport: "From the stored report.",
-  paperAssumed: "Assumed:",
-  paperCases: "Runs behind it ({count}):",
-  openTitleInPlay: "Open in Play: {title}",
-  openTitleInMap: "Open in Map: {title}",
-  REPRODUCED: "reproduced",
-  ASSUMED: "reproduced with an assumption",
-  NOT_AS_PRINTED: "not as printed",
-  METHOD_CHECK: "method check, not testable from the paper",
-  shape_REPRODUCED: "●",
-  shape_ASSUMED: "△",
-  shape_NOT_AS_PRINTED: "✕",
-  shape_METHOD_CHECK: "◇",
+  // report
+  reportMissing: "This command builds the report, which redraws the paper’s figures and judges its claims:",
   // analyse
   questions: "Questions",
   compute: "Compute",
@@ -522,8 +493,6 @@ export const STRINGS = {
   unknownSetting: "“{name}” is not a setting of this question.",
   seconds: "{count} s",
   minutes: "{count} min",
-  held: "held",
-  failed: "did not hold",
   // experiment
   clipDrop: "Drop a video or a table here, or choose one",
   clipDropHint: "Videos (MP4, MOV, WebM, AVI): up to {size} MB, {minutes} minutes, {pixels}.",
