@@ -29,7 +29,7 @@ MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <latolato-player scenario="zeno" duration="2 s"></latolato-player>
 """
 AROUND = """<!doctype html><title>around</title><link rel="icon" href="icon.svg">
-<iframe src="./?view=play&scenario=fig02&embed=1" width="800" height="300"></iframe>
+<iframe src="./?view=play&scenario=fig02" width="800" height="300"></iframe>
 """
 
 
@@ -287,40 +287,19 @@ def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
     assert visit.faults == []
 
 
-def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(visit, web):
-    visit.add_init_script(
-        "window.heard = []; addEventListener('message', ({ data }) => window.heard.push(data));"
-    )
+def test_a_site_in_a_frame_leaves_the_back_button_to_the_page_around_it(visit, web):
     visit.goto(f"{web[0]}around.html")
-    visit.wait_for_function("() => window.heard.some(({ height }) => height > 300)")
-    assert {tuple(each) for each in visit.evaluate("() => window.heard")} == {
-        ("type", "height", "address")
-    }
+    frame = visit.frame_locator("iframe")
+    field = frame.get_by_label("How far the hand moves A0")
+    field.wait_for()
     entries = visit.evaluate("() => history.length")
-    send = "(data) => document.querySelector('iframe').contentWindow.postMessage(data, '*')"
-    wish = {"type": "latolato", "options": {"duration": "3 s"}, "scenario": "fig04a_push"}
-    for wrong in (
-        "latolato", {**wish, "type": "x"}, {**wish, "more": 1}, {**wish, "scenario": "constructor"},
-        {**wish, "options": {"constructor": "1"}}, {**wish, "options": {"length": {}}},
-    ):  # fmt: skip
-        visit.evaluate(send, wrong)
-    frame = next(each for each in visit.frames if "embed=1" in each.url)
-    # A window inside the view is not the page around it.
-    frame.evaluate("(data) => window.postMessage(data, '*')", wish)
-    visit.wait_for_timeout(300)
-    assert "scenario=fig02" in frame.url
-    visit.evaluate(send, wish)
-    visit.wait_for_function(
-        "() => window.heard.at(-1).address"
-        " === '?view=play&scenario=fig04a_push&embed=1&duration=3+s'"
-    )
-    frame.wait_for_function("() => window.latolato.views.play.player.motion?.end === 3")
-    # Steps are undone in the view, and its entries leave the Back button to the page around it.
+    field.fill("31")
+    field.press("Enter")
+    inside = next(each for each in visit.frames if "scenario=fig02" in each.url)
+    inside.wait_for_function("() => location.search.includes('drive_amplitude=31')")
     assert visit.evaluate("() => history.length") == entries
-    frame.get_by_role("button", name="Play", exact=True).press("Control+z")
-    frame.wait_for_function("() => location.search.includes('scenario=fig02')")
-    frame.get_by_role("button", name="Play", exact=True).press("Control+y")
-    frame.wait_for_function("() => location.search.includes('scenario=fig04a_push')")
+    frame.get_by_role("button", name="Pause").press("Control+z")
+    inside.wait_for_function("() => !location.search.includes('drive_amplitude')")
     assert visit.evaluate("() => history.length") == entries
     assert visit.faults == []
 
@@ -357,31 +336,6 @@ def test_examples_of_documentation_built_alone_say_what_they_need(visit, web):
     visit.wait_for_load_state("networkidle")
     assert visit.locator("form input").count() == 0
     assert all("404" in fault for fault in visit.faults)
-
-
-def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, web):
-    visit.goto(f"{web[0]}?view=play&scenario=fig02&embed=1")
-    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert not visit.get_by_role("navigation", name="Views").is_visible()
-    field = visit.get_by_label("How far the hand moves A0")
-    field.fill("31")
-    field.press("Enter")
-    visit.wait_for_function("() => location.search.includes('drive_amplitude=31')")
-    assert "embed=1" in visit.url
-
-
-def test_an_embedded_page_opens_other_views_in_a_new_tab(visit, web):
-    visit.goto(f"{web[0]}?view=map&map.size=5&embed=1")
-    way = visit.get_by_role("button", name="Open in Play")
-    way.wait_for()
-    with visit.context.expect_page() as opened:
-        way.click(timeout=PATIENCE)
-    other = opened.value
-    other.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert "view=play" in other.url
-    assert "embed" not in other.url
-    assert other.evaluate("() => window.opener") is None
-    assert "view=map" in visit.url
 
 
 def test_the_player_is_an_element_of_any_page(visit, web):

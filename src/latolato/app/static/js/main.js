@@ -137,10 +137,6 @@ function startViews(page) {
     share.open(false);
     document.title = `${title} · latolato`;
   };
-  // In another page: the view alone, without the way to other views.
-  document.documentElement.toggleAttribute("data-embedded", page.store.state.embed === true);
-  if (page.store.state.embed)
-    void import("./embed.js").then(({ talkToParent }) => talkToParent(page.registry, page.store));
   page.store.subscribe(() => void show());
   void show();
 }
@@ -189,7 +185,7 @@ function startStories(page) {
 
 /** Keep the site in the browser, so that it opens without a network. */
 async function keepOffline() {
-  // A site that is embedded leaves that to the page around it; pages of the program change with it.
+  // A site in a frame leaves that to the page around it; pages of the program change with it.
   if (window.top !== window || !("serviceWorker" in navigator)) return;
   const { variant } = await import("./kernels/load.js");
   await navigator.serviceWorker.register(`offline.js?variant=${variant()}`);
