@@ -93,6 +93,7 @@ def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
         ("fig03", "Open in Toy: Resonance at 6 rad/s", "[data-runs]", "scenario=fig03a"),
         ("fig03", "quiet: drive frequency 5.9 rad/s", "[data-runs]", "drive_frequency=5.9"),
         ("fig03cd", "Open in Map: ", "[data-done]", "view=map&map.scenario=fig03cd"),
+        ("fig03cd", "undamped", "[data-done]", "map.x=frequency_ratio"),
     ],
 )
 def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, wanted):
@@ -100,7 +101,7 @@ def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, 
     page = context.new_page()
     page.goto(f"{address}report/index.html")
     plate = page.locator(f"#{figure}")
-    plate.locator("details", has_text="Runs behind it").evaluate_all(
+    plate.locator("details", has_text=" behind it (").evaluate_all(
         "all => all.forEach((each) => { each.open = true; })"
     )
     plate.get_by_role("link", name=name).click()

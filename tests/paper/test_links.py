@@ -6,7 +6,8 @@ from urllib.parse import parse_qs
 import pytest
 
 from latolato.app.run_request import RunRequest, check_size
-from latolato.paper.links import links_to_presets, links_to_runs, presets_of
+from latolato.paper.links import links_to_maps, links_to_presets, links_to_runs, presets_of
+from latolato.report.addresses import address_of_map
 from latolato.scenario.scenario import scenarios
 from quick_figures import EVIDENCE, quick_data
 
@@ -65,3 +66,27 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(name):
         check_size(found)
     run = RunRequest(None, {**options, "duration": "0.5 s"}).to_scenario().record()
     assert run.attrs["status"] == "complete"
+
+
+def test_every_sweep_behind_a_figure_opens_with_its_system_and_ranges():
+    dataset = quick_data("fig03cd")
+    links = links_to_maps(dataset)
+    assert [link.text for link in links] == list(dataset["sweep"].values)
+    for link, text in zip(links, dataset["plan"].values, strict=True):
+        plan = json.loads(str(text))
+        view, texts = read(link.address)
+        assert view == "map"
+        for which, axis in zip("yx", plan["axes"], strict=True):
+            [values] = axis["values"]
+            assert texts.pop(f"map.{which}") == axis["name"]
+            assert float(texts.pop(f"map.{which}low")) == pytest.approx(values[0], rel=1e-9)
+            assert float(texts.pop(f"map.{which}high")) == pytest.approx(values[-1], rel=1e-9)
+        assert float(texts.pop("map.duration")) == plan["duration"]
+        assert float(texts.pop("map.transient")) == plan["transient"]
+        assert RunRequest(None, texts).to_scenario().to_dict()["system"] == plan["system"]
+
+
+def test_a_sweep_that_map_cannot_show_has_no_link():
+    plan = json.loads(str(quick_data("fig03cd")["plan"].values[0]))
+    assert address_of_map({**plan, "axes": plan["axes"][:1]}) is None
+    assert address_of_map({**plan, "noise": {"kind": "velocity_kicks"}}) is None

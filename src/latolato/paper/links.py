@@ -13,7 +13,12 @@ from latolato import Scenario, scenarios
 from latolato.core.quantities import QUANTITIES
 from latolato.figures.style import pretty_unit
 from latolato.paper import catalogue
-from latolato.report.addresses import address_of_preset, address_of_run, options_that_matter
+from latolato.report.addresses import (
+    address_of_map,
+    address_of_preset,
+    address_of_run,
+    options_that_matter,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,6 +110,17 @@ def links_to_runs(dataset: xr.Dataset) -> list[Link]:
             Link(text=_label(case, run, differing), address=PAGES + address_of_run(options))
         )
     return links
+
+
+def links_to_maps(dataset: xr.Dataset) -> list[Link]:
+    """Return links that open the sweeps behind a figure, those that Map can show."""
+    if "plan" not in dataset:
+        return []
+    return [
+        Link(text=str(label), address=PAGES + address)
+        for label, text in zip(dataset["sweep"].values, dataset["plan"].values, strict=True)
+        if (address := address_of_map(json.loads(str(text))))
+    ]
 
 
 def _end_of(scenario: Scenario, dataset: xr.Dataset) -> dict[str, float]:

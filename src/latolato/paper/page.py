@@ -23,7 +23,7 @@ from latolato.core.versions import version_of
 from latolato.figures.style import pretty_unit
 from latolato.paper.catalogue import title_of
 from latolato.paper.claim import Claim, Verdict
-from latolato.paper.links import flat_scenarios, links_to_presets, links_to_runs
+from latolato.paper.links import flat_scenarios, links_to_maps, links_to_presets, links_to_runs
 from latolato.paper.powers import rewritten_powers
 from latolato.report.templates import environment
 
@@ -162,6 +162,7 @@ def _plate(paper: ModuleType, part: Part, folder: Path) -> dict[str, Any]:
         # Shipped scenarios belong to figures of the paper that latolato began with.
         "presets": links_to_presets(part.name) if paper is latolato.paper else [],
         "runs": links_to_runs(part.dataset),
+        "maps": links_to_maps(part.dataset),
     }
 
 

@@ -11,6 +11,7 @@ from urllib.parse import quote, urlencode
 from latolato.scenario.options import flat_options, law_options
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.run import simulate
+from latolato.sweeps.axes import DERIVED
 
 
 def address_of_preset(name: str, *, is_map: bool) -> str:
@@ -34,6 +35,37 @@ def address_of_run(options: Mapping[str, Any]) -> str:
     """
     texts = {name: _text_of(name, value) for name, value in options.items()}
     return "?" + urlencode({"view": "play", **texts}, quote_via=quote)
+
+
+def address_of_map(plan: Mapping[str, Any]) -> str | None:
+    """Return the query that opens a sweep in Map, None for one that Map cannot show.
+
+    Parameters
+    ----------
+    plan : mapping
+        The tables of the sweep, as `latolato.sweep` writes them into its result.
+
+    Notes
+    -----
+    Map shows sweeps of two parameters without noise, in the ranges of the sweep, at other points.
+    """
+    if plan["noise"] or [len(axis["parameters"]) for axis in plan["axes"]] != [1, 1]:
+        return None
+    contact = dict(plan["contact"])
+    run = {**plan["start"], "contact": contact.pop("kind"), **contact}
+    scenario = Scenario.from_dict({"system": plan["system"], "drive": plan["drive"], "run": run})
+    options = options_that_matter(scenario)
+    ranges = {"map.duration": f"{plan['duration']:g}", "map.transient": f"{plan['transient']:g}"}
+    for which, axis in zip("yx", plan["axes"], strict=True):
+        [name], [values] = axis["parameters"], axis["values"]
+        low, high = min(values), max(values)
+        ranges[f"map.{which}"] = name
+        ranges |= {f"map.{which}low": f"{low:.12g}", f"map.{which}high": f"{high:.12g}"}
+        if name in law_options():  # its plan has no value of its own for what varies
+            options.pop(DERIVED.get(name, name), None)
+            options[name] = 0.5 * (low + high)
+    texts = {name: _text_of(name, value) for name, value in options.items()}
+    return "?" + urlencode({"view": "map", **texts, **ranges}, quote_via=quote)
 
 
 def options_that_matter(scenario: Scenario) -> dict[str, Any]:
