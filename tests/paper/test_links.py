@@ -68,6 +68,16 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(name):
     assert run.attrs["status"] == "complete"
 
 
+def test_the_motion_that_was_filmed_has_its_link():
+    [link] = links_to_runs(quick_data("fig07"))
+    view, options = read(link.address)
+    assert view == "play"
+    scenario = RunRequest(None, options).to_scenario()
+    wanted = float(quick_data("fig07")["damping_rendered"])
+    assert scenario.system.damping == wanted
+    assert scenario.run["duration"] == 16.0  # of a quick video
+
+
 def test_every_sweep_behind_a_figure_opens_with_its_system_and_ranges():
     dataset = quick_data("fig03cd")
     links = links_to_maps(dataset)

@@ -95,6 +95,10 @@ def flat_scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 def links_to_runs(dataset: xr.Dataset) -> list[Link]:
     """Return links that open the runs behind a figure, each named by what sets it apart."""
+    if "scenario" in dataset.attrs:  # of the one motion that was filmed
+        scenario = Scenario.from_dict(json.loads(dataset.attrs["scenario"]))
+        address = address_of_run(options_that_matter(scenario))
+        return [Link(text="the motion that was filmed", address=PAGES + address)]
     if "scenario" not in dataset or "case" not in dataset.coords:
         return []
     texts = [str(text) for text in dataset["scenario"].values.ravel()[:_MOST_RUNS]]
