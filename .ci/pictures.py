@@ -23,7 +23,7 @@ PAGES = {
     "play": ("?scenario=toy", "[data-runs]"),
     "map": ("?view=map&map.scenario=fig05_push&map.duration=60&map.size=120", "[data-done]"),
     "experiment": ("?view=experiment&experiment.example=decay", ".experiment[data-state=result]"),
-    "report": ("report/index.html#fig04", "#fig04 img"),
+    "report": ("report/index.html", ".claims"),
 }
 SIZE = {"width": 1366, "height": 860}
 SET = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
