@@ -1,11 +1,17 @@
 """The report on the paper is a page of its own, beside the pages and linked with them."""
 
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
 import pytest
 from starlette.testclient import TestClient
+from typer.testing import CliRunner
 
 from app_server import start_server, stop_server
-from latolato.app.serve import serve
+from latolato.app import serve as app_serve
 from latolato.app.server import Settings, make_app
+from latolato.cli.main import app
 from latolato.paper import catalogue, report
 from quick_figures import picture_of, quick_data
 
@@ -15,8 +21,6 @@ HOME = "http://127.0.0.1:8000"
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A report of two figures: one of runs, one that is a map."""
-    from dataclasses import replace
-    from unittest import mock
 
     def shared(name):
         entry = catalogue.figures()[name]
@@ -43,8 +47,8 @@ def address(folder):
 
 
 def test_the_server_serves_the_files_of_a_report_and_no_others(folder):
-    app = make_app(Settings(report=folder))
-    with TestClient(app, base_url=HOME) as client:
+    server = make_app(Settings(report=folder))
+    with TestClient(server, base_url=HOME) as client:
         page = client.get("/report/index.html")
         assert page.content == (folder / "index.html").read_bytes()
         assert "style-src 'unsafe-inline'" in page.headers["content-security-policy"]
@@ -57,7 +61,19 @@ def test_the_server_serves_the_files_of_a_report_and_no_others(folder):
 
 def test_a_folder_without_a_report_is_refused_before_the_server_starts(tmp_path):
     with pytest.raises(ValueError, match="latolato reproduce"):
-        serve(port=0, browser=False, report=tmp_path)
+        app_serve.serve(port=0, browser=False, report=tmp_path)
+
+
+def test_the_report_in_the_usual_folder_is_served_without_being_named(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(app_serve, "serve", lambda *_, report, **__: asked.append(report))
+    monkeypatch.chdir(tmp_path)
+    CliRunner().invoke(app, ["app"], catch_exceptions=False)
+    Path("latolato-report").mkdir()
+    Path("latolato-report", "index.html").touch()
+    CliRunner().invoke(app, ["app"], catch_exceptions=False)
+    CliRunner().invoke(app, ["app", "--report", "another"], catch_exceptions=False)
+    assert asked == [None, Path("latolato-report"), Path("another")]
 
 
 def test_without_a_report_the_page_says_how_to_build_one(page):
