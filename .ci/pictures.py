@@ -23,7 +23,7 @@ PAGES = {
     "play": ("?scenario=toy", "[data-runs]"),
     "map": ("?view=map&map.scenario=fig05_push&map.duration=60&map.size=120", "[data-done]"),
     "experiment": ("?view=experiment&experiment.example=decay", ".experiment[data-state=result]"),
-    "paper": ("?view=paper&paper.figure=fig04", "#paper-fig04 .picture img"),
+    "report": ("report/index.html", ".claims"),
 }
 SIZE = {"width": 1366, "height": 860}
 SET = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
@@ -54,7 +54,10 @@ def main() -> None:
 
     moving = ["simulate", "toy", "--duration", "8", "--fps", "20", "--animate"]
     subprocess.run([sys.executable, "-m", "latolato", *moving, IMAGES / "toy.gif"], check=True)
-    server: Any = start_server()
+    report = ROOT / "build" / "report"
+    quickly = ["reproduce", "--quick", "--output", report]
+    subprocess.run([sys.executable, "-m", "latolato", *quickly], check=True)
+    server: Any = start_server("--report", str(report))
     try:
         with sync_playwright() as playwright:
             page = launch(playwright.chromium).new_page(viewport=SIZE, color_scheme="light")

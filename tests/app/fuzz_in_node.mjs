@@ -4,7 +4,6 @@ import { pathToFileURL } from "node:url";
 
 const folder = `${pathToFileURL(process.argv[2])}/js/`;
 const load = (name) => import(folder + name);
-const { wishOf } = await load("embed.js");
 const { format, parse } = await load("shared/state.js");
 const { readable } = await load("shared/reading.js");
 const { specify } = await load("model/case.js");
@@ -53,11 +52,6 @@ const kinds = {
       if (error instanceof InputError) return { ended: error.message, sound: true };
       throw error;
     }
-  },
-  message(data) {
-    const wish = wishOf(registry, data);
-    const names = Object.keys(wish?.options ?? {});
-    return { known: names.every((name) => Object.hasOwn(registry.options, name)), accepted: wish !== null };
   },
 };
 

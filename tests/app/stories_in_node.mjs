@@ -4,16 +4,22 @@ import { pathToFileURL } from "node:url";
 
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
-const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, read }, { quantity, withPeriod }, { runOnShow, shownBy },
+const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, loadSchema }, { check }, { quantity, withPeriod }, { runOnShow, shownBy },
   { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/block",
-  "model/registry", "story/files", "story/numbers", "story/look", "story/scores"].map(load));
+  "model/registry", "story/files", "story/check", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
 const { files, numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
 const plain = (value) => (Number.isFinite(value) ? value : null);
 const blockFor = async (request) => blockOf(run(await specify(registry, request), 30_000));
 
 const sentences = [];
-for (const text of files) sentences.push(await read(registry, text).then(() => "", (error) => error.message));
+for (const tables of files)
+  try {
+    check(registry, await loadSchema(), tables);
+    sentences.push("");
+  } catch (error) {
+    sentences.push(error.message);
+  }
 const found = [];
 for (const { look, options, name, angle } of numbers) {
   const state = shownBy({ extra: {} }, look, {});

@@ -121,7 +121,7 @@ def test_a_body_that_nobody_reads_does_not_keep_a_connection():
         assert time.monotonic() < deadline
 
 
-@pytest.mark.parametrize("path", ["/ws/experiment/desk", "/ws/map/file", "/ws/paper"])
+@pytest.mark.parametrize("path", ["/ws/experiment/desk", "/ws/map/file", "/ws/analyse"])
 def test_a_socket_that_sends_no_frame_is_closed_with_a_reason(path):
     with serving(SHORT) as port:
         home = f"127.0.0.1:{port}"

@@ -180,9 +180,7 @@ SCENARIOS = st.sampled_from([*ABOUT["scenarios"], *POLLUTION, *HTML])
 many = hypothesis.settings(max_examples=200, deadline=None)
 
 
-@hypothesis.given(
-    pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario", "embed"]), TEXTS))
-)
+@hypothesis.given(pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario"]), TEXTS)))
 @many
 def test_no_address_makes_a_page_stumble(pairs, page):
     answer = page("address", "?" + urlencode(pairs, errors="replace"))
@@ -190,9 +188,7 @@ def test_no_address_makes_a_page_stumble(pairs, page):
     assert "\n" not in answer["ended"]
 
 
-@hypothesis.given(
-    pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario", "embed"]), TEXTS))
-)
+@hypothesis.given(pairs=st.lists(st.tuples(NAMES | st.sampled_from(["view", "scenario"]), TEXTS)))
 @hypothesis.example(pairs=[(name, "a\nb") for name in ("view", "scenario", "system", "gravity")])
 @hypothesis.example(pairs=[("a\nb", ""), ("a\nb.c", ""), ("restitution", "\n\u2028" * 300)])
 @many
@@ -207,29 +203,6 @@ def test_of_any_link_something_readable_remains(pairs, page):
 @many
 def test_no_parameters_make_a_page_stumble(scenario, options, page):
     assert "\n" not in page("request", {"scenario": scenario, "options": options})["ended"]
-
-
-@hypothesis.given(
-    message=ANYTHING
-    | st.fixed_dictionaries(
-        {"type": st.just("latolato"), "options": OPTIONS},
-        optional={"scenario": ANYTHING, "x": ANYTHING},
-    )
-)
-@many
-def test_messages_to_an_embedded_page_set_known_options_or_nothing(message, page):
-    assert page("message", message)["known"]
-
-
-def test_messages_of_the_documented_form_are_understood(page):
-    wish = {"type": "latolato", "scenario": "toy", "options": {"duration": 3, "length": "20 cm"}}
-    assert page("message", wish)["accepted"]
-    for wrong in (
-        {**wish, "type": "other"}, {**wish, "more": 1}, {**wish, "scenario": "constructor"},
-        {**wish, "options": {"__proto__": "1"}}, {**wish, "options": {"length": ["1"]}},
-        {**wish, "options": {"length": "1" * 2000}}, {**wish, "options": []}, None, "latolato",
-    ):  # fmt: skip
-        assert not page("message", wrong)["accepted"], wrong
 
 
 TRIALS = """# gravity: 9.81 m/s^2

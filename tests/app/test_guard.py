@@ -158,7 +158,7 @@ def test_any_other_origin_is_refused(client, origin):
     assert client.get("/", headers={"origin": origin}).status_code == 403
     with (
         pytest.raises(WebSocketDisconnect),
-        client.websocket_connect("/ws/paper", headers={"origin": origin}),
+        client.websocket_connect("/ws/map/file", headers={"origin": origin}),
     ):
         pass
 

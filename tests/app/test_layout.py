@@ -31,12 +31,9 @@ def wait_for_options(page, condition):
     )
 
 
-@pytest.mark.parametrize(
-    "query,motion,moves",
-    [("", "no-preference", True), ("", "reduce", False), ("&embed=1", "no-preference", False)],
-)
-def test_the_first_run_moves_where_that_is_welcome(page, query, motion, moves):
-    open_view(page, query, motion=motion)
+@pytest.mark.parametrize("motion, moves", [("no-preference", True), ("reduce", False)])
+def test_the_first_run_moves_where_that_is_welcome(page, motion, moves):
+    open_view(page, "", motion=motion)
     if moves:
         page.wait_for_function(f"() => {PLAYER}.clock.time > 0.1")
         page.get_by_role("button", name="Pause").wait_for()

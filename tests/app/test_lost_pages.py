@@ -7,13 +7,11 @@ import time
 import pytest
 from starlette.testclient import TestClient
 
-from latolato.app import report as paper
 from latolato.app.experiment.store import Allowance
 from latolato.app.server import Settings, make_app
 
 HOME = "http://127.0.0.1:8000"
 FIRST = {
-    "/ws/paper": {"figure": "fig02"},
     "/ws/analyse": {
         "analysis": "basins",
         "scenario": "fig02",
@@ -42,7 +40,7 @@ FIRST = {
         },
     },
 }
-JOBS = ("/ws/paper", "/ws/analyse", "/ws/map/file")
+JOBS = ("/ws/analyse", "/ws/map/file")
 
 
 class Losing:
@@ -68,9 +66,7 @@ class Losing:
 
 
 @pytest.fixture
-def app(tmp_path, monkeypatch):
-    monkeypatch.setattr(paper, "_place", lambda name: tmp_path / f"{name}.block")
-    monkeypatch.setattr(paper, "_known", {})
+def app():
     return make_app(Settings())
 
 
@@ -102,7 +98,7 @@ def test_work_ends_when_its_page_is_lost(app, path):
         assert not app.state.jobs.limiter.borrowed_tokens
 
 
-@pytest.mark.parametrize("path", ["/ws/paper", "/ws/map/file"])
+@pytest.mark.parametrize("path", ["/ws/analyse", "/ws/map/file"])
 @pytest.mark.parametrize("frame", ["{", "[3]", "{}"])
 def test_a_page_that_is_lost_before_its_refusal_is_no_fault(app, path, frame):
     for _ in lose(Losing(app, 0), path, frame):

@@ -460,7 +460,7 @@ def test_the_space_bar_is_left_to_those_that_need_it(page):
     assert field.input_value().endswith(" ")
     assert not page.evaluate(PLAYING)
     # A view that was left takes no keys.
-    page.get_by_role("link", name="Paper", exact=True).click()
+    page.get_by_role("link", name="Report", exact=True).click()
     page.get_by_role("heading", level=1).wait_for()
     page.keyboard.press("Space")
     assert not page.evaluate(PLAYING)
@@ -535,11 +535,11 @@ def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
     page.goto(first.address)
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     stop_server(first)
-    page.get_by_role("link", name="Paper", exact=True).click()
+    page.get_by_role("link", name="Map", exact=True).click()
     page.get_by_text("The server does not answer").wait_for()
     second = start_server("--port", str(first.port))
     try:
-        page.get_by_role("heading", name="claims, recalculated").wait_for()
+        page.locator(".map-bar").first.wait_for()
         page.get_by_role("link", name="Play", exact=True).click()
         page.get_by_label("Begin with").wait_for()
         assert errors == []

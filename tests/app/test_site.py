@@ -29,7 +29,7 @@ MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <latolato-player scenario="zeno" duration="2 s"></latolato-player>
 """
 AROUND = """<!doctype html><title>around</title><link rel="icon" href="icon.svg">
-<iframe src="./?view=play&scenario=fig02&embed=1" width="800" height="300"></iframe>
+<iframe src="./?view=play&scenario=fig02" width="800" height="300"></iframe>
 """
 
 
@@ -43,8 +43,6 @@ def web(tmp_path_factory):
     """The address of a site in a folder of a web space, and the folder."""
     space = tmp_path_factory.mktemp("web")
     folder = space / "school" / "toy"
-    (folder / "paper").mkdir(parents=True)
-    (folder / "paper" / "fig02.block").write_bytes(b"a figure")
     write_site(folder)
     (folder / "mine.html").write_text(MINE)
     (folder / "around.html").write_text(AROUND)
@@ -89,7 +87,7 @@ def test_scenarios_run_without_a_server_that_computes(visit, web):
     assert visit.hosts == {address.split("/")[2]}
 
 
-@pytest.mark.parametrize("view", ["live", "map", "paper", "experiment", "analyse"])
+@pytest.mark.parametrize("view", ["live", "map", "report", "experiment", "analyse"])
 def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
     visit.goto(f"{web[0]}?view={view}")
     visit.locator("h1").first.wait_for(state="attached")
@@ -97,6 +95,8 @@ def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
     assert visit.faults == []
     if view in ("experiment", "analyse"):
         visit.get_by_text("latolato app").wait_for()
+    if view == "report":
+        visit.get_by_text("latolato site FOLDER").wait_for()
 
 
 @pytest.mark.parametrize("name", ["fig03cd", "fig05"])
@@ -123,7 +123,7 @@ OFFLINE = {
     "view=play&scenario=kapitza": "[data-runs]",
     "view=live": "[data-ready]",
     "view=map&map.size=10": "[data-done]",
-    "view=paper": ".plate",
+    "view=report": "h1",
     "view=analyse": "h1",
 }
 
@@ -148,14 +148,10 @@ def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
     visit.evaluate("() => navigator.serviceWorker.ready")
     assert visit.evaluate(KEPT_CODE) == _code(web[1], is_scalar=False)
-    # The figures come by themselves.
-    visit.wait_for_function("() => caches.match('paper/fig02.block').then(Boolean)")
     visit.context.set_offline(True)
     for query, ready in OFFLINE.items():
         visit.goto(f"{web[0]}?{query}")
         visit.wait_for_selector(ready, timeout=PATIENCE)
-    figure = "() => fetch('paper/fig02.block').then((answer) => answer.text())"
-    assert visit.evaluate(figure) == "a figure"
     assert visit.faults == []
 
 
@@ -166,28 +162,6 @@ COLUMNS = """async ([address, scenario, options]) => {
     : Array.isArray(value) ? value.map(plain) : value);
   return Object.fromEntries(Object.entries(run).map(([name, value]) => [name, plain(value)]));
 }"""
-
-
-def test_a_figure_that_cannot_be_loaded_says_so_and_is_asked_for_again(visit, web):
-    contents = json.loads((web[1] / "paper" / "contents.json").read_text())
-    for figure in contents:
-        figure["stored"] = not figure["video"]
-    asked = []
-    visit.route("**/paper/contents.json", lambda route: route.fulfill(json=contents))
-    visit.route("**/*.block", lambda route: route.abort())
-    visit.on("request", lambda r: r.url.endswith("fig13.block") and asked.append(r.url))
-    visit.goto(f"{web[0]}?view=paper&paper.figure=fig13")
-    said = visit.locator("#paper-fig13").get_by_role("alert")
-    said.get_by_text("This figure could not be loaded").wait_for()
-    assert visit.locator("#paper-fig13").get_by_text("Waiting").is_hidden()
-    # A service worker that has come by then asks too.
-    before = len(asked)
-    assert before > 0
-    visit.get_by_role("button", name="Judge everything now").click()
-    last = visit.locator("#paper-text_model").get_by_role("alert")
-    last.get_by_text("This figure could not be loaded").wait_for()
-    assert len(asked) > before
-    assert all(fault.startswith("Failed to load resource") for fault in visit.faults)
 
 
 def test_numbers_of_a_browser_are_those_of_python(visit, web):
@@ -313,40 +287,19 @@ def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
     assert visit.faults == []
 
 
-def test_an_embedded_view_and_the_page_around_it_exchange_documented_messages(visit, web):
-    visit.add_init_script(
-        "window.heard = []; addEventListener('message', ({ data }) => window.heard.push(data));"
-    )
+def test_a_site_in_a_frame_leaves_the_back_button_to_the_page_around_it(visit, web):
     visit.goto(f"{web[0]}around.html")
-    visit.wait_for_function("() => window.heard.some(({ height }) => height > 300)")
-    assert {tuple(each) for each in visit.evaluate("() => window.heard")} == {
-        ("type", "height", "address")
-    }
+    frame = visit.frame_locator("iframe")
+    field = frame.get_by_label("How far the hand moves A0")
+    field.wait_for()
     entries = visit.evaluate("() => history.length")
-    send = "(data) => document.querySelector('iframe').contentWindow.postMessage(data, '*')"
-    wish = {"type": "latolato", "options": {"duration": "3 s"}, "scenario": "fig04a_push"}
-    for wrong in (
-        "latolato", {**wish, "type": "x"}, {**wish, "more": 1}, {**wish, "scenario": "constructor"},
-        {**wish, "options": {"constructor": "1"}}, {**wish, "options": {"length": {}}},
-    ):  # fmt: skip
-        visit.evaluate(send, wrong)
-    frame = next(each for each in visit.frames if "embed=1" in each.url)
-    # A window inside the view is not the page around it.
-    frame.evaluate("(data) => window.postMessage(data, '*')", wish)
-    visit.wait_for_timeout(300)
-    assert "scenario=fig02" in frame.url
-    visit.evaluate(send, wish)
-    visit.wait_for_function(
-        "() => window.heard.at(-1).address"
-        " === '?view=play&scenario=fig04a_push&embed=1&duration=3+s'"
-    )
-    frame.wait_for_function("() => window.latolato.views.play.player.motion?.end === 3")
-    # Steps are undone in the view, and its entries leave the Back button to the page around it.
+    field.fill("31")
+    field.press("Enter")
+    inside = next(each for each in visit.frames if "scenario=fig02" in each.url)
+    inside.wait_for_function("() => location.search.includes('drive_amplitude=31')")
     assert visit.evaluate("() => history.length") == entries
-    frame.get_by_role("button", name="Play", exact=True).press("Control+z")
-    frame.wait_for_function("() => location.search.includes('scenario=fig02')")
-    frame.get_by_role("button", name="Play", exact=True).press("Control+y")
-    frame.wait_for_function("() => location.search.includes('scenario=fig04a_push')")
+    frame.get_by_role("button", name="Pause").press("Control+z")
+    inside.wait_for_function("() => !location.search.includes('drive_amplitude')")
     assert visit.evaluate("() => history.length") == entries
     assert visit.faults == []
 
@@ -383,36 +336,6 @@ def test_examples_of_documentation_built_alone_say_what_they_need(visit, web):
     visit.wait_for_load_state("networkidle")
     assert visit.locator("form input").count() == 0
     assert all("404" in fault for fault in visit.faults)
-
-
-def test_an_embedded_page_has_no_way_to_other_views_and_stays_embedded(visit, web):
-    visit.goto(f"{web[0]}?view=play&scenario=fig02&embed=1")
-    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert not visit.get_by_role("navigation", name="Views").is_visible()
-    field = visit.get_by_label("How far the hand moves A0")
-    field.fill("31")
-    field.press("Enter")
-    visit.wait_for_function("() => location.search.includes('drive_amplitude=31')")
-    assert "embed=1" in visit.url
-
-
-def test_an_embedded_page_opens_other_views_in_a_new_tab(visit, web):
-    for query, role, name in (
-        ("view=paper", "link", "Open in Play: Resonance at 6 rad/s"),
-        ("view=map&map.size=5", "button", "Open in Play"),
-    ):
-        visit.goto(f"{web[0]}?{query}&embed=1")
-        way = visit.get_by_role(role, name=name)
-        way.wait_for()
-        with visit.context.expect_page() as opened:
-            way.click(timeout=PATIENCE)
-        other = opened.value
-        other.wait_for_selector("[data-runs]", timeout=PATIENCE)
-        assert "view=play" in other.url
-        assert "embed" not in other.url
-        assert other.evaluate("() => window.opener") is None
-        assert query.partition("&")[0] in visit.url
-        other.close()
 
 
 def test_the_player_is_an_element_of_any_page(visit, web):
@@ -475,3 +398,4 @@ def test_what_makes_no_site_is_refused(tmp_path):
     assert done.exit_code == 0, done.output
     assert json.loads(done.output)["files"] == [str(tmp_path / "out" / "index.html")]
     assert (tmp_path / "out" / "report" / "index.html").is_file()
+    assert json.loads((tmp_path / "out" / "registry.json").read_text())["report"] is True

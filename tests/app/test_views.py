@@ -5,14 +5,14 @@ TITLES = {
     "map": "Map",
     "live": "Live",
     "story": "Stories",
-    "paper": "The paper\N{RIGHT SINGLE QUOTATION MARK}s claims, recalculated",
+    "report": "Report",
     "experiment": "Experiment",
     "analyse": "Analyse",
 }
 
 
 def test_every_view_has_one_title(page):
-    page.goto("/?view=paper")
+    page.goto("/?view=report")
     views = page.get_by_role("navigation", name="Views").get_by_role("link")
     views.first.wait_for()
     assert views.count() == len(TITLES)
@@ -24,7 +24,7 @@ def test_every_view_has_one_title(page):
 
 def test_every_view_has_the_same_tools_at_its_top_right(page):
     page.add_init_script("delete Navigator.prototype.share;")
-    page.goto("/?view=paper&unknown=1")
+    page.goto("/?view=report&unknown=1")
     views = page.get_by_role("navigation", name="Views").get_by_role("link")
     views.first.wait_for()
     for name, title in TITLES.items():

@@ -119,7 +119,7 @@ def test_question(page, answer, question, scenario):
 
 
 # What each view shows when it has what it asks the server for; the others are opened above.
-VIEWS = {"live": "[data-ready]", "paper": "[data-judged]", "experiment": ".dropzone"}
+VIEWS = {"live": "[data-ready]", "report": "h1", "experiment": ".dropzone"}
 
 
 @pytest.mark.parametrize("view", VIEWS)

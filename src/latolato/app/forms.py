@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from latolato.app import STATIC
-from latolato.app.run_request import flat_options, options_of
+from latolato.app.run_request import options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.versions import FORMAT, version_of
@@ -35,7 +35,7 @@ from latolato.physics.contacts import (
 from latolato.physics.drives import FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import Pendulum, systems
-from latolato.scenario.options import law_options
+from latolato.scenario.options import flat_options, law_options
 from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables, shipped
 from latolato.scenario.tables import RATIOS
 from latolato.scenario.units import to_si, to_si_list, unit_table

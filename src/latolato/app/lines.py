@@ -8,8 +8,6 @@ from __future__ import annotations
 from dataclasses import MISSING, fields
 from typing import Any
 
-from latolato.scenario.scenario import Scenario
-
 
 def constructor(law: Any) -> str:
     """Return the call that makes a law; values that are the default are left out."""
@@ -28,13 +26,3 @@ def constructor(law: Any) -> str:
 def literal(value: Any) -> str:
     """Return a value as Python writes it; tuples as lists."""
     return repr(list(value)) if isinstance(value, tuple) else repr(value)
-
-
-def defaults_of(scenario: Scenario) -> dict[str, Any]:
-    """Return the options of a scenario's laws that have a default, and that default."""
-    return {
-        f.name: f.default
-        for law in (scenario.system, scenario.drive)
-        for f in fields(law)
-        if f.default is not MISSING
-    }

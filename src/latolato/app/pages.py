@@ -11,6 +11,8 @@ from typing import NamedTuple
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
 
 from latolato.app import STATIC
 
@@ -19,6 +21,23 @@ _TYPES = {
     ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
     ".wasm": "application/wasm",
 }  # fmt: skip
+
+
+# A report has its styles and pictures in its page, and needs nothing else.
+_REPORT_POLICY = (
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
+
+
+class Report(StaticFiles):
+    """The files of a reproduction report."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Return a file, under a policy that allows what stands in the page of the report."""
+        response = await super().get_response(path, scope)
+        response.headers["Content-Security-Policy"] = _REPORT_POLICY
+        return response
 
 
 class PageFile(NamedTuple):

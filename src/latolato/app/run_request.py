@@ -16,7 +16,7 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.registry import suggest
 from latolato.numerics.integrate import choose_step
-from latolato.scenario.options import changes, law_options
+from latolato.scenario.options import changes, flat_options, law_options
 from latolato.scenario.scenario import Scenario, changed_tables, shipped
 from latolato.simulation.start import checked_contact, checked_start
 
@@ -108,18 +108,6 @@ def option_value(option: Parameter, value: Any) -> Any:
 def options_of(scenario: Scenario) -> dict[str, Any]:
     """Return every option that a scenario sets, in SI units."""
     return flat_options(scenario.to_dict())
-
-
-def flat_options(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return every option that the tables of a scenario set."""
-    result = {}
-    for name, option in law_options().items():
-        place: Any = tables
-        for part in (option.owner, *option.path):
-            place = place.get(part) if isinstance(place, Mapping) else None
-        if place is not None:
-            result[name] = place
-    return result
 
 
 def check_size(scenario: Scenario) -> None:

@@ -57,7 +57,7 @@ def serve(
     names : sequence of str
         Further names of this server, ``HOST`` or ``HOST:PORT``, as others type them.
     report : Path, optional
-        Folder that `latolato reproduce` wrote; its figures are shown in place of quick ones.
+        Folder that `latolato reproduce` wrote, to which the page's entry *Report* leads.
     stored : sequence of Path
         Maps that pages may open: Zarr stores and NetCDF files of sweeps.
     video_megabytes, video_minutes : float, optional

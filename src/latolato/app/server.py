@@ -13,13 +13,13 @@ from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
-from starlette.routing import BaseRoute, Route
+from starlette.routing import BaseRoute, Mount, Route
 
 from latolato.app.answers import answered, json_of, refusal
 from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
 from latolato.app.guard import Guard
-from latolato.app.pages import page_file, static
+from latolato.app.pages import Report, page_file, static
 from latolato.app.processes import Workers
 from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.core.errors import InputError
@@ -42,7 +42,7 @@ class Settings:
     names : sequence of str
         Further names by which browsers may call the server, with or without a port.
     report : Path, optional
-        Folder of a reproduction report whose figures are shown.
+        Folder of a reproduction report, which is served beside the pages.
     clips : Allowance
         What uploaded videos may take.
     stored : mapping
@@ -94,6 +94,7 @@ def make_app(settings: Settings) -> Starlette:
             Route("/registry.json", _registry),
             Route("/api/run", _run, methods=["POST"]),
             *_views(),
+            *([Mount("/report", Report(directory=settings.report))] if settings.report else []),
             Route("/{path:path}", static),
         ],
         middleware=[
@@ -110,7 +111,7 @@ def make_app(settings: Settings) -> Starlette:
         lifespan=_lifespan,
     )
     app.state.workers = None
-    app.state.report = settings.report
+    app.state.has_report = settings.report is not None
     app.state.jobs = Workers()
     app.state.clips = Store(settings.clips)
     app.state.clip_jobs = settings.clips.workers
@@ -131,12 +132,11 @@ async def _lifespan(app: Starlette) -> AsyncIterator[None]:
 def _views() -> list[BaseRoute]:
     """Return the routes that belong to single views."""
     from latolato.app import downloads, stories
-    from latolato.app import report as paper
     from latolato.app.analyse import routes as analyses
     from latolato.app.experiment import routes as clips
     from latolato.app.map import routes as maps
 
-    views = (maps, downloads, paper, analyses, clips, stories)
+    views = (maps, downloads, analyses, clips, stories)
     return [route for view in views for route in view.routes()]
 
 
@@ -152,7 +152,8 @@ async def _index(request: Request) -> Response:
 async def _registry(request: Request) -> Response:
     from latolato.app.forms import registry
 
-    return await answered(request, lambda: JSONResponse({**registry(), "server": True}))
+    about = {"server": True, "report": request.app.state.has_report}
+    return await answered(request, lambda: JSONResponse(registry() | about))
 
 
 async def _run(request: Request) -> Response:

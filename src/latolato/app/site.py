@@ -1,7 +1,7 @@
 """`latolato site`: the pages as files that any web space can serve, without a server that computes.
 
 Play, Live and Map compute in the page. What the server of `latolato app` answers once is written to
-files: what there is (``registry.json``) and the figures of the paper with their claims.
+a file: what there is (``registry.json``). The report on the paper is a page of its own.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import json
 import re
 import shutil
 from errno import ENOTDIR
-from fnmatch import fnmatch
 from pathlib import Path
 
 from latolato.app import STATIC, kernels_folder
@@ -19,11 +18,9 @@ from latolato.app.forms import registry
 from latolato.app.stories import contents as contents_of_stories
 from latolato.core.errors import InputError
 
-# What a browser keeps at the first visit, the figures of the paper last; the report and the
-# documentation as they are read.
+# A browser keeps the pages at the first visit, the report and the documentation as they are read.
 OFFLINE = "offline.js"
 _LATER = ("report", "docs")
-_FIGURES = "paper/*.block"
 _DESCRIPTIONS = re.compile(r"/\*\*.*?\*/\n?|^ *//[^\n]*\n", re.DOTALL | re.MULTILINE)
 
 
@@ -35,14 +32,14 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     folder : Path
         It may exist, also with an earlier site; other files in it stay.
     report : Path, optional
-        Folder of a report that `latolato reproduce` wrote; without it the claims are not judged.
+        Folder of a report that `latolato reproduce` wrote; without it pages say how to make one.
     docs : Path, optional
         Folder of the built documentation.
 
     Raises
     ------
     InputError
-        If `report` holds no report, or `docs` no pages.
+        If `report` holds no report, or `docs` no pages, or a story file is not TOML.
     NotADirectoryError
         If `folder` is a file.
     FileNotFoundError
@@ -52,16 +49,16 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     # Types of vendored libraries are for those who check the sources.
     types = shutil.ignore_patterns("*.d.ts")
     shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)
-    about = registry() | {"server": False, "docs": docs is not None}
-    (folder / "registry.json").write_text(_compact(about), encoding="utf-8")
     # Those of a teacher, who has put files into the folder of an earlier site, are among them.
     (folder / "stories" / "contents.json").write_text(
-        json.dumps(contents_of_stories(folder / "stories")), encoding="utf-8"
+        _compact(contents_of_stories(folder / "stories")), encoding="utf-8"
     )
     for name, source in (("report", report), ("docs", docs)):
         if source is not None and source.resolve() != (folder / name).resolve():
             shutil.copytree(source, folder / name, dirs_exist_ok=True)
-    _write_paper(folder / "paper", report)
+    has_report = (folder / "report" / "index.html").is_file()
+    about = registry() | {"server": False, "docs": docs is not None, "report": has_report}
+    (folder / "registry.json").write_text(_compact(about), encoding="utf-8")
     _write_offline(folder)
     return sorted(path for path in folder.rglob("*") if path.is_file())
 
@@ -78,6 +75,7 @@ def check_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     kernels_folder()
     if folder.is_file():
         raise NotADirectoryError(ENOTDIR, "a site needs a folder, but this is a file", str(folder))
+    contents_of_stories(folder / "stories")
 
 
 def _copy(source: str, target: str) -> None:
@@ -106,20 +104,6 @@ def _compact(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 
-def _write_paper(folder: Path, report: Path | None) -> None:
-    """Write what the Paper view shows: the claims, and the block of each figure."""
-    from latolato.app.report import contents, stored
-
-    folder.mkdir(exist_ok=True)
-    entries = contents(report)
-    for entry in entries:
-        block = None if report is None else stored(entry["name"], report)
-        entry["stored"] = block is not None
-        if block is not None:
-            (folder / f"{entry['name']}.block").write_bytes(block)
-    (folder / "contents.json").write_text(json.dumps(entries), encoding="utf-8")
-
-
 def _write_offline(folder: Path) -> None:
     """Write the list of files that a browser keeps, under a name that changes with them."""
     paths = [path.relative_to(folder) for path in folder.rglob("*") if path.is_file()]
@@ -132,10 +116,5 @@ def _write_offline(folder: Path) -> None:
     digest = hashlib.sha256()
     for name in kept:
         digest.update(name.encode() + (folder / name).read_bytes())
-    figures = [name for name in kept if fnmatch(name, _FIGURES)]
-    about = {
-        "version": digest.hexdigest()[:16],
-        "paths": [name for name in kept if name not in figures],
-        "figures": figures,
-    }
+    about = {"version": digest.hexdigest()[:16], "paths": kept}
     (folder / "files.js").write_text(f"self.SITE = {json.dumps(about)};\n", encoding="utf-8")

@@ -1,8 +1,8 @@
 """Guided stories and challenges: their files, the numbers in them, and the scores of challenges.
 
-A file is TOML in ``static/stories``; `docs/how-to/stories.md` describes it. Pages read and check
-files by ``schema.json`` beside them (``js/story``). They also compute numbers and scores
-themselves: the tests compare both.
+A file is TOML in ``static/stories``; `docs/how-to/stories.md` describes it. Pages get all files as
+JSON, and check them by ``schema.json`` beside them (``js/story``). They also compute numbers and
+scores themselves: the tests compare both.
 """
 
 from __future__ import annotations
@@ -50,13 +50,24 @@ def schema() -> dict[str, Any]:
 
 
 def read(path: Path) -> dict[str, Any]:
-    """Return the tables of a file as they are: pages say what is wrong with one."""
-    return tomllib.loads(path.read_text(encoding="utf-8"))
+    """Return the tables of a file as JSON knows them: pages say what is wrong with one.
+
+    Raises
+    ------
+    InputError
+        If the file is not TOML, or holds what JSON lacks, such as a date.
+    """
+    try:
+        tables: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        json.dumps(tables, allow_nan=False)
+    except (ValueError, TypeError) as error:
+        raise InputError(f"'{path}' is not a story in TOML: {error}") from None
+    return tables
 
 
-def contents(folder: Path = FOLDER) -> list[str]:
-    """Return the names of the files in a folder."""
-    return sorted(path.stem for path in folder.glob("*.toml"))
+def contents(folder: Path = FOLDER) -> dict[str, dict[str, Any]]:
+    """Return the tables of all files in a folder by their names."""
+    return {path.stem: read(path) for path in sorted(folder.glob("*.toml"))}
 
 
 def routes() -> list[BaseRoute]:

@@ -38,7 +38,6 @@ JOBS = {
     "clip": ("latolato.app.experiment.jobs", "compute"),
     "map_file": ("latolato.app.map.files", "compute"),
     "open_map": ("latolato.app.map.stored", "compute"),
-    "figure": ("latolato.app.report", "compute"),
 }
 # Imported before a job is there, so that it begins at once.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from latolato.cli.reproduce import REPORT
 from latolato.core.errors import import_extra
 
 
@@ -34,9 +35,7 @@ def app(
     ] = None,
     report: Annotated[
         Path | None,
-        typer.Option(
-            help="Folder of `latolato reproduce`: show its figures instead of quick ones."
-        ),
+        typer.Option(help="Folder of `latolato reproduce`. Default: latolato-report, if present."),
     ] = None,
     opened: Annotated[
         list[Path] | None,
@@ -53,7 +52,9 @@ def app(
         float | None, typer.Option(help="Longest video for Experiment, in minutes. Default: 10.")
     ] = None,
 ) -> None:
-    """Open the application in the browser: play, maps, live, the paper, experiments, analyses."""
+    """Open the application in the browser: play, maps, live, the report, experiments, analyses."""
+    if report is None and (REPORT / "index.html").is_file():
+        report = REPORT
     import_extra("latolato.app.serve", "app", "the application").serve(
         host,
         port,

@@ -18,13 +18,16 @@ from latolato.io.progress import bar
 if TYPE_CHECKING:
     from latolato.paper.report import Result
 
+# Where the report is written, and where `latolato app` looks for it.
+REPORT = Path("latolato-report")
+
 
 def reproduce(
     quick: Annotated[bool, typer.Option(help="Coarser report in about two minutes.")] = False,
     full: Annotated[
         bool, typer.Option("--full", help="Film every trial of Figs. 9 and 11: about an hour.")
     ] = False,
-    output: Annotated[Path, typer.Option(help="Folder of the report.")] = Path("latolato-report"),
+    output: Annotated[Path, typer.Option(help="Folder of the report.")] = REPORT,
     paper: Annotated[str, typer.Option(help="Package of the paper.")] = "latolato.paper",
     as_json: JsonOption = False,
 ) -> None:

@@ -37,7 +37,8 @@ def data(clip: chain.Clip, title: str, quick: bool = False, full: bool = False) 
         rms_error=chain.error_of(table),
     )
     made = f"One synthetic video of {frames} frames, tracked."
-    dataset.attrs |= {"title": title, "chain": made}
+    filmed = clip.run().attrs["scenario"]
+    dataset.attrs |= {"title": title, "chain": made, "scenario": filmed}
     return dataset
 
 

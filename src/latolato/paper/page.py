@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+import latolato.paper
 from latolato.core.quantities import QUANTITIES
 from latolato.core.versions import version_of
 from latolato.figures.style import pretty_unit
 from latolato.paper.catalogue import title_of
 from latolato.paper.claim import Claim, Verdict
+from latolato.paper.links import flat_scenarios, links_to_maps, links_to_presets, links_to_runs
 from latolato.paper.powers import rewritten_powers
 from latolato.report.templates import environment
 
@@ -94,13 +96,18 @@ def render(
         claims=[_row_of(claim) for claim in claims],
         left_out=left_out,
         deferred=_open_claims(about.DEFERRED, judged),
-        plates=[_plate(part, folder) for part in pictures],
+        plates=[_plate(paper, part, folder) for part in pictures],
+        runs_of_texts=[
+            (part.title, links)
+            for part in parts
+            if part.caption is None and (links := links_to_runs(part.dataset))
+        ],
         runs=_runs(parts),
         maps=_maps(parts),
         warnings=[f"{part.name}: {text}" for part in parts for text in part.warnings],
         versions=f"Python {platform.python_version()}, {versions}.",
         package=paper.__name__,
-        example=next((p.name for p in pictures if _scenarios(p.dataset)), pictures[0].name),
+        example=next((p.name for p in pictures if flat_scenarios(p.dataset)), pictures[0].name),
         cite=cite(),
     )
 
@@ -138,8 +145,8 @@ def _assumptions(claims: Iterable[Claim]) -> list[str]:
     return [text for text in texts if not any(text in other for other in texts if other != text)]
 
 
-def _plate(part: Part, folder: Path) -> dict[str, Any]:
-    """The picture, texts and claims of one figure on the page."""
+def _plate(paper: ModuleType, part: Part, folder: Path) -> dict[str, Any]:
+    """The picture, texts, claims and links of one figure on the page."""
     picture = (folder / f"{part.name}.png").read_bytes()
     return {
         "name": part.name,
@@ -152,21 +159,11 @@ def _plate(part: Part, folder: Path) -> dict[str, Any]:
         "claims": [_row_of(claim) for claim in part.claims],
         "ledger": _ledger_sentence(part.dataset),
         "parameters": _parameters(part.dataset),
+        # Shipped scenarios belong to figures of the paper that latolato began with.
+        "presets": links_to_presets(part.name) if paper is latolato.paper else [],
+        "runs": links_to_runs(part.dataset),
+        "maps": links_to_maps(part.dataset),
     }
-
-
-def _scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Return the runs' parameters as flat dictionaries."""
-    if "scenario" not in dataset:
-        return []
-    runs = []
-    for text in dataset.scenario.values:
-        flat: dict[str, Any] = {}
-        for part, entries in json.loads(str(text)).items():
-            for name, value in entries.items():
-                flat[f"{part} kind" if name == "kind" else name] = value
-        runs.append(flat)
-    return runs
 
 
 def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -199,7 +196,7 @@ def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
 
 def _parameters(dataset: xr.Dataset) -> list[tuple[str, str]]:
     """Return the parameters with their values, one each or those over the runs."""
-    runs = _scenarios(dataset) + _sweeps(dataset)
+    runs = flat_scenarios(dataset) + _sweeps(dataset)
     rows = []
     if not runs:
         scalars = [
@@ -247,7 +244,7 @@ def _ledger(dataset: xr.Dataset) -> tuple[int, float]:
     """Return the number of exact runs and the worst residual of their energy ledgers, relative."""
     if "energy_residual" not in dataset:
         return 0, 0.0
-    exact = [run.get("contact") != "clamp" for run in _scenarios(dataset)]
+    exact = [run.get("contact") != "clamp" for run in flat_scenarios(dataset)]
     relative = (dataset.energy_residual / dataset.largest_energy).values[exact]
     count, worst = len(relative), float(relative.max())
     if "scan_runs" in dataset:
@@ -282,7 +279,7 @@ def _runs(parts: Sequence[Part]) -> list[tuple[str, ...]]:
         count, worst = _ledger(part.dataset)
         if count == 0:
             continue
-        runs = _scenarios(part.dataset)
+        runs = flat_scenarios(part.dataset)
         tolerances = sorted({run["tolerance"] for run in runs})
         steps = part.dataset.step.values
         contacts = int((part.dataset.bottom_contacts + part.dataset.top_contacts).sum())

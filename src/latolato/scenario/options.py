@@ -47,6 +47,18 @@ def law_options() -> dict[str, Parameter]:
     return result | run_options() | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
 
 
+def flat_options(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return every option that the tables of a scenario set, in SI units."""
+    result = {}
+    for name, option in law_options().items():
+        place: Any = tables
+        for part in (option.owner, *option.path):
+            place = place.get(part) if isinstance(place, Mapping) else None
+        if place is not None:
+            result[name] = place
+    return result
+
+
 def table_value(parameter: Parameter, value: Any) -> Any:
     """Return the entries for a scenario's table; paths are relative to the working directory."""
     if not parameter.several:

@@ -1,9 +1,9 @@
 /** Keeps the site in the browser, so that it opens without a network after the first visit. */
 
-/* `files.js` is written beside this file with the site: its version, its files and its figures. */
+/* `files.js` is written beside this file with the site: its version and its files. */
 importScripts("files.js");
 
-const { version, paths, figures } = self.SITE;
+const { version, paths } = self.SITE;
 const NAME = `latolato ${version}`;
 // Of the compiled code a browser needs the variant that it runs, which its page names.
 const variant = new URL(self.location.href).searchParams.get("variant") ?? "";
@@ -21,19 +21,6 @@ self.addEventListener("activate", (event) => event.waitUntil((async () => {
   for (const name of await caches.keys())
     if (name.startsWith("latolato ") && name !== NAME) await caches.delete(name);
   await self.clients.claim();
-})()));
-
-/* A page asks for the figures when it has all that it needs: together they are larger than all else. */
-self.addEventListener("message", (event) => event.waitUntil((async () => {
-  const cache = await caches.open(NAME);
-  for (const path of figures) {
-    if (await cache.match(path)) continue;
-    try {
-      await cache.add(path);
-    } catch {
-      return; // The next visit goes on here.
-    }
-  }
 })()));
 
 self.addEventListener("fetch", (event) => {

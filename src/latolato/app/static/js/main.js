@@ -21,12 +21,14 @@ const VIEWS = {
   map: async () => (await import("./map/view.js")).MapView,
   live: async () => (await import("./live/view.js")).LiveView,
   story: async () => (await import("./story/view.js")).StoryView,
-  paper: async () => (await import("./paper/view.js")).PaperView,
+  report: async () => MissingReport,
   experiment: async () => (await import("./experiment/view.js")).ExperimentView,
   analyse: async () => (await import("./analyse/view.js")).AnalyseView,
 };
 // Views that need Python beside the page.
 const NEED_PROGRAM = ["experiment", "analyse"];
+// The report is a page of its own beside this one.
+const REPORT = "report/index.html";
 const THEMES = ["auto", "light", "dark"];
 const THEME = "latolato.theme";
 // A view that the server did not give is asked for again after this time.
@@ -76,6 +78,8 @@ function startViews(page) {
   // Of views without a stage or a toolbar of their own.
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
+    if (name === "report" && page.registry.report)
+      return { name, link: el("a", { href: REPORT }, t("view_report")) };
     const isForProgram = !page.registry.server && NEED_PROGRAM.includes(name);
     const link = el("a", { href: `?view=${name}`, class: isForProgram && "program",
       title: isForProgram && t("tabProgram"), on: { click: (/** @type {MouseEvent} */ e) => {
@@ -90,6 +94,7 @@ function startViews(page) {
   const show = async () => {
     const { view } = page.store.state;
     for (const { name, link } of links) {
+      if (link.getAttribute("href") === REPORT) continue;
       link.href = format({ ...page.store.state, view: name });
       if (name === view) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
@@ -132,10 +137,6 @@ function startViews(page) {
     share.open(false);
     document.title = `${title} · latolato`;
   };
-  // In another page: the view alone, without the way to other views.
-  document.documentElement.toggleAttribute("data-embedded", page.store.state.embed === true);
-  if (page.store.state.embed)
-    void import("./embed.js").then(({ talkToParent }) => talkToParent(page.registry, page.store));
   page.store.subscribe(() => void show());
   void show();
 }
@@ -147,6 +148,20 @@ class ProgramView {
     this.root = el("div", { class: "view" }, el("section", { class: "card" },
       el("h1", {}, t(`view_${view}`)), el("p", {}, t(`program_${view}`)),
       el("p", {}, t("programHow"), " ", el("code", {}, "latolato app"))));
+  }
+
+  show() {}
+
+  hide() {}
+}
+
+/** What stands in place of a report that nobody has built. */
+class MissingReport {
+  /** @param {Page} page */
+  constructor({ registry }) {
+    const command = registry.server ? "latolato reproduce && latolato app" : "latolato site FOLDER";
+    this.root = el("div", { class: "view" }, el("section", { class: "card" },
+      el("h1", {}, t("view_report")), el("p", {}, t("reportMissing"), " ", el("code", {}, command))));
   }
 
   show() {}
@@ -170,20 +185,25 @@ function startStories(page) {
 
 /** Keep the site in the browser, so that it opens without a network. */
 async function keepOffline() {
-  // A site that is embedded leaves that to the page around it; pages of the program change with it.
+  // A site in a frame leaves that to the page around it; pages of the program change with it.
   if (window.top !== window || !("serviceWorker" in navigator)) return;
   const { variant } = await import("./kernels/load.js");
   await navigator.serviceWorker.register(`offline.js?variant=${variant()}`);
-  const { active } = await navigator.serviceWorker.ready;
-  active?.postMessage("figures");
 }
 
 document.documentElement.dataset.theme = recall(THEME) ?? "auto";
 const store = new AddressStore(window);
+// An address of the view that the report has replaced: it named a figure.
+const figure = store.state.extra["paper.figure"] ?? "";
+if (store.state.view === "paper") store.amend({ view: "report", extra: {} }, "preset");
 followUndoKeys(window, store.steps);
 // The first view's modules come while the server makes the registry.
 if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
+if (store.state.view === "report" && registry.report) {
+  location.replace(`${REPORT}#${encodeURIComponent(figure)}`);
+  await new Promise(() => {}); // the browser leaves this page
+}
 /** @type {Page} */
 const page = { registry, store, messages: new Messages() };
 await speakInPage(page);

@@ -150,7 +150,6 @@ export class Keeper {
       openState(this.page, { view: "play", scenario: null, options });
       return;
     }
-    // A page that is embedded opens it itself: the browser may keep it for this place alone.
     store.set({ view: "play", extra: { ...store.state.extra, "play.recording": id } }, "view");
   }
 

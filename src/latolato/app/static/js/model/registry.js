@@ -46,7 +46,7 @@
  *   ratios: Record<string, string>, alternatives: string[][],
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
- *   languages: Record<string, {name: string, beta: boolean}>, server: boolean, docs?: boolean, upright?: boolean}} Registry
+ *   languages: Record<string, {name: string, beta: boolean}>, server: boolean, docs?: boolean, report?: boolean, upright?: boolean}} Registry
  *
  * Cells of notebooks have a registry that is `upright`: they lack the modules of the plane.
  */

@@ -208,12 +208,12 @@ export class PlayView {
     }
   }
 
-  /** Play the first run, unless the user prefers reduced motion or the page is embedded. */
+  /** Play the first run, unless the user prefers reduced motion. */
   begin() {
     if (this.hasBegun) return;
     this.hasBegun = true;
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (!isCalm && !this.page.store.state.embed) this.player.clock.play();
+    if (!isCalm) this.player.clock.play();
   }
 
   /**

@@ -3,8 +3,6 @@
 import { t } from "../strings.js";
 import { tell } from "./dom.js";
 
-/** @typedef {"localStorage" | "sessionStorage"} Area from visit to visit, or as long as a tab */
-
 /** What the browser did not keep, until the page is left. @type {Map<string, string>} */
 const unkept = new Map();
 let isSaid = false;
@@ -12,11 +10,10 @@ let isSaid = false;
 /**
  * Return a text that was kept, null without one.
  * @param {string} key
- * @param {Area} [area]
  */
-export function recall(key, area = "localStorage") {
+export function recall(key) {
   try {
-    return unkept.get(key) ?? globalThis[area].getItem(key);
+    return unkept.get(key) ?? localStorage.getItem(key);
   } catch {
     return null; // the browser keeps nothing for this page
   }
@@ -26,11 +23,10 @@ export function recall(key, area = "localStorage") {
  * Keep a text; where the browser does not, it holds until the page is left, which is said once.
  * @param {string} key
  * @param {string} text
- * @param {Area} [area]
  */
-export function keep(key, text, area = "localStorage") {
+export function keep(key, text) {
   try {
-    globalThis[area].setItem(key, text);
+    localStorage.setItem(key, text);
     unkept.delete(key);
   } catch {
     unkept.set(key, text);

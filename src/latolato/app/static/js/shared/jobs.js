@@ -70,8 +70,6 @@ export class JobLine {
   constructor() {
     /** @type {AbortController | null} */
     this.running = null;
-    /** @type {(() => void) | null} what takes work that has not begun out of its queue */
-    this.leave = null;
     this.left = new TimeLeft();
     /** @type {number | null} seconds that the work takes, as far as it was timed before */
     this.expected = null;
@@ -98,8 +96,6 @@ export class JobLine {
     this.running?.abort();
     const own = this.running = new AbortController();
     this.clear();
-    this.text.ariaLive = "polite";
-    this.bar.hidden = false;
     this.line.hidden = false;
     this.line.dataset.status = this.line.dataset.state = "";
     this.expected = expected;
@@ -123,7 +119,6 @@ export class JobLine {
 
   /** Show nothing. */
   clear() {
-    this.leave = null;
     this.line.hidden = true;
     this.error.hidden = true;
   }
@@ -153,29 +148,9 @@ export class JobLine {
     this.text.textContent = statusText(status, left);
   }
 
-  /**
-   * Say what work waits for that is yet to begin with `run`.
-   * @param {string} text
-   * @param {() => void} leave called if it is cancelled before
-   * @param {"polite" | "off"} [live] how screen readers read it
-   */
-  wait(text, leave, live = "polite") {
-    this.leave = leave;
-    this.error.hidden = true;
-    this.bar.hidden = true;
-    this.text.ariaLive = live;
-    if (this.text.textContent !== text) this.text.textContent = text;
-    this.line.hidden = false;
-  }
-
-  /** Cancel what runs or waits. */
+  /** Cancel what runs. */
   stop() {
-    const { leave } = this;
-    this.leave = null;
-    if (leave) {
-      this.line.hidden = true;
-      leave();
-    } else this.running?.abort();
+    this.running?.abort();
   }
 }
 

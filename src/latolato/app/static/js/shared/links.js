@@ -9,8 +9,7 @@ import { format } from "./state.js";
  *   extra?: Record<string, string>}} Target */
 
 /**
- * Return a link that opens a state of the page; it can be opened in a new tab too, and a page that
- * is embedded always does that.
+ * Return a link that opens a state of the page; it can be opened in a new tab too.
  * @param {Page} page
  * @param {Target} target
  * @param {string} text
@@ -18,11 +17,10 @@ import { format } from "./state.js";
  * @returns {HTMLAnchorElement}
  */
 export function openLink(page, target, text, title) {
-  const { embed } = page.store.state;
   return el("a", { href: addressOf(page, target), class: "open", title,
-    target: embed && "_blank", rel: embed && "noopener", on: {
+    on: {
       click: (/** @type {MouseEvent} */ event) => {
-        if (embed || event.ctrlKey || event.metaKey || event.shiftKey) return;
+        if (event.ctrlKey || event.metaKey || event.shiftKey) return;
         event.preventDefault();
         openState(page, target);
       } } }, text);
@@ -37,16 +35,11 @@ function addressOf({ store: { state: { lang } } }, target) {
 }
 
 /**
- * Return nothing; the page shows another view, with these parameters. A page that is embedded keeps
- * its one view and opens the other in a new tab.
+ * Return nothing; the page shows another view, with these parameters.
  * @param {Page} page
  * @param {Target} target
  */
 export function openState(page, target) {
-  if (page.store.state.embed) {
-    window.open(addressOf(page, target), "_blank", "noopener");
-    return;
-  }
   page.store.set(target, "view");
   window.scrollTo(0, 0);
 }

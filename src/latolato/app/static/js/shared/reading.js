@@ -22,8 +22,8 @@ import { short, shownUnit } from "./units.js";
 const LONGEST = 60;
 // What a link may hold of views that read all of theirs; others name what they cannot read themselves.
 const PARTS = /** @type {Record<string, string[]>} */ ({
-  play: ["recording"], live: [], paper: ["figure"],
-  story: ["name", "step", "answers", "tried", "score", "guess"],
+  play: ["recording"], live: [], report: [],
+  story: ["name", "step", "answers", "tried", "guess"],
 });
 // Views that show one run, not a sweep.
 const OF_RUNS = ["play", "live", "analyse"];

@@ -35,7 +35,7 @@ export class Share {
 
   /** The link to what is on show, for a page of its own. */
   get address() {
-    return new URL(format({ ...this.store.state, embed: false }), location.href).href;
+    return new URL(format(this.store.state), location.href).href;
   }
 
   /** Return a picture of the stage on show. */

@@ -5,7 +5,7 @@
  * dot are options of the command line, those with one belong to the view before it. `lang` is the
  * language that the link asks for.
  * @typedef {{view: string, scenario: string | null, options: Record<string, string>,
- *   extra: Record<string, string>, embed?: boolean, lang?: string}} State
+ *   extra: Record<string, string>, lang?: string}} State
  */
 
 /**
@@ -23,6 +23,7 @@ export const FIRST = "toy";
  */
 export const FIRST_OF_LIVE = "fig12";
 export const OPTIONS_OF_LIVE = { drive: "harmonic", drive_amplitude: "34 mm", frequency_ratio: "2.389" };
+// "embed" stands in addresses of older versions, which showed a view without the bar.
 const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
 /**
@@ -38,7 +39,6 @@ export function parse(search) {
   for (const [name, value] of new URLSearchParams(search)) {
     if (name === "view") state.view = value;
     else if (name === "scenario") state.scenario = value;
-    else if (name === "embed") state.embed = value === "1";
     else if (name === "lang") state.lang = value;
     else if (!KEPT.includes(name)) others.push([name, value]);
   }
@@ -57,7 +57,6 @@ export function format(state) {
   const query = new URLSearchParams();
   query.set("view", state.view);
   if (state.scenario) query.set("scenario", state.scenario);
-  if (state.embed) query.set("embed", "1");
   if (state.lang) query.set("lang", state.lang);
   for (const part of [state.options, state.extra])
     for (const name of Object.keys(part).sort()) query.set(name, part[name]);

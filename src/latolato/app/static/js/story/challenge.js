@@ -11,10 +11,6 @@ import { withUnit } from "./words.js";
 /** @typedef {import("./check.js").Table} Table */
 /** @typedef {import("../shared/block.js").Block} Block */
 
-// Scores in addresses are rounded to so many digits, and may be off by this share.
-const DIGITS = 4;
-const ROUNDING = 1e-3;
-export const SCORE = "story.score";
 const GUESS = "story.guess";
 const MILLIMETRE = { name: "mm", size: 1e-3 };
 
@@ -35,8 +31,6 @@ export class Challenge {
     this.head = el("h3", { tabindex: "-1" }, t("storyTask"));
     this.result = el("p", { class: "story-number", role: "status" });
     this.note = el("p", { class: "hint" });
-    this.claim = el("p", { class: "story-reply", role: "status" });
-    this.keep = el("button", { type: "button", disabled: true, on: { click: () => this.keepScore() } }, t("storyKeep"));
     this.edges = el("p", { class: "hint" });
     const { drive_amplitude: option } = panel.page.registry.options;
     const guessed = { ...option, symbol: "", suggested: null, units: [MILLIMETRE] };
@@ -47,8 +41,7 @@ export class Challenge {
     this.root = el("div", { class: "story-step" }, this.head, el("p", {}, tr(look.text)),
       el("p", {}, tr(task.text)),
       el("p", {}, t("storyGoal", { text: withUnit(this.par, this.unit) })),
-      this.isGuess && this.makeForm(), this.result, this.edges, this.note,
-      !this.isGuess && this.keep, this.claim);
+      this.isGuess && this.makeForm(), this.result, this.edges, this.note);
   }
 
   makeForm() {
@@ -60,22 +53,9 @@ export class Challenge {
       const wrong = this.guesses.find((knob) => knob.isRefused);
       if (wrong) return wrong.input.focus();
       const guess = this.guesses.map((knob) => knob.textOf(Number(knob.value))).join(", ");
-      this.score = scoreOfGuess(this.panel.page.registry, this.challenge, guess);
-      this.keepScore({ [GUESS]: guess });
+      this.panel.page.store.keep(GUESS, guess);
+      this.result.scrollIntoView({ block: "nearest" });
     } } }, ...this.guesses.map(({ root }) => root), el("button", { type: "submit" }, t("storyGuessCheck")));
-  }
-
-  /**
-   * Put the score into the address.
-   * @param {Record<string, string>} [more] what else the address keeps
-   */
-  keepScore(more = {}) {
-    const { store } = this.panel.page;
-    const size = this.unit === "m" ? 1e-3 : 1;
-    const text = `${Number((this.score / size).toPrecision(DIGITS))} ${this.unit === "m" ? "mm" : this.unit}`;
-    this.claimed = text;
-    store.set({ extra: { ...store.state.extra, ...more, [SCORE]: text } }, "extra");
-    this.claim.scrollIntoView({ block: "nearest" });
   }
 
   /** Return the run that counts. */
@@ -85,7 +65,7 @@ export class Challenge {
   }
 
   /**
-   * Show the score of a run, and whether it is the one that the address claims.
+   * Show the score of a run.
    * @param {Block | null} block
    * @param {Record<string, string>} extra
    */
@@ -100,14 +80,11 @@ export class Challenge {
       this.score = NaN;
     }
     const text = withUnit(this.score, this.unit);
-    const isNone = Number.isNaN(this.score);
-    const result = isNone ? (this.isGuess ? "" : t("storyNotYet"))
+    const result = Number.isNaN(this.score) ? (this.isGuess ? "" : t("storyNotYet"))
       : t(this.score <= this.par ? "storyReached" : "storyScore", { text });
     if (this.result.textContent !== result) this.result.textContent = result;
     this.result.dataset.value = String(this.score);
-    this.keep.disabled = isNone;
     this.note.textContent = this.others();
-    this.heedClaim(extra[SCORE], text);
   }
 
   /** @param {string | undefined} guess */
@@ -131,33 +108,5 @@ export class Challenge {
       !task.free.includes(name) && String(look.options?.[name]) !== value && registry.options[name])
       .map(([name]) => registry.options[name].label);
     return names.length && !this.isGuess ? t("storyOthers", { names: names.join(", ") }) : "";
-  }
-
-  /**
-   * Say whether the score in the address is right.
-   * @param {string | undefined} claimed
-   * @param {string} text of the score
-   */
-  heedClaim(claimed, text) {
-    let words = "";
-    let isRight = true;
-    if (claimed !== undefined) {
-      const value = this.valueOf(claimed);
-      isRight = Math.abs(value - this.score) <= ROUNDING * Math.abs(this.score);
-      words = isRight ? t(claimed === this.claimed ? "storyKept" : "storyHolds")
-        : t(Number.isNaN(this.score) ? "storyForgedNone" : "storyForged", { claimed, text });
-    }
-    if (this.claim.textContent !== words) this.claim.textContent = words;
-    this.claim.classList.toggle("right", isRight);
-  }
-
-  /** @param {string} claimed */
-  valueOf(claimed) {
-    try {
-      return toSi(this.panel.page.registry, "score", claimed, this.unit);
-    } catch (error) {
-      if (!(error instanceof InputError)) throw error;
-      return NaN;
-    }
   }
 }

@@ -1,4 +1,4 @@
-/** What is wrong with a story file, in the sentences that `latolato.app.stories` says. */
+/** What is wrong with a story, in one sentence. */
 
 import { optionsOf, toSi } from "../model/options.js";
 import { InputError, suggest } from "../model/rules.js";

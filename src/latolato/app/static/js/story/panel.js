@@ -7,7 +7,7 @@ import { el, tell } from "../shared/dom.js";
 import { openLink, openState } from "../shared/links.js";
 import { cut, sayLeft } from "../shared/reading.js";
 import { t, tr } from "../strings.js";
-import { Challenge, SCORE } from "./challenge.js";
+import { Challenge } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
@@ -89,9 +89,6 @@ export class StoryPanel {
       await this.open(name);
     }
     if (!this.tables || name !== this.name) return;
-    // A score belongs to the parameters with which it came.
-    if (SCORE in state.extra && ["options", "preset"].includes(changed))
-      this.page.store.drop([SCORE]);
     this.show();
     await this.count();
   }

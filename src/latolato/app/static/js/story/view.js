@@ -1,4 +1,4 @@
-/** Stories: the list of stories and challenges, and a story file of one's own. */
+/** Stories: the list of stories and challenges. */
 
 import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
@@ -6,7 +6,7 @@ import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
 import { format } from "../shared/state.js";
 import { t, tr } from "../strings.js";
-import { keepOwnFile, load, loadAll, OWN } from "./files.js";
+import { load, loadAll } from "./files.js";
 import { shownBy } from "./look.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -17,12 +17,8 @@ export class StoryView {
     this.page = page;
     this.lists = el("div", {});
     this.error = el("p", { class: "error", role: "alert", hidden: true });
-    const input = el("input", { type: "file", accept: ".toml,text/plain", "aria-label": t("storiesOpen"),
-      on: { change: () => void this.openFile(input) } });
     this.root = el("div", { class: "view stories" }, el("h1", {}, t("view_story")),
-      el("p", {}, t("storiesIntro")), this.lists,
-      el("section", { class: "card" }, el("h2", {}, t("storiesOwn")), el("p", {}, t("storiesOwnHint")),
-        el("label", { class: "field" }, t("storiesOpen"), input), this.error));
+      el("p", {}, t("storiesIntro")), this.lists, this.error);
   }
 
   show() {
@@ -54,15 +50,6 @@ export class StoryView {
         void this.open(name);
       } } }, tr(title))), el("p", {}, tr(summary)),
     el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps?.length ?? 0, minutes })));
-  }
-
-  /** @param {HTMLInputElement} input */
-  async openFile(input) {
-    const [file] = input.files ?? [];
-    if (!file) return;
-    keepOwnFile(file.name, await file.text());
-    input.value = "";
-    await this.open(OWN);
   }
 
   /**

@@ -1,0 +1,127 @@
+"""The report on the paper is a page of its own, beside the pages and linked with them."""
+
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+import pytest
+from starlette.testclient import TestClient
+from typer.testing import CliRunner
+
+from app_server import start_server, stop_server
+from latolato.app import serve as app_serve
+from latolato.app.server import Settings, make_app
+from latolato.cli.main import app
+from latolato.paper import catalogue, report
+from quick_figures import picture_of, quick_data
+
+HOME = "http://127.0.0.1:8000"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A report of two figures: one of runs, one that is a map."""
+
+    def shared(name):
+        entry = catalogue.figures()[name]
+        return replace(
+            entry, data=lambda *, quick: quick_data(name), draw=lambda _: picture_of(name)
+        )
+
+    folder = tmp_path_factory.mktemp("made") / "report"
+    entries = {name: shared(name) for name in ("fig03", "fig03cd")}
+    with (
+        mock.patch.object(catalogue, "evidence", return_value=entries),
+        mock.patch.object(catalogue, "results", return_value={}),
+    ):
+        report.reproduce(folder, quick=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def address(folder):
+    """The address of a server with this report."""
+    server = start_server("--report", str(folder))
+    yield server.address
+    stop_server(server)
+
+
+def test_the_server_serves_the_files_of_a_report_and_no_others(folder):
+    server = make_app(Settings(report=folder))
+    with TestClient(server, base_url=HOME) as client:
+        page = client.get("/report/index.html")
+        assert page.content == (folder / "index.html").read_bytes()
+        assert "style-src 'unsafe-inline'" in page.headers["content-security-policy"]
+        assert "script-src" not in page.headers["content-security-policy"]
+        assert client.get("/report/fig03.nc").content == (folder / "fig03.nc").read_bytes()
+        assert client.get("/report/none.nc").status_code == 404
+        assert client.get("/report/%2e%2e/secret").status_code == 404
+        assert client.get("/registry.json").json()["report"] is True
+
+
+def test_a_folder_without_a_report_is_refused_before_the_server_starts(tmp_path):
+    with pytest.raises(ValueError, match="latolato reproduce"):
+        app_serve.serve(port=0, browser=False, report=tmp_path)
+
+
+def test_the_report_in_the_usual_folder_is_served_without_being_named(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(app_serve, "serve", lambda *_, report, **__: asked.append(report))
+    monkeypatch.chdir(tmp_path)
+    CliRunner().invoke(app, ["app"], catch_exceptions=False)
+    Path("latolato-report").mkdir()
+    Path("latolato-report", "index.html").touch()
+    CliRunner().invoke(app, ["app"], catch_exceptions=False)
+    CliRunner().invoke(app, ["app", "--report", "another"], catch_exceptions=False)
+    assert asked == [None, Path("latolato-report"), Path("another")]
+
+
+def test_without_a_report_the_page_says_how_to_build_one(page):
+    for query in ("view=report", "view=paper&paper.figure=fig03"):
+        page.goto(f"/?{query}")
+        page.get_by_text("This command builds the report").wait_for()
+        assert page.get_by_text("latolato reproduce && latolato app").is_visible()
+        assert page.locator(".message:visible").count() == 0
+        page.wait_for_url("**/?view=report")
+
+
+def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
+    context = browser.new_context()
+    page = context.new_page()
+    faults = []
+    page.on("console", lambda m: m.type == "error" and faults.append(m.text))
+    page.goto(address)
+    page.get_by_role("link", name="Report", exact=True).click()
+    page.wait_for_url("**/report/index.html")
+    page.goto(f"{address}?view=paper&paper.figure=fig03cd")
+    page.wait_for_url("**/report/index.html#fig03cd")
+    picture = page.locator("#fig03 img")
+    assert picture.evaluate("i => i.decode().then(() => i.naturalWidth)") > 300
+    # The styles of the page are used, and nothing is refused.
+    assert page.locator("#fig03").evaluate("f => getComputedStyle(f).borderRadius") == "12px"
+    assert faults == []
+    context.close()
+
+
+@pytest.mark.parametrize(
+    "figure, name, ready, wanted",
+    [
+        ("fig03", "Open in Toy: Resonance at 6 rad/s", "[data-runs]", "scenario=fig03a"),
+        ("fig03", "quiet: drive frequency 5.9 rad/s", "[data-runs]", "drive_frequency=5.9"),
+        ("fig03cd", "Open in Map: ", "[data-done]", "view=map&map.scenario=fig03cd"),
+        ("fig03cd", "undamped", "[data-done]", "map.x=frequency_ratio"),
+    ],
+)
+def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, wanted):
+    context = browser.new_context()
+    page = context.new_page()
+    page.goto(f"{address}report/index.html")
+    plate = page.locator(f"#{figure}")
+    plate.locator("details", has_text=" behind it (").evaluate_all(
+        "all => all.forEach((each) => { each.open = true; })"
+    )
+    plate.get_by_role("link", name=name).click()
+    page.wait_for_selector(ready, timeout=240_000)
+    assert wanted in page.url
+    assert page.locator(":is(.message, .error):visible").all_inner_texts() == []
+    context.close()
