@@ -265,3 +265,19 @@ def test_tables_of_several_videos_need_names_of_their_own(swing, tmp_path, capsy
     table = str(tmp_path / "one.csv")
     assert main(["track", str(swing.path), "b.mp4", "--output", table]) == 2
     assert "need a folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "given, reason",
+    [
+        (["--ball", "91,11"], "pivot and ball must be at least 8 pixels apart"),
+        (["--ball", "60,90", "--ball", "61,90"], "two balls must be at least 8 pixels apart"),
+        (["--ball", "60,90", "--row-time", "1"], "row_time must let 240 rows fit between"),
+        (["--ball", "60,90", "--row-time", "-1"], "row_time must lie in [0, inf) s"),
+        (["--ball", "60,90", "--lens-k1", "nan"], "lens_k1 must be a number"),
+        (["--ball", "60,90", "--lens-k2", "5"], "lens_k2 must lie in [-1, 1]"),
+    ],
+)
+def test_places_and_cameras_that_cannot_be_are_refused(swing, tmp_path, capsys, given, reason):
+    told = refused(capsys, tmp_path, swing.path, "--pivot", "90,10", *given)
+    assert reason in told

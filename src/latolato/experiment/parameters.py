@@ -53,15 +53,16 @@ CAMERA = (
         label="slow-motion factor", allowed=POSITIVE,
     ),
     _parameter(
-        "row_time", "camera", "time between rows of a rolling shutter", unit="s", default=0.0
+        "row_time", "camera", "time between rows of a rolling shutter", unit="s", default=0.0,
+        allowed=NON_NEGATIVE,
     ),
     _parameter(
         "lens_k1", "camera", "radial distortion, in units of half the diagonal",
-        label="radial lens coefficient k1", default=0.0,
+        label="radial lens coefficient k1", default=0.0, allowed=Range(-1.0, 1.0),
     ),
     _parameter(
         "lens_k2", "camera", "radial distortion of the next order",
-        label="radial lens coefficient k2", default=0.0,
+        label="radial lens coefficient k2", default=0.0, allowed=Range(-1.0, 1.0),
     ),
 )  # fmt: skip
 VIDEO_PARAMETERS = {

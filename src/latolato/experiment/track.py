@@ -58,6 +58,8 @@ Progress = Callable[[float], None]
 _TOLERANCE = 0.03
 # Frames that a whole file may declare and not show.
 _FEW_MISSING = 3
+# How near to each other a pivot and balls may be [pixels].
+_APART = 8.0
 # By which factor what moves may be larger or smaller than the declared ball.
 _OTHER_SIZE = 5.0
 # Shares of samples that are measured, and that are clean, below which no ball was followed; below
@@ -510,6 +512,21 @@ def _checked(setup: Setup, video: Video) -> Setup:
                 f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
+    pivots = (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
+    for own, centre in zip(pivots, setup.balls, strict=False):
+        if own is not None and math.dist(own, centre) < _APART:
+            raise InputError(f"pivot and ball must be at least {_APART:g} pixels apart")
+    if len(setup.balls) == 2 and math.dist(setup.balls[0], setup.balls[1]) < _APART:
+        raise InputError(
+            f"two balls must be at least {_APART:g} pixels apart",
+            way_out="point at each of them, or at one only",
+        )
+    readout = setup.optics.row_time * video.height
+    if video.frame_rate and readout * video.frame_rate > 1.0:
+        raise InputError(
+            f"must let {video.height} rows fit between two frames", parameter="row_time",
+            value=setup.optics.row_time,
+        )  # fmt: skip
     reach = _FARTHEST * math.hypot(video.width, video.height)
     for u, v in filter(None, (setup.pivot, setup.pivot_2)):
         if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
@@ -687,8 +704,6 @@ def _followed(
         return scene, _believed(task, sample, seen, balls)
     scale = scale_of(setup, size, (geometry.arm(balls), 0.0))
     expected = radius / scale.metres if radius and scale else None
-    if min(np.hypot(*(ball - pivot)) for ball in balls) < 8.0:
-        raise InputError("pivot and ball must be at least 8 pixels apart")
     seen_radius = math.nan if route.is_traced or math.isfinite(dot) else route.detected_radius
     if is_disc and expected and abs(math.log(expected / seen_radius)) > math.log(_OTHER_SIZE):
         raise InputError(

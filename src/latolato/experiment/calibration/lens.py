@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.experiment.calibration.circle_fit import fit_circle
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 
 # Places from which a lens can be told, and most of them that are fitted.
 _FEWEST, _MOST = 40, 600
@@ -34,11 +35,20 @@ class Optics:
     lens_k1, lens_k2 : float
         Radial distortion: an undistorted distance ``s`` from the middle of the picture, in units of
         half its diagonal, is seen at ``s (1 + k1 s^2 + k2 s^4)``.
+
+    Raises
+    ------
+    InputError
+        If one is out of its range.
     """
 
     row_time: float = 0.0
     lens_k1: float = 0.0
     lens_k2: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("row_time", "lens_k1", "lens_k2"):
+            VIDEO_PARAMETERS[name].checked(getattr(self, name))
 
 
 # Distortion that a lens may have that nobody declared.

@@ -34,8 +34,6 @@ _TEACHES = 0.7
 _CLEAR, _CLEAR_SHARE = 4.0, 0.25
 # Share of the contrast beyond which residuals belong to something else.
 _OUTLYING = 0.35
-# How far a patch reaches beyond the body: share and pixels.
-_MARGIN, _EDGE = 1.2, 3
 
 
 def learn_template_model(
