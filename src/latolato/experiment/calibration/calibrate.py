@@ -25,7 +25,7 @@ from latolato.experiment.calibration.gravity import (
     angle_offset_sigma,
     find_gravity,
 )
-from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, range_of
+from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, other_centre, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
@@ -129,7 +129,7 @@ def calibrate(
     is_clean = seen.flags == "ok"
     away = centres - about
     use = is_clean if is_clean.sum() >= 20 else is_measured
-    noise, tilt, sigmas = _noise(seen.times, away, use), Tilt(), seen.sigmas
+    noise, tilt, sigmas, in_picture = _noise(seen.times, away, use), Tilt(), seen.sigmas, away
     if circle is None:
         hinge = find_hinge(away[use], seen.angles[use], noise)
         if not optics.row_time:
@@ -185,6 +185,15 @@ def calibrate(
                 f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
                 "declare the lens (--lens-k1) or the shutter (--row-time)"
             )
+    elsewhere = other_centre(in_picture[use], seen.angles[use], hinge, noise)
+    if elsewhere is not None:
+        sigmas = np.hypot(sigmas, _turned_otherwise(angles, in_picture - elsewhere, use))
+        u, v = np.nanmedian(seen.pivots, axis=0) + elsewhere
+        warnings.append(
+            f"the ball moves as well on a circle about ({u:.0f}, {v:.0f}), "
+            f"{np.hypot(*elsewhere):.0f} pixels from where the pivot was taken to be: if the pivot "
+            "is there, point at it again; the deviations contain both"
+        )
     motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
     down = find_gravity(motion, hinge)
     shared = angle_offset_sigma(down, hinge)
@@ -210,6 +219,17 @@ def calibrate(
         warnings,
         tilt,
     )
+
+
+def _turned_otherwise(angles: np.ndarray, away: np.ndarray, use: np.ndarray) -> np.ndarray:
+    """Return how far angles (frame, ball) are from those of places from another centre [rad].
+
+    What all of them share is left out: that is the direction of gravity. Where no place is known,
+    it is the typical difference.
+    """
+    apart = np.remainder(np.arctan2(away[..., 0], away[..., 1]) - angles + math.pi, math.tau)
+    apart = np.abs(apart - np.median(apart[use]))
+    return np.asarray(np.where(np.isfinite(apart), apart, np.median(apart[use])))
 
 
 def _noise(times: np.ndarray, away: np.ndarray, use: np.ndarray) -> float:

@@ -24,6 +24,9 @@ _BLOCK = 16.0
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Pieces of an arc that may be bent each for itself.
 _PIECES = 25
+# Distance of another centre from the click that is no accident [standard deviations], and from the
+# hinge that matters [pixels]; what its circle may leave over, in noise.
+_ELSEWHERE, _APART, _AS_ROUND = 4.0, 2.0, 1.0
 # Offset that a click may have [pixels, arm].
 _NEAR, _NEAR_SHARE = 5.0, 0.01
 
@@ -113,6 +116,42 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / shared) ** 2)
     sigma = np.sqrt(_SHARED**2 + np.minimum(spread, CLICK**2))
     return Hinge(offset, sigma, fit.arm, arc, residual)
+
+
+def other_centre(
+    away: np.ndarray, angles: np.ndarray, hinge: Hinge, noise: float
+) -> np.ndarray | None:
+    """Return the centre (2,) of a circle that places show as well, far from the hinge [pixels].
+
+    None if there is none. A pivot pointed at in a wrong place makes the same path as a camera that
+    looks at an angle, and a belief in the click draws the hinge to it.
+
+    Parameters
+    ----------
+    away : numpy.ndarray, shape (place, 2)
+        Places in the picture from the click [pixels].
+    angles : numpy.ndarray, shape (place,)
+        Their angles [rad].
+    hinge : Hinge
+        What is believed.
+    noise : float
+        Scatter of the distances [pixels].
+    """
+    if len(away) < 20 or not hinge.is_seen:
+        return None
+    count = max(min(len(away), range_of(angles) * hinge.arm / _BLOCK), 1.0)
+    sigma = math.hypot(_UNEVEN, noise / math.sqrt(count)) * math.sqrt(len(away))
+    fit = fit_circle(lambda: away, sigma, robust=_MISTAKEN)
+    # What it leaves beyond noise bends some pieces of the arc.
+    bent = math.sqrt(max(fit.residual**2 - noise**2, 0.0))
+    if bent > _AS_ROUND * max(noise, _SHARED):
+        return None
+    spread = fit.covariance[:2, :2] * (1.0 + len(away) * (bent / sigma) ** 2 / _PIECES)
+    # How sure it is that it is not where the click is, which is at the origin.
+    sure = np.linalg.inv(spread + CLICK**2 * np.eye(2))
+    is_elsewhere = fit.centre @ sure @ fit.centre > _ELSEWHERE**2
+    is_far = float(np.hypot(*(fit.centre - hinge.offset))) > _APART
+    return fit.centre if is_elsewhere and is_far else None
 
 
 def range_of(angles: np.ndarray) -> float:
