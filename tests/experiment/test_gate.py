@@ -449,3 +449,13 @@ def test_a_ball_that_fingers_cover_at_first_is_learned_where_it_swings(tmp_path)
     errors = table.angle_1.values[held:] - truth.angle_1.values[:-held]
     assert ok.mean() > 0.75  # 0.35 where it is learned from the first frame
     assert np.sqrt(np.mean(errors[ok] ** 2)) < 1e-3
+
+
+@quiet
+def test_two_balls_that_meet_are_not_taken_for_one(tmp_path):
+    toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
+    run = ll.simulate(toy, DRIVE, initial_angle=0.6, duration=1.5)
+    path, camera = tmp_path / "toy.mp4", Camera(width=320, height=240, pixels_per_metre=400.0)
+    attrs = synthesise_video(run, path, Scene(), camera, seed=3).attrs
+    pivot, ball = _place(attrs, "pivot"), _place(attrs, "ball_1")
+    _assert_refused(path, pivot, ball, "a second ball that looks the same meets this one")

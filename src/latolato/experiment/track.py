@@ -606,11 +606,18 @@ def _route(task: Task, sample: Sample) -> Route:
     radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
     if setup.radius and setup.length and setup.pivot:
         radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
-    return find_route(
+    route = find_route(
         sample.copies, sample.times,
         [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
         [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
     )  # fmt: skip
+    if math.isfinite(route.meets):
+        raise InputError(
+            f"a second ball that looks the same meets this one, at {route.meets:.4g} s: from then "
+            "on one may be taken for the other",
+            way_out="point at both (--balls 2), or end before they meet (--end)",
+        )
+    return route
 
 
 def _positions(task: Task, sample: Sample, route: Route) -> Positions:

@@ -51,6 +51,8 @@ _SIZE, _MEASURED = 1.5, 1.15
 _SLOW = 7
 # They are smeared by less than this share of the radius, or these are the slowest of them.
 _SHARP, _FEW = 0.2, 3
+# Radius of the smallest disc [pixels].
+_SMALLEST = 1.0
 # How clear a disc about a click must be, as a share of the clearest one.
 _CLEAR = 0.85
 # How often a disc is looked for again that lies this share of its radius aside.
@@ -140,6 +142,12 @@ def learn_image_model(
         own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
+    if size < _SMALLEST:
+        raise InputError(
+            f"no ball with a rim was found at ({balls[0][0]:g}, {balls[0][1]:g}): the disc there is "
+            f"{2.0 * size:.1f} pixels wide",
+            way_out="point at the middle of the ball, or give its radius and length",
+        )
     arm = geometry.arm(centres)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)

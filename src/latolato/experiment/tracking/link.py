@@ -43,6 +43,9 @@ _FOLLOWS, _ENDS = 0.2, 30
 _CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
 # By how much of the arm the distance from where a pivot is clicked varies: by tilts and by drives.
 _DRIVEN = 0.35
+# By how much colours [steps of 255], radii and ways of two balls may differ, and in which share of
+# the frames that show the one the other is seen.
+_SAME_COLOUR, _AS_LARGE, _AS_FAR, _TWICE = 45.0, 1.7, 0.3, 0.4
 # A blob that is where others are in this share of the frames rests.
 _RESTS = 0.5
 
@@ -101,6 +104,19 @@ class Trajectory:
         """Width and height of what it passes, but for a fiftieth at each end [pixels]."""
         low, high = np.quantile(self.places[self.is_seen], [0.02, 0.98], axis=0)
         return np.asarray(high - low)
+
+
+def are_alike(first: Trajectory, other: Trajectory) -> bool:
+    """Return whether two things that move may be the two balls of a pair."""
+    if not (first.is_seen & other.is_seen).any():
+        return False
+    one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
+    is_alike = float(np.linalg.norm((one - two) * WEIGHTS)) < _SAME_COLOUR
+    is_as_large = 1.0 / _AS_LARGE < other.radius / first.radius < _AS_LARGE
+    goes_as_far = other.travel > _AS_FAR * first.travel
+    is_other = np.nanmedian(np.linalg.norm(first.places - other.places, axis=1)) > first.radius
+    is_often = other.is_seen.mean() > _TWICE * first.is_seen.mean()
+    return bool(is_alike and is_as_large and goes_as_far and is_other and is_often)
 
 
 def best_chain(
@@ -336,6 +352,16 @@ def link_clicked(
     if worth is not None:
         worths[number] = worth
     return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * copies.shrink))
+
+
+def link_alike(blobs: list[Blobs], first: Trajectory) -> Trajectory | None:
+    """Return the path of another ball like one that was linked, by the blobs that are left."""
+    if not first.is_seen.any():
+        return None
+    colour, clear = np.nanmedian(first.colours, axis=0), _clear(blobs)
+    worths = [worth_of(each, clear, colour, first.radius) for each in blobs]
+    other, _ = _taken(blobs, best_chain(blobs, worths, first.radius))
+    return other if are_alike(first, other) else None
 
 
 def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:

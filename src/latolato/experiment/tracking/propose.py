@@ -11,7 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.link import Trajectory, link_clicked, link_movers
+from latolato.experiment.tracking.link import Trajectory, are_alike, link_clicked, link_movers
 from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
@@ -20,8 +20,8 @@ from latolato.experiment.video import Frame, Video
 # How many things that move are looked at for each price of leaps, and how many places of each are
 # enough for a circle.
 _MOVERS, _ENOUGH = 4, 120
-# Fewest frames, share of the frames and way in radii that show a ball; share that shows a second.
-_FEWEST, _SEEN, _TRAVELS, _TWICE = 12, 0.2, 2.0, 0.4
+# Fewest frames, share of the frames and way in radii that show a ball.
+_FEWEST, _SEEN, _TRAVELS = 12, 0.2, 2.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
@@ -32,8 +32,6 @@ _LONG = 5.0
 _LOOSE, _LOOSE_SHARE = 0.5, 0.01
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
-# By how much colours [steps of 255], radii and ways of two balls may differ.
-_SAME_COLOUR, _SIZE, _AS_FAR = 45.0, 1.7, 0.3
 # How near centres of circles are that are one pivot, as a share of the larger arm.
 _ONE_PIVOT = 0.03
 # Pixels, and share of the arm, that a ball may lie off the circle.
@@ -149,7 +147,7 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
     others = [
         (score, track)
         for score, off, track in scored
-        if score > 0.0 and off < 1.0 and _is_second(first, track)
+        if score > 0.0 and off < 1.0 and are_alike(first, track)
     ]
     second = max(others, key=lambda one: one[0], default=None)
     if count == 2 and second is None:
@@ -184,19 +182,6 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
 def _is_rod(track: Trajectory) -> bool:
     """Return whether what moves is a rod and no ball: long and thin, even where it is slow."""
     return float(np.nanquantile(track.lengths, 0.1)) > _LONG * track.radius
-
-
-def _is_second(first: Trajectory, other: Trajectory) -> bool:
-    """Return whether something that moves may be the other ball of a pair."""
-    one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
-    is_alike = float(np.linalg.norm((one - two) * [0.5, 1.0, 1.0])) < _SAME_COLOUR
-    is_as_large = 1.0 / _SIZE < other.radius / first.radius < _SIZE
-    goes_as_far = other.travel > _AS_FAR * first.travel
-    both = first.is_seen & other.is_seen
-    apart = np.linalg.norm(first.places[both] - other.places[both], axis=1)
-    is_other = both.any() and np.median(apart) > first.radius
-    is_often = other.is_seen.mean() > _TWICE * first.is_seen.mean()
-    return bool(is_alike and is_as_large and goes_as_far and is_other and is_often)
 
 
 def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: bool) -> Sample:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from latolato.experiment.tracking.detect import Blobs, Copies, detect, import_cv2
-from latolato.experiment.tracking.link import ALIKE, WEIGHTS, Trajectory, link_clicked
+from latolato.experiment.tracking.link import ALIKE, WEIGHTS, Trajectory, link_alike, link_clicked
 
 # Frames without a detection that are bridged, and how far apart the ends of a longer gap may be
 # for a ball to have rested there [radii].
@@ -51,6 +51,9 @@ class Route:
         Share of the time between frames that the length of smears shows, roughly.
     is_traced : bool
         Whether balls hardly leave their places: then only their rims are detected.
+    meets : float
+        When a ball that nobody pointed at, and that looks the same, comes near the only one [s];
+        NaN if none does.
     """
 
     times: np.ndarray
@@ -60,6 +63,7 @@ class Route:
     detected_radius: float
     exposure: float = 0.0
     is_traced: bool = False
+    meets: float = math.nan
 
     @property
     def is_smeared(self) -> bool:
@@ -210,7 +214,8 @@ def find_route(
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, colour)
-            track, _ = link_clicked(own, copies, click, number, radius, pivot)
+            track, rest = link_clicked(own, copies, click, number, radius, pivot)
+            left = rest if len(clicks) == 1 else left
         else:
             track, left = link_clicked(left, copies, click, number, radius, pivot)
         tracks.append(track)
@@ -245,7 +250,19 @@ def find_route(
     # Where nothing better is known, a part of a ball tells where it is.
     places = np.where(np.isfinite(places), places, detected)
     route = Route(times, places, is_seen, size, detected_radius, is_traced=any(is_traced))
+    if len(tracks) == 1:
+        route.meets = _meeting(times, tracks[0], link_alike(left, tracks[0]))
     return replace(route, exposure=_exposure(route, tracks))
+
+
+def _meeting(times: np.ndarray, first: Trajectory, other: Trajectory | None) -> float:
+    """Return when two balls come near each other for the first time [s], NaN if they never do."""
+    if other is None:
+        return math.nan
+    apart = np.linalg.norm(first.places - other.places, axis=1)
+    # A NaN is not near: where they touch, they are one blob.
+    near = np.flatnonzero(apart < _MERGED * first.radius)
+    return float(times[near[0]]) if len(near) else math.nan
 
 
 def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies, number: int) -> bool:
