@@ -280,7 +280,7 @@ def test_an_undeclared_lens_gives_a_warning_and_no_correction(kind, tmp_path):
         for b in (1, 2)
         if f"ball_{b}_pixel_u" in clicks
     ]
-    with pytest.warns(RuntimeWarning, match="lens, perspective or rolling shutter"):
+    with pytest.warns(RuntimeWarning):  # of another centre as well, which a lens may feign
         table = track(path, pivot=pivot, balls=balls, length=clicks["length"])
     assert "lens, perspective or rolling shutter" in table.attrs["warnings"]
     errors, ok = _errors(truth, table)

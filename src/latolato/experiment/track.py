@@ -388,6 +388,7 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             if setup.pivot is not None:
                 route = route.ordered(np.array(setup.pivot))
             found = _found(task, sample, route, _part(progress, _READ, 1.0))
+            _check_alone(route)
             if isinstance(found, _Track):
                 table = _table(task, [found])
             else:
@@ -606,18 +607,11 @@ def _route(task: Task, sample: Sample) -> Route:
     radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
     if setup.radius and setup.length and setup.pivot:
         radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
-    route = find_route(
+    return find_route(
         sample.copies, sample.times,
         [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
         [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
     )  # fmt: skip
-    if math.isfinite(route.meets):
-        raise InputError(
-            f"a second ball that looks the same meets this one, at {route.meets:.4g} s: from then "
-            "on one may be taken for the other",
-            way_out="point at both (--balls 2), or end before they meet (--end)",
-        )
-    return route
 
 
 def _positions(task: Task, sample: Sample, route: Route) -> Positions:
@@ -734,6 +728,16 @@ def _followed(
     _check_distances(scene, route, seen.pivots)
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _check_alone(route: Route) -> None:
+    """Refuse a ball that meets one of the same look that nobody pointed at."""
+    if math.isfinite(route.meets):
+        raise InputError(
+            f"a second ball that looks the same meets this one, at {route.meets:.4g} s: from then "
+            "on one may be taken for the other",
+            way_out="point at both (--balls 2), or end before they meet (--end)",
+        )
 
 
 def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:

@@ -144,8 +144,8 @@ def learn_image_model(
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
         raise InputError(
-            f"no ball with a rim was found at ({balls[0][0]:g}, {balls[0][1]:g}): the disc there is "
-            f"{2.0 * size:.1f} pixels wide",
+            f"no ball with a rim was found at ({balls[0][0]:g}, {balls[0][1]:g}): the disc there "
+            f"is {2.0 * size:.1f} pixels wide",
             way_out="point at the middle of the ball, or give its radius and length",
         )
     arm = geometry.arm(centres)
