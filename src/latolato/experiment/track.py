@@ -388,11 +388,11 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
             if setup.pivot is not None:
                 route = route.ordered(np.array(setup.pivot))
             found = _found(task, sample, route, _part(progress, _READ, 1.0))
-            _check_alone(route)
             if isinstance(found, _Track):
                 table = _table(task, [found])
             else:
                 table = _wandered(task, sample, found)
+            _check_alone(route)
     if isinstance(task.video.steadier, Steadier):
         task.warnings.append(
             f"the camera moves by up to {task.video.steadier.moved:.1f} pixels: corrected on the "
