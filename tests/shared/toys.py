@@ -1,4 +1,4 @@
-"""Toys of Live, moved in Node.js."""
+"""Toys that a hand holds, moved in Node.js."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ TICKS_PER_SECOND = 60
 class Job:
     """A toy that moves on by sixtieths of a second; before some of these something is done to it.
 
-    An action is the tick before which it is done, a method of the toy and its argument.
+    An action is the tick before which it is done, a method of the toy and its argument;
+    "keep" says from when on the motion is kept.
     """
 
     scenario: str
@@ -31,7 +32,7 @@ class Job:
 
 
 def move_toys(folder: Path, *jobs: Job) -> list[dict[str, Any]]:
-    """Return what became of toys; those that were recorded have a ``dataset``."""
+    """Return what became of toys; those of which something is kept have a ``dataset``."""
     read_layout()
     toys = [
         {"request": {"scenario": job.scenario, "options": job.options}, "ticks": job.ticks,
@@ -44,12 +45,12 @@ def move_toys(folder: Path, *jobs: Job) -> list[dict[str, Any]]:
     assert run.returncode == 0, run.stdout + run.stderr
     results: list[dict[str, Any]] = json.loads((folder / "done.json").read_text())
     for number, result in enumerate(results):
-        if result["recording"]:
+        if result["kept"]:
             result["dataset"] = dataset_of(folder / f"{number}.csv")
     return results
 
 
 def dataset_of(path: Path) -> xr.Dataset:
-    """Return a recording from its files."""
+    """Return what was kept from its file."""
     result: xr.Dataset = ll.load(path)
     return result

@@ -3,10 +3,10 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
-import { MOST_ACCELERATION, ShakenDrive } from "../../../src/latolato/app/static/js/live/drive.js";
-import { Pace } from "../../../src/latolato/app/static/js/live/pace.js";
-import { Feed, Pointer, Sensor, Shake } from "../../../src/latolato/app/static/js/live/shake.js";
-import { Toy } from "../../../src/latolato/app/static/js/live/toy.js";
+import { MOST_ACCELERATION, ShakenDrive } from "../../../src/latolato/app/static/js/toy/drive.js";
+import { Pace } from "../../../src/latolato/app/static/js/toy/pace.js";
+import { Feed, Pointer, Sensor, Shake } from "../../../src/latolato/app/static/js/toy/shake.js";
+import { Toy } from "../../../src/latolato/app/static/js/toy/toy.js";
 import { t } from "../../../src/latolato/app/static/js/strings.js";
 
 const one = await startKernels("one");
@@ -148,16 +148,15 @@ test("height, velocity and acceleration of a shaken pivot are one motion, also w
   assert.ok(toy.drive.isSteady && toy.drive.cosine.amplitude === COSINE.amplitude);
 });
 
-test("the ledger of a shaken toy closes, and its recording has the heights of the pivot", () => {
+test("the ledger of a shaken toy closes, and what is kept has the heights of the pivot", () => {
   const toy = latoLato();
   const sensor = new Sensor();
   const phone = new Phone(sensor, { amplitude: 0.05 });
-  toy.record();
   shakeOn(toy, phone, 1);
   toy.shake(sensor);
   const heights = [];
   shakeOn(toy, phone, 6, ({ pivot }) => heights.push(pivot.height));
-  const recording = toy.finish();
+  const recording = toy.minute.keep(toy.system, 0);
   assert.ok(recording.isShaken && !recording.byHand);
   assert.equal(recording.again(), null);
   const columns = recording.columns();

@@ -3,10 +3,11 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
-import { SHORTEST_CHANGE } from "../../../src/latolato/app/static/js/live/drive.js";
-import { SAME } from "../../../src/latolato/app/static/js/live/recording.js";
-import { MOST_BEHIND, Pace } from "../../../src/latolato/app/static/js/live/pace.js";
-import { Toy } from "../../../src/latolato/app/static/js/live/toy.js";
+import { SHORTEST_CHANGE } from "../../../src/latolato/app/static/js/toy/drive.js";
+import { SAME } from "../../../src/latolato/app/static/js/toy/minute.js";
+import { MOST_BEHIND, Pace } from "../../../src/latolato/app/static/js/toy/pace.js";
+import { GrowingMotion } from "../../../src/latolato/app/static/js/toy/motion.js";
+import { Toy } from "../../../src/latolato/app/static/js/toy/toy.js";
 
 const upright = [await startKernels("one"), await startKernels("two")];
 const inPlane = [await startKernels("plane_one"), await startKernels("plane_two")];
@@ -36,6 +37,8 @@ const pairOf = (more = {}) => toyOf({ balls: [BALL, OTHER], angles: [0.5, -0.4],
 const latoLato = (more = {}) => toyOf({ angles: [LOW], ...more });
 const pendulum = (more = {}) => toyOf({ contacts: false, angles: [0.3], ...more });
 
+const keep = (toy, since) => toy.minute.keep(toy.system, since);
+
 function runOn(toy, seconds, after = () => {}) {
   const begun = toy.time;
   for (let k = 1; k <= Math.round(60 * seconds); k += 1) {
@@ -49,11 +52,10 @@ const gapOf = ({ angles: [right, left = 0] }) => right - left;
 test("weak shaking leaves the balls at rest, strong shaking lifts them off again and again", () => {
   for (const [amplitude, rests] of [[0.005, true], [0.04, false]]) {
     const toy = latoLato({ restitution: 0, drive: { ...COSINE, amplitude } });
-    toy.record();
     let moved = false;
     runOn(toy, 2, () => { moved ||= toy.angles[0] !== toy.walls[0]; });
     assert.equal(moved, !rests);
-    const kinds = [...toy.finish().contactColumns().contact_kind[0]];
+    const kinds = [...keep(toy, 0).contactColumns().contact_kind[0]];
     for (const kind of [2, 3]) assert.equal(kinds.filter((each) => each === kind).length > 3, !rests);
   }
 });
@@ -157,18 +159,6 @@ test("whatever is done the balls stay between their contacts", () => {
   }
 });
 
-test("a toy that starts again begins as before, with the controls as they are", () => {
-  const toy = pairOf({ balls: [BALL, { ...OTHER, damping: 0.007 }] });
-  toy.set({ drive_amplitude: 0.04, restitution: 0.5 });
-  runOn(toy, 2);
-  const again = toy.restarted();
-  assert.deepEqual([again.time, ...again.angles], [0, 0.5, -0.4]);
-  assert.equal(again.drive.cosine.amplitude, 0.04);
-  assert.equal(again.controls.restitution, 0.5);
-  assert.equal(again.system.balls[1].damping, 0.007);
-  assert.ok(Math.abs(again.pivot.height - 0.04) < 1e-15);
-});
-
 for (const values of [{ drive_frequency: 1e8 }, { drive_amplitude: NaN }, { drive_amplitude: -0.01 },
   { damping: Infinity }, { restitution: 1.01 }, { restitution: "0.5" }, { mass: 1 }]) {
   test(`a value beyond its limits is refused, and all others with it: ${Object.entries(values)}`, () => {
@@ -179,38 +169,38 @@ for (const values of [{ drive_frequency: 1e8 }, { drive_amplitude: NaN }, { driv
   });
 }
 
-test("changes of the drive are recorded as a run that comes out again", () => {
+test("changes of the drive make a run that comes out again", () => {
   const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
   runOn(toy, 5);
-  toy.record();
+  const since = toy.time;
   runOn(toy, 1);
   toy.set({ drive_frequency: 15.1 });
   runOn(toy, 0.1);
   toy.set({ drive_amplitude: 0.028 }); // before the first change has ended
   runOn(toy, 2);
-  const recording = toy.finish();
-  assert.equal(recording.byHand, false);
-  assert.equal(recording.changes.length, 2);
-  assert.ok(recording.deviation(recording.again()) < SAME);
-  assert.ok(Math.abs(recording.duration - 3.1) < 1e-9);
-  recording.changes.pop();
-  assert.ok(recording.deviation(recording.again()) > SAME);
+  const kept = keep(toy, since);
+  assert.equal(kept.byHand, false);
+  assert.equal(kept.changes.length, 2);
+  assert.ok(kept.deviation(kept.again()) < SAME);
+  assert.ok(Math.abs(kept.duration - 3.1) < 1e-9);
+  kept.changes.pop();
+  assert.ok(kept.deviation(kept.again()) > SAME);
 });
 
 for (const [name, act] of [["push", (toy) => toy.push(1)],
   ["drag", (toy) => toy.hold({ ball: 0, angle: 1 })],
   ["damping", (toy) => toy.set({ damping: 0.01 })]]) {
-  test(`what a hand did is recorded, with its work: ${name}`, () => {
+  test(`what a hand did is kept, with its work: ${name}`, () => {
     const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
     runOn(toy, 3);
-    toy.record();
+    const since = toy.time;
     runOn(toy, 0.5);
-    assert.equal(toy.recording.byHand, false);
+    assert.equal(keep(toy, since).byHand, false);
     act(toy);
     runOn(toy, 1);
-    const recording = toy.finish();
-    assert.ok(recording.byHand);
-    const columns = recording.columns();
+    const kept = keep(toy, since);
+    assert.ok(kept.byHand);
+    const columns = kept.columns();
     assert.equal(columns.angle[0].at(-1), toy.angles[0]);
     // What came in, the hand's work too, is what went out and what is left.
     const sum = (names) => names.reduce((total, each) => total + (columns[each]?.[0].at(-1) ?? 0), 0);
@@ -222,66 +212,82 @@ for (const [name, act] of [["push", (toy) => toy.push(1)],
 
 test("a chaotic motion is not found again", () => {
   const toy = pendulum({ angles: [1], drive: { ...COSINE, amplitude: 0.1, frequency: 12.6 } });
-  toy.record();
   runOn(toy, 60);
-  const recording = toy.finish();
-  assert.ok(recording.deviation(recording.again()) > SAME);
+  const kept = keep(toy, 0);
+  assert.ok(kept.deviation(kept.again()) > SAME);
 });
 
-test("a recording waits for a steady drive and a free ball", () => {
+test("what is kept begins with a steady drive and a free ball", () => {
   const toy = latoLato();
+  runOn(toy, 1);
   toy.set({ drive_amplitude: 0.06 });
-  toy.record();
-  toy.advance(1 / 60);
-  assert.equal(toy.recording, null);
+  runOn(toy, 0.5);
   toy.hold({ ball: 0, angle: 1 });
   runOn(toy, 0.5);
-  assert.equal(toy.recording, null);
   toy.hold(null);
-  runOn(toy, 0.1);
-  assert.ok(toy.recording);
+  runOn(toy, 1);
+  for (const [since, starts] of [[0.5, 0.5], [1, null], [1.55, 2]]) {
+    const { start, changes, byHand } = keep(toy, since);
+    if (starts === null) assert.ok(start > 1 && start < 1.5, `${start}`);
+    else assert.ok(Math.abs(start - starts) < 0.02, `${start}`);
+    assert.equal(changes.length, since < 1 ? 1 : 0);
+    assert.equal(byHand, since < 2 && start < 2);
+  }
+});
+
+test("what is kept is the last minute, and exact though the rest is forgotten", () => {
+  const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
+  runOn(toy, 61);
+  toy.set({ drive_frequency: 15.1 });
+  runOn(toy, 130); // by now samples were forgotten
+  const { start, duration, cosine } = keep(toy);
+  assert.ok(Math.abs(duration - 60) < 1 / 240 && Math.abs(start - 131) < 1 / 240);
+  assert.equal(cosine.frequency, 15.1);
+  assert.ok(toy.minute.samples.numbers.length / toy.minute.samples.width < 2 ** 15 + 1);
+  const kept = keep(toy, toy.time - 1);
+  assert.ok(kept.deviation(kept.again()) < SAME);
+  const recent = toy.minute.recent("angle", 0, 15, 4);
+  assert.equal(recent.length, 901);
 });
 
 test("samples lie on their grid and contacts in their order, whatever the frames are", () => {
   const toy = latoLato({ drive: { ...COSINE, amplitude: 0.04 } });
   toy.advance(0.0131);
-  toy.record();
   for (let k = 0; toy.time < 6; k += 1) toy.advance(toy.time + [0.0007, 0.0166, 1 / 144][k % 3]);
-  const { cosine: { start }, ...recording } = toy.recording;
-  const times = [...toy.recording.columns().time[0]];
+  const kept = keep(toy, 0.0131);
+  const { start } = kept;
+  const times = [...kept.columns().time[0]];
   assert.equal(times[0], 0);
-  times.slice(1).forEach((time, i) => assert.ok(Math.abs((time + start) * 240 - i - 4) < 1e-9));
-  const { contact_time: [instants], contact_kind: [kinds] } = toy.recording.contactColumns();
-  assert.ok(instants.length > 20 && recording.contacts.size === instants.length);
+  times.slice(1).forEach((time, i) => assert.ok(Math.abs((time + start) * 240 - i - 5) < 1e-9));
+  const { contact_time: [instants], contact_kind: [kinds] } = kept.contactColumns();
+  assert.ok(instants.length > 20);
   assert.ok(instants.every((time, i) => i === 0 || time >= instants[i - 1]));
   assert.ok(kinds.includes(0));
 });
 
-test("memory does not grow while a toy moves, is steered and recorded", () => {
+test("memory does not grow while a toy moves, is steered and kept", () => {
   const toy = latoLato();
-  toy.record();
   runOn(toy, 1);
   const { top } = upright[0];
   toy.set({ drive_frequency: 15.1, damping: 0.004 });
   toy.push(1);
   runOn(toy, 3);
-  toy.finish().again();
+  keep(toy, 0).again();
   assert.equal(upright[0].top, top);
 });
 
-test("a toy on strings goes slack and taut, and moves as the run of its recording", () => {
+test("a toy on strings goes slack and taut, and moves as the run of what is kept", () => {
   const toy = latoLato({ suspension: "string", drive: { ...COSINE, amplitude: 0.05 } });
-  toy.record();
   const far = [];
   runOn(toy, 2, () => far.push(toy.distances[0]));
   assert.ok(Math.min(...far) < 0.9 * BALL.length && Math.max(...far) <= BALL.length * (1 + 1e-12));
-  const recording = toy.finish();
-  const { contact_kind: [kinds], radial_velocity_before: [before] } = recording.contactColumns();
+  const kept = keep(toy, 0);
+  const { contact_kind: [kinds], radial_velocity_before: [before] } = kept.contactColumns();
   for (const kind of [0, 4, 5]) assert.ok(kinds.includes(kind));
   kinds.forEach((kind, i) => assert.ok(kind !== 5 || before[i] > 0));
-  const again = recording.again();
-  assert.ok(recording.deviation(again) < SAME);
-  const { distance: [seen], retension_loss: [lost] } = recording.columns();
+  const again = kept.again();
+  assert.ok(kept.deviation(again) < SAME);
+  const { distance: [seen], retension_loss: [lost] } = kept.columns();
   seen.forEach((each, i) => assert.ok(Math.abs(each - again.columns.distance[0][i]) < SAME));
   assert.ok(Math.abs(lost.at(-1) - again.columns.retension_loss[0].at(-1)) < 1e-9 && lost.at(-1) > 0);
 });
@@ -295,7 +301,6 @@ test("a motion that cannot be followed says so", () => {
   const toy = pendulum();
   toy.push(1e9);
   assert.throws(() => runOn(toy, 0.1), /cannot be followed/);
-  assert.equal(toy.restarted().time, 0);
 });
 
 /** A pace on a clock that a toy's own moves let pass. */
@@ -340,4 +345,21 @@ test("a toy that was held up goes on from where it is", () => {
   pace.rest();
   show(20_000);
   assert.ok(Math.abs(toy.time - MOST_BEHIND) < 1e-12);
+});
+
+test("a trail goes through what was kept of the last moment", () => {
+  const toy = latoLato({ drive: { ...COSINE, amplitude: 0.034 } });
+  const motion = new GrowingMotion(toy);
+  runOn(toy, 3);
+  const poses = motion.recent(3, 0.1);
+  assert.equal(poses.length, 14); // every second sample, and now
+  const { minute } = toy;
+  const row = (name) => minute.recent(name, 0, 0.1, 2);
+  poses.slice(0, -1).forEach(({ height, balls: [right, left] }, i) => {
+    assert.equal(height, row("pivot_height")[i]);
+    assert.ok(Math.abs(right.angle - row("angle")[i]) < 1e-15);
+    assert.ok(Math.abs(left.angle + right.angle) < 1e-15);
+  });
+  assert.equal(poses.at(-1).height, toy.pivot.height);
+  assert.equal(motion.end, 3);
 });

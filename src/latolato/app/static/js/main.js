@@ -17,9 +17,8 @@ import { t } from "./strings.js";
 /** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,
  *   hide(): void}>>} */
 const VIEWS = {
-  play: async () => (await import("./play/view.js")).PlayView,
+  toy: async () => (await import("./toy/view.js")).ToyView,
   map: async () => (await import("./map/view.js")).MapView,
-  live: async () => (await import("./live/view.js")).LiveView,
   story: async () => (await import("./story/view.js")).StoryView,
   report: async () => MissingReport,
   experiment: async () => (await import("./experiment/view.js")).ExperimentView,

@@ -39,7 +39,7 @@ export class PointRun {
     this.root.hidden = false;
     this.label.textContent = words;
     this.actions.replaceChildren(
-      openLink(this.page, { view: "play", ...request }, t("openInPlay")),
+      openLink(this.page, { view: "toy", ...request }, t("openInToy")),
       el("button", { type: "button", on: { click: () => this.use(request) } }, t("pointUse")));
     try {
       const block = await this.runner.compute(request);

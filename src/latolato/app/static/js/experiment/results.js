@@ -33,7 +33,7 @@ export function fitCard(fit, kind, truth, registry, play, again) {
     rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
       table(rest)),
     el("div", { class: "actions" }, fit.play && el("button", { type: "button",
-      on: { click: () => play(fit.play ?? {}) } }, t("openInPlay")), again));
+      on: { click: () => play(fit.play ?? {}) } }, t("openInToy")), again));
 }
 
 /**

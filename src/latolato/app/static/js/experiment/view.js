@@ -396,7 +396,7 @@ export class ExperimentView {
     const texts = Object.fromEntries(Object.entries(options)
       .filter(([name, value]) => value !== known[name]?.default)
       .map(([name, value]) => [name, textOf(known[name], value)]));
-    openState(this.page, { view: "play", scenario: null, options: texts });
+    openState(this.page, { view: "toy", scenario: null, options: texts });
   }
 }
 

@@ -110,7 +110,7 @@ export function sameBut(request) {
  */
 export function openInPlay(page, options) {
   const { extra } = page.store.state;
-  openState(page, { extra, ...withMapNamed(page.registry, page.store.state), view: "play", scenario: null, options });
+  openState(page, { extra, ...withMapNamed(page.registry, page.store.state), view: "toy", scenario: null, options });
 }
 
 /**

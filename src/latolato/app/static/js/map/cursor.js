@@ -113,7 +113,7 @@ export class PointPanel {
     this.preview.root.hidden = true;
     this.title = el("p", { class: "hint", role: "status" }, t("mapPickHint"));
     this.button = el("button", { type: "button", disabled: true,
-      on: { click: () => open(textsOf(registry, this.options ?? {})) } }, t("openInPlay"));
+      on: { click: () => open(textsOf(registry, this.options ?? {})) } }, t("openInToy"));
     this.root = el("aside", { class: "card point" }, el("h2", {}, t("onePoint")), this.title,
       this.preview.root, el("div", { class: "actions" }, this.button));
   }

@@ -12,6 +12,9 @@ export class Clock {
     this.speed = 1;
     this.looping = true;
     this.playing = false;
+    /** What moves the time on in place of this clock: returns the instant of a picture at so many ms of the
+     * browser. Nobody goes back in what it leads through. @type {((now: number) => number) | null} */
+    this.lead = null;
     /** Whether this instant is one that texts show. */
     this.isRead = true;
     this.readAt = -Infinity;
@@ -33,7 +36,7 @@ export class Clock {
 
   play() {
     if (this.playing) return;
-    if (this.time >= this.end) this.time = 0;
+    if (this.time >= this.end && !this.lead) this.time = 0;
     this.playing = true;
     this.last = 0;
     this.frame = requestAnimationFrame(this.step);
@@ -56,6 +59,7 @@ export class Clock {
    * @param {number} time
    */
   seek(time) {
+    if (this.lead) return;
     this.time = Math.min(Math.max(time, 0), this.end);
     this.tell();
   }
@@ -63,6 +67,12 @@ export class Clock {
   /** @param {number} now of the browser, in ms */
   step(now) {
     if (!this.playing) return;
+    if (this.lead) {
+      this.time = this.lead(now);
+      this.tell();
+      if (this.playing) this.frame = requestAnimationFrame(this.step);
+      return;
+    }
     const passed = this.last ? Math.min((now - this.last) / 1000, LONGEST_FRAME) : 0;
     this.last = now;
     this.advance(passed);

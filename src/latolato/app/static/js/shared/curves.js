@@ -35,6 +35,9 @@ const MOST = 0.75;
 const KEPT = 0.25;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
+// A motion that grows: so much of it is shown, and as many pictures pass until it is drawn again.
+const LAST = 15; // s
+const PICTURES = 2;
 // A notch of the wheel, with Ctrl held, shows so much less or more.
 const WHEEL = 1.3;
 
@@ -66,6 +69,8 @@ export class Curves {
     this.charts = [];
     /** @type {[number, number]} */
     this.span = [0, 1];
+    /** Pictures since a motion that grows was drawn. */
+    this.pictures = 0;
     this.signature = "";
     // Pointers are shown together within these charts only: other charts have times of their own.
     this.sync = freshId();
@@ -112,10 +117,11 @@ export class Curves {
       this.build(all);
       this.signature = signature;
     }
-    if (this.follows) this.span = this.stretch(this.span[0]);
+    if (motion.grows) this.span = lastOf(motion);
+    else if (this.follows) this.span = this.stretch(this.span[0]);
     else if (wasWhole) this.span = axisLimits(0, motion.end);
     else this.span = axisLimits(this.span[0], Math.min(this.span[1], motion.end));
-    if (this.follows) this.span = this.spanAt(this.clock.time);
+    if (this.follows && !motion.grows) this.span = this.spanAt(this.clock.time);
     this.onSpan(...this.span);
     const tasks = this.charts.map((chart, i) => () => {
       chart.curves = all[i];
@@ -136,6 +142,7 @@ export class Curves {
    */
   describe(motion) {
     const { time } = motion;
+    if (time.length < 2) return;
     for (const { host, panel, curves } of this.charts) {
       if (!panel.quantity) continue;
       const own = curves.filter(({ paint, axis }) => paint !== "faint" && !axis).map(({ values }) => values);
@@ -223,7 +230,7 @@ export class Curves {
       padding: [8, right ? 0 : 18, 0, 0],
       scales: {
         x: { time: false, auto: false },
-        y: { range: (u, low, high) => limits(...(this.follows
+        y: { range: (u, low, high) => limits(...(this.follows && !this.motion?.grows
           ? extremesUntil(u, low, high, this.span[1]) : /** @type {const} */ ([low, high]))) },
         right: { range: (_, low, high) => limits(low, high) },
       },
@@ -324,7 +331,7 @@ export class Curves {
    * @param {number} to
    */
   zoom(from, to) {
-    if (!this.motion || !(to > from)) return;
+    if (!this.motion || this.motion.grows || !(to > from)) return;
     const least = this.motion.end * 1e-6;
     this.follows = false;
     this.setSpan(Math.max(0, from), Math.min(this.motion.end, Math.max(to, from + least)));
@@ -367,8 +374,29 @@ export class Curves {
     this.zoom(from + shift, to + shift);
   }
 
+  /** Show the last seconds of a motion that has grown. */
+  grow() {
+    const motion = /** @type {Motion} */ (this.motion);
+    this.pictures = (this.pictures + 1) % PICTURES;
+    if (this.pictures && this.clock.playing) return;
+    this.span = lastOf(motion);
+    for (const chart of this.charts) {
+      chart.curves = chart.panel.curves(motion);
+      chart.plot.batch(() => {
+        chart.plot.setData(dataOf(motion, chart.curves), false);
+        chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
+      });
+    }
+    this.placeLater();
+  }
+
   /** @param {number} time */
   move(time) {
+    if (this.motion?.grows) {
+      this.grow();
+      if (this.clock.isRead) this.read(time);
+      return;
+    }
     const span = this.follows && this.motion ? this.spanAt(time) : this.span;
     if (span[0] !== this.span[0]) this.setSpan(...span);
     else this.place();
@@ -413,6 +441,13 @@ export class Curves {
     for (const { plot } of this.charts) plot.destroy();
   }
 }
+
+/**
+ * Return the stretch that is shown of a motion that grows: it fills up, and then goes along.
+ * @param {Motion} motion
+ * @returns {[number, number]}
+ */
+const lastOf = ({ end }) => [Math.max(0, end - LAST), Math.max(end, LAST)];
 
 /**
  * Return the name of a chart.

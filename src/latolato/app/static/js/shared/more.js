@@ -77,6 +77,10 @@ export class MoreCurves {
     if (!this.root.open || !motion || this.drawn === motion) return;
     this.drawn = motion;
     this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
+    if (motion.grows) {
+      this.later.run(this.curves.show(motion));
+      return;
+    }
     this.later.run([
       ...this.curves.show(motion, pinned),
       () => this.showPhase(motion),
@@ -94,13 +98,13 @@ export class MoreCurves {
    * @param {number} to
    */
   setSpan(from, to) {
-    if (this.drawn) this.curves.setSpan(from, to);
+    if (this.drawn && !this.drawn.grows) this.curves.setSpan(from, to);
   }
 
   /** @param {number} time */
   move(time) {
     const { drawn } = this;
-    if (!drawn || !this.root.open) return;
+    if (!drawn || drawn.grows || !this.root.open) return;
     this.phase.mark(drawn.balls.map((ball) => ({
       x: drawn.angle(ball, time) / DEGREE,
       y: ball.sign * drawn.at("angular_velocity", time, ball.row),

@@ -116,6 +116,8 @@ export class Motion {
     this.boxes = [];
     /** Whether balls hang on strings. */
     this.isString = "distance" in block.arrays;
+    /** Whether it goes on while it is shown. */
+    this.grows = false;
     /** @type {Record<string, [number, number]>} */
     this.ranges = {};
     /** The largest angle up to each sample [rad], once it was asked for. @type {Float32Array | null} */

@@ -31,9 +31,12 @@ export class Player {
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.timeline = new Timeline(this.clock);
     this.more = new MoreCurves(this.clock, this.curves);
-    this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.actions },
+    this.senses = new Senses(canvas, () => [{ title: t("keysHere"), actions: this.keys() },
       ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
-      { title: t("keysOfCurve"), actions: this.curves.actions }]);
+      ...(this.clock.lead ? [] : [{ title: t("keysOfCurve"), actions: this.curves.actions }])]);
+    this.senses.narrator.onDescribe = () => {
+      if (this.motion?.grows) this.curves.describe(this.motion);
+    };
     /** What stands on the stage: buttons above, messages below. */
     this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.senses.toggle);
     this.messages = el("div", { class: "stage-messages" });
@@ -50,6 +53,8 @@ export class Player {
       this.more.setSpan(from, to);
     };
     this.clock.subscribe((time) => this.move(time));
+    /** What a hand that holds the toy does at which key. @type {import("./keys.js").Actions} */
+    this.heldActions = {};
     /** @type {import("./keys.js").Actions} */
     this.actions = {
       " ": { text: "keyPlay", act: () => this.clock.toggle() },
@@ -58,6 +63,13 @@ export class Player {
       ...this.senses.actions(),
     };
     followKeys(root, this.actions);
+  }
+
+  /** The keys that do something now. @returns {import("./keys.js").Actions} */
+  keys() {
+    const { ",": back, ".": on, ...others } = this.actions;
+    const { w, "?": help, ...first } = others;
+    return this.clock.lead ? { ...first, ...this.heldActions, w, "?": help } : this.actions;
   }
 
   /** The angles over time. */
@@ -89,7 +101,28 @@ export class Player {
         on: { click: () => this.stepBy(1) } }, "▸"),
       this.timeText, this.timeline.toggles,
       el("span", { class: "check" }, el("label", { for: id }, t("speed")), this.speed),
-      el("label", { class: "check" }, this.loop, t("loop")));
+      el("label", { class: "check of-run" }, this.loop, t("loop")));
+  }
+
+  /**
+   * Show a motion that goes on by itself, as somebody holds the toy; `show` ends that.
+   * @param {any} motion that grows
+   * @param {(now: number) => number} lead moves it on to a picture, and returns its instant
+   * @param {number} loudest speed of a clack, as loud as it gets [rad/s]
+   */
+  hold(motion, lead, loudest) {
+    const { clock, scene, senses } = this;
+    this.motion = motion;
+    scene.pinned = null;
+    this.root.classList.add("held");
+    this.start.disable();
+    [clock.lead, clock.time] = [lead, motion.end];
+    scene.show(motion);
+    senses.loudest = loudest;
+    senses.narrator.begin({ motion, log: () => motion.log });
+    this.timeline.show(motion, null);
+    this.more.show(motion, null);
+    this.move(clock.time);
   }
 
   /**
@@ -97,6 +130,12 @@ export class Player {
    * @param {Motion} motion
    */
   show(motion) {
+    if (this.clock.lead) {
+      this.root.classList.remove("held");
+      [this.clock.lead, this.clock.time] = [null, 0];
+      this.senses.narrator.source = null;
+      this.scene.pinned = this.pinned;
+    }
     this.motion = motion;
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;
@@ -133,7 +172,7 @@ export class Player {
   /** @param {number} steps */
   stepBy(steps) {
     const motion = this.motion;
-    if (!motion) return;
+    if (!motion || motion.grows) return;
     this.clock.pause();
     this.clock.seek(this.clock.time + (steps * motion.end) / (motion.time.length - 1));
   }

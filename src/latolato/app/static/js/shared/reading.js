@@ -5,7 +5,7 @@ import { checkedNumber, InputError, noList } from "../model/rules.js";
 import { inPagesWords } from "../model/words.js";
 import { t } from "../strings.js";
 import { withLaws } from "./laws.js";
-import { FIRST, OPTIONS_OF_LIVE } from "./state.js";
+import { FIRST } from "./state.js";
 import { short, shownUnit } from "./units.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -22,11 +22,11 @@ import { short, shownUnit } from "./units.js";
 const LONGEST = 60;
 // What a link may hold of views that read all of theirs; others name what they cannot read themselves.
 const PARTS = /** @type {Record<string, string[]>} */ ({
-  play: ["recording"], live: [], report: [],
+  toy: ["hand"], report: [],
   story: ["name", "step", "answers", "tried", "guess"],
 });
 // Views that show one run, not a sweep.
-const OF_RUNS = ["play", "live", "analyse"];
+const OF_RUNS = ["toy", "analyse"];
 
 /**
  * Return the state that remains of a link without what cannot be read, and what that was. What a view
@@ -43,7 +43,7 @@ export function readable(registry, state, views) {
   let scenario = state.scenario || null;
   if (!views.includes(view)) {
     left.push({ text: t("unknownView", { name: cut(view) }) });
-    view = "play";
+    view = "toy";
   }
   const preset = scenario && Object.hasOwn(registry.scenarios, scenario) ? registry.scenarios[scenario] : null;
   if (scenario && !preset) {
@@ -81,7 +81,7 @@ export function cut(text) {
  * @param {Left[]} left
  * @returns {Record<string, string>}
  */
-function readableOptions(registry, { view, scenario, options: all }, left) {
+function readableOptions(registry, { scenario, options: all }, left) {
   /** @type {Record<string, string>} */
   let options = {};
   for (const [name, text] of Object.entries(all)) {
@@ -102,9 +102,7 @@ function readableOptions(registry, { view, scenario, options: all }, left) {
   }
   const given = registry.scenarios[scenario ?? FIRST].given;
   const system = options.system ?? given.system;
-  const isLive = view === "live" && !scenario && !options.drive && !options.system;
-  const drive = isLive ? OPTIONS_OF_LIVE.drive
-    : options.drive ?? driveOf(registry, scenario || !options.system ? given : {}, options);
+  const drive = options.drive ?? driveOf(registry, scenario || !options.system ? given : {}, options);
   for (const [name, text] of Object.entries(options)) {
     const { label, for_each_ball: isForEach } = registry.options[name];
     const law = strangerTo(registry, name, { system, drive, contact: options.contact ?? given.contact ?? "exact" });

@@ -87,6 +87,8 @@ export class Start {
     this.choose = null;
     /** @type {number[]} chosen last, in degrees */
     this.degrees = [];
+    /** Ends listening to keys. @type {(() => void) | null} */
+    this.release = null;
     this.led = false;
     this.plays = false;
     this.pressed = -Infinity;
@@ -115,11 +117,18 @@ export class Start {
    */
   enable(choose) {
     const { canvas } = this.scene;
-    if (canvas.tabIndex < 0) followKeys(canvas, this.actions);
+    this.release ??= followKeys(canvas, this.actions);
     this.choose = choose;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", t("playStage"));
+  }
+
+  /** Leave the balls to who holds the toy. */
+  disable() {
+    this.choose = null;
+    this.release?.();
+    this.release = null;
   }
 
   /**

@@ -1,7 +1,7 @@
 /** What is on show, kept in the address: the view, the scenario and every option. */
 
 /**
- * The address is `?view=play&scenario=fig02&length=24.5 cm&map.x=frequency_ratio`: names without a
+ * The address is `?view=toy&scenario=fig02&length=24.5 cm&map.x=frequency_ratio`: names without a
  * dot are options of the command line, those with one belong to the view before it. `lang` is the
  * language that the link asks for.
  * @typedef {{view: string, scenario: string | null, options: Record<string, string>,
@@ -17,12 +17,8 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
-/**
- * And what Live begins with: the toy of Fig. 12 at rest, shaken as in its slow second stage, too gently
- * to lift the balls off. One push, at any instant, makes them swing to 47 degrees for good.
- */
-export const FIRST_OF_LIVE = "fig12";
-export const OPTIONS_OF_LIVE = { drive: "harmonic", drive_amplitude: "34 mm", frequency_ratio: "2.389" };
+/** What views of older versions are now. @type {Record<string, Partial<State>>} */
+const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { "toy.hand": "1" } } };
 // "embed" stands in addresses of older versions, which showed a view without the bar.
 const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
@@ -33,7 +29,7 @@ const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
  */
 export function parse(search) {
   /** @type {State} */
-  const state = { view: "play", scenario: null, options: {}, extra: {} };
+  const state = { view: "toy", scenario: null, options: {}, extra: {} };
   /** @type {[string, string][]} */
   const others = [];
   for (const [name, value] of new URLSearchParams(search)) {
@@ -45,7 +41,8 @@ export function parse(search) {
   // As properties of their own, whatever their names are.
   state.options = Object.fromEntries(others.filter(([name]) => !name.includes(".")));
   state.extra = Object.fromEntries(others.filter(([name]) => name.includes(".")));
-  return state;
+  const former = Object.hasOwn(FORMER, state.view) ? FORMER[state.view] : {};
+  return { ...state, ...former, extra: { ...state.extra, ...former.extra } };
 }
 
 /**

@@ -121,6 +121,7 @@ export class Timeline {
    * @param {number} time
    */
   tell(time) {
+    if (this.motion?.grows) return;
     this.scrub.setAttribute("aria-valuetext", t("instantOf", { time: time.toFixed(2), end: this.clock.end }));
   }
 }

@@ -8,7 +8,7 @@ import { FIRST } from "../shared/state.js";
 /** @typedef {import("./check.js").Table} Table */
 
 // What views keep in the address belongs to the step before.
-const OF_VIEWS = ["play.", "map.", "live.", "story."];
+const OF_VIEWS = ["toy.", "map.", "story."];
 
 /**
  * Return the state that shows a step.

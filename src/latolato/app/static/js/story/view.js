@@ -42,7 +42,7 @@ export class StoryView {
    * @param {Table} tables
    */
   card(name, { title, summary, steps, minutes }) {
-    const state = { view: "play", scenario: null, options: {}, extra: { "story.name": name } };
+    const state = { view: "toy", scenario: null, options: {}, extra: { "story.name": name } };
     return el("li", { class: "card" }, el("h3", {}, el("a", { href: format(state),
       on: { click: (/** @type {MouseEvent} */ event) => {
         if (event.ctrlKey || event.metaKey || event.shiftKey) return;

@@ -1,4 +1,4 @@
-/** Play: the motion, three knobs beside it, and everything else one click away. */
+/** Toy: the motion, three knobs beside it, a hand that takes it, and everything else one click away. */
 
 import { codeBlocks } from "../shared/code.js";
 import { beforePrint, el, freshId } from "../shared/dom.js";
@@ -8,6 +8,7 @@ import { followKeys } from "../shared/keys.js";
 import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { openLink } from "../shared/links.js";
+import { resolvedOf } from "../model/block.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
@@ -23,8 +24,8 @@ import { t, tr } from "../strings.js";
 
 // Beyond it, a run that is computed is announced.
 const PATIENCE = 700; // ms
-// Where the address names a recording of Live that the browser keeps.
-const RECORDING = "play.recording";
+// Where the address says that a hand holds the toy.
+const HELD = "toy.hand";
 // Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
 const FARTHEST = 10;
 const SLIPS = ["drive_amplitude", "drive_frequency"];
@@ -33,7 +34,7 @@ const FREE = ["drive_frequency", "frequency_ratio"];
 // Where the question with which the page opens is answered at length.
 const STORIES = { why_twice: "Why twice?", first_clack: "From rest to clack" };
 
-export class PlayView {
+export class ToyView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
@@ -44,7 +45,16 @@ export class PlayView {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.form = new Form(form, page.registry, page.store);
     this.presets = presetField(page);
-    this.knobs = new Knobs(page.registry, (name, text) => this.form.give(name, text || null));
+    this.knobs = new Knobs(page.registry, (name, text, value) => {
+      if (this.hand?.isOn) this.hand.turn(name, Number(value));
+      else this.form.give(name, text || null);
+    });
+    /** What was played by hand and no address describes. @type {import("../shared/block.js").Block | null} */
+    this.kept = null;
+    /** Holds the toy when it is first asked to. @type {import("./hand.js").Hand | null} */
+    this.hand = null;
+    this.hold = el("button", { type: "button", class: "hold", "aria-pressed": "false", title: t("holdHint"),
+      on: { click: () => page.store.keep(HELD, HELD in page.store.state.extra ? null : "1") } }, t("hold"));
     this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
@@ -54,10 +64,13 @@ export class PlayView {
     const drawer = (/** @type {string} */ name, /** @type {(Node | string)[]} */ ...content) =>
       el("details", { class: "card" }, el("summary", {}, t(name)), ...content);
     this.more = drawer("moreParameters", form);
+    this.lines = drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code);
+    this.lines.classList.add("of-run");
     const place = el("div", { class: "player" });
     this.player = new Player(place);
     this.player.senses.narrator.nameOf = (name) => this.knobs.inWords().options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
+    this.player.button?.after(this.hold);
     this.presets.head.append(this.reset, this.makePin());
     const hangId = freshId();
     this.hang = el("select", { id: hangId, on: { change: () => this.form.hangOn(this.hang.value) } },
@@ -65,23 +78,24 @@ export class PlayView {
     this.hanging = el("div", { class: "field hanging" }, el("label", { for: hangId }, t("hangsOn")), this.hang);
     this.highest = el("span", {});
     this.answer = el("span", { hidden: true }, ...Object.entries(STORIES).flatMap(
-      ([name, title]) => [" ", openLink(page, { view: "play", scenario: null, options: {},
+      ([name, title]) => [" ", openLink(page, { view: "toy", scenario: null, options: {},
         extra: { "story.name": name } }, tr(title))]));
     this.presets.told.append(this.highest, this.answer);
     this.player.clock.subscribe((time) => this.tellHighest(time));
     place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
         el("div", { class: "drawers" }, this.more, this.downloads.root,
-          drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code)))));
-    this.root = el("div", { class: "view play" }, place);
+          this.lines))));
+    this.root = el("div", { class: "view toy" }, place);
     /** Whether a run has been shown, and whether the clock goes on when the view comes back. */
     this.hasBegun = this.goesOn = false;
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
+    this.endKeys = () => {};
   }
 
   makePin() {
-    const pin = el("button", { type: "button", on: { click: () => {
+    const pin = el("button", { type: "button", class: "of-run", on: { click: () => {
       pin.textContent = t(this.player.togglePin() ? "unpin" : "pin");
     } } }, t("pin"));
     return pin;
@@ -96,38 +110,138 @@ export class PlayView {
   }
 
   show() {
-    this.releases.push(followKeys(document, this.player.actions),
-      beforePrint(() => this.player.clock.pause()));
-    this.releases.push(this.page.store.subscribe((state, changed) => {
-      if (changed === "extra") return;
-      // Whoever changes a parameter wants a run of these parameters.
-      if (["options", "preset"].includes(changed) && RECORDING in state.extra)
-        this.page.store.drop([RECORDING]);
-      if (changed === "preset") {
-        this.form.forget();
-        this.player.restart();
-      }
-      void this.simulate();
-    }));
-    void this.simulate();
+    this.listen();
+    this.releases.push(beforePrint(() => this.player.clock.pause()));
+    this.releases.push(this.page.store.subscribe((state, changed) => this.follow(state, changed)));
+    if (HELD in this.page.store.state.extra) void this.take(false);
+    else void this.simulate();
     if (this.goesOn) this.player.clock.play();
   }
 
+  /** Follow the keys that do something now. */
+  listen() {
+    this.endKeys();
+    const keys = Object.entries(this.player.keys());
+    // Elsewhere on the page arrows scroll.
+    this.endKeys = followKeys(document, Object.fromEntries(keys.filter(([key]) => !key.startsWith("Arrow"))));
+  }
+
   hide() {
+    this.endKeys();
     for (const release of this.releases.splice(0)) release();
     this.downloads.stop();
     this.runner.stop();
+    this.hand?.shake.end();
     this.goesOn = this.player.clock.playing;
     this.player.clock.pause();
   }
 
-  /** Return the recording that the address names, null if this browser does not have it. */
-  async recording() {
+  /**
+   * Show what the address asks for now.
+   * @param {import("../shared/state.js").State} state
+   * @param {string} changed
+   */
+  follow(state, changed) {
+    const isHeld = this.hand?.isOn ?? false;
+    const isAsked = HELD in state.extra;
+    if (isAsked !== isHeld) {
+      if (isAsked) void this.take(true);
+      else this.letGo();
+      return;
+    }
+    if (changed === "extra") return;
+    // Whoever changes a parameter wants a run of these parameters.
+    this.kept = null;
+    if (changed === "preset") this.form.forget();
+    if (isHeld) {
+      this.hand?.follow(changed === "address");
+      return;
+    }
+    if (changed === "preset") this.player.restart();
+    void this.simulate();
+  }
+
+  /**
+   * Let a hand take the toy.
+   * @param {boolean} isAsked whether somebody asked for it just now
+   */
+  async take(isAsked) {
+    const { clock } = this.player;
+    this.runner.stop();
+    this.note("");
+    this.hold.setAttribute("aria-pressed", "true");
+    this.hand ??= await this.makeHand();
+    if (!(HELD in this.page.store.state.extra)) return;
+    const wasShown = this.hasBegun;
+    this.hasBegun = true;
+    await this.hand.take(isAsked);
+    if (!this.hand.isOn) return;
+    this.listen();
+    const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (wasShown || !isCalm) clock.play();
+  }
+
+  /** Let the toy go: the run of the address, or what was kept, is on show again. */
+  letGo() {
+    this.hold.setAttribute("aria-pressed", "false");
+    this.hand?.release();
+    this.player.start.enable((degrees) => this.startAt(degrees));
+    this.knobs.keys = {};
+    this.knobsFor = "";
+    void this.simulate();
+  }
+
+  async makeHand() {
+    const { Hand } = await import("./hand.js");
+    const hand = new Hand(this.page, this.player, this.knobs, {
+      request: () => this.request(),
+      begun: (each) => this.showHeld(each),
+      refuse: (error) => this.refuse(error),
+      keep: (block, options) => this.keep(block, options),
+    });
+    this.hold.after(hand.tools);
+    this.player.stage.append(hand.readout);
+    this.knobs.root.after(hand.trick, hand.hint);
+    this.player.scene.canvas.setAttribute("aria-describedby",
+      `${this.player.scene.canvas.getAttribute("aria-describedby")} ${hand.hint.id}`);
+    this.player.heldActions = hand.actions();
+    followKeys(this.player.stage, Object.fromEntries(Object.entries(hand.actions())
+      .filter(([key]) => key.startsWith("Arrow")).map(([key, { text, act }]) =>
+        [key, { text, act: (event) => { if (hand.isOn) act(event); } }])));
+    return hand;
+  }
+
+  /**
+   * Show what a hand holds now.
+   * @param {import("../model/case.js").Case} each
+   */
+  showHeld(each) {
+    const { scenario } = this.request();
+    this.presets.show(scenario);
+    this.answer.hidden = true;
+    this.reset.classList.toggle("idle", !scenario || Object.keys(this.page.store.state.options).length === 0);
+    this.form.build();
+    this.form.show(resolvedOf(each));
+    this.hanging.hidden = !this.page.registry.systems[each.system.kind].options.includes("suspension");
+    this.hang.value = each.system.suspension;
+    this.root.dataset.ready = "true";
+  }
+
+  /**
+   * Show what was played by hand as a run like any other.
+   * @param {import("../shared/block.js").Block} block
+   * @param {Record<string, string> | null} options of the run that it is, if it is one
+   */
+  keep(block, options) {
     const { store } = this.page;
-    const { shelf } = await import("../shared/storage.js");
-    const block = await shelf.block(store.state.extra[RECORDING]);
-    if (!block) store.drop([RECORDING]);
-    return block;
+    const { [HELD]: _, ...extra } = store.state.extra;
+    const end = block.arrays.time[block.arrays.time.length - 1];
+    if (options) store.set({ scenario: null, options, extra }, "preset");
+    else {
+      this.kept = block;
+      store.set({ extra }, "extra");
+    }
+    this.page.messages.say("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), { stays: true });
   }
 
   /**
@@ -149,19 +263,26 @@ export class PlayView {
     } }]);
   }
 
-  /**
-   * Simulate what the address asks for, and show it.
-   * @param {boolean} [isAgreed] however long that takes
-   */
-  async simulate(isAgreed = false) {
+  /** Return the scenario and the options to run. */
+  request() {
     const { registry, store } = this.page;
     let { scenario, options } = store.state;
-    const chosen = scenario;
     if (!scenario && !options.system) scenario = FIRST;
     if (scenario && options.system) {
       // A scenario's own values do not fit another system.
       options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
     }
+    return { scenario, options };
+  }
+
+  /**
+   * Simulate what the address asks for, and show it.
+   * @param {boolean} [isAgreed] however long that takes
+   */
+  async simulate(isAgreed = false) {
+    const { store } = this.page;
+    const { scenario: chosen } = store.state;
+    const { scenario, options } = this.request();
     this.presets.show(scenario);
     this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
@@ -171,29 +292,22 @@ export class PlayView {
       // The button that agreed is gone.
       if (isAgreed) this.page.messages.root.querySelector("button")?.focus();
     }, isAgreed ? 0 : PATIENCE);
-    const compute = () => this.runner.compute({ scenario, options }, { isAgreed });
-    let isGone = false;
-    const pending = RECORDING in store.state.extra ? this.recording().then((recording) => {
-      isGone = recording === null;
-      return recording ?? compute();
-    }) : compute();
+    const { kept } = this;
+    const pending = kept ? Promise.resolve(kept) : this.runner.compute({ scenario, options }, { isAgreed });
     this.form.build();
     try {
       const block = await pending;
       // A run that was under way when another preset was chosen.
-      if (store.state.scenario !== chosen) return;
+      if (store.state.scenario !== chosen || this.hand?.isOn || this.kept !== kept) return;
       const motion = new Motion(block);
       this.form.show(block.about.options);
       this.showKnobs(motion, scenario);
       this.player.show(motion);
-      const { warnings, note } = block.about;
-      this.note([...warnings, ...(note ? [note] : [])].map((text) => t("warning", { text: tr(text) })).join(" "));
-      if (isGone) {
-        this.note(t("recordingGone"), [{ label: t("openLive"), act: () => store.set({ view: "live" }, "view") }]);
-      }
+      this.note(block.about.warnings.map((/** @type {string} */ text) => t("warning", { text: tr(text) })).join(" "));
       this.showCode(block.about);
-      this.downloads.show({ scenario, options }, block.about.balls.length > 1);
+      this.downloads.show({ scenario, options }, block.about.balls.length > 1, kept);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
+      this.listen();
       this.begin();
     } catch (error) {
       if (error instanceof DOMException && error.name === "AbortError") return;

@@ -1,26 +1,18 @@
-/** The knobs of a live toy: their ranges, and the values that they refuse. */
+/** The knobs of a toy that a hand holds: their ranges, and the values that they refuse. */
 
-import { Knobs, spansOf } from "../shared/knobs.js";
+import { spansOf } from "../shared/knobs.js";
 
 /** @typedef {import("./toy.js").Toy} Toy */
 
-// Keys of each control, as they are shown.
-const KEYS = { drive_amplitude: ["↑", "↓"], drive_frequency: ["→", "←"], damping: ["D", "⇧D"],
+/** Keys of each control, as they are shown. */
+export const KEYS = { drive_amplitude: ["↑", "↓"], drive_frequency: ["→", "←"], damping: ["D", "⇧D"],
   restitution: ["E", "⇧E"] };
 // In this order, by what tells most.
 const CONTROLS = ["drive_amplitude", "drive_frequency", "restitution", "damping"];
 
 /**
- * Return knobs that belong to no toy yet.
- * @param {import("../model/registry.js").Registry} registry
- * @param {(name: string, text: string, value: number | null) => void} take called with what was
- *   slid or typed
- */
-export const makeKnobs = (registry, take) => new Knobs(registry, take, KEYS);
-
-/**
  * Give a toy the knobs of its controls.
- * @param {Knobs} knobs
+ * @param {import("../shared/knobs.js").Knobs} knobs
  * @param {Toy} toy
  */
 export function fit(knobs, { controls, limits, system }) {

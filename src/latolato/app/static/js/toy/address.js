@@ -1,23 +1,12 @@
-/** The parameters of a live toy as options that the other views know. */
+/** The parameters of a toy that a hand holds as options of the address. */
 
 const UNITS = /** @type {Record<string, string>} */ ({
   drive_amplitude: "m", drive_frequency: "rad/s", damping: "kg m/s", restitution: "",
 });
 
 /**
- * Return the options of the address with rods or strings; what only strings have goes with them.
- * @param {Record<string, string>} before
- * @param {string} suspension
- * @returns {Record<string, string>}
- */
-export function withSuspension(before, suspension) {
-  const { string_restitution: bounce, initial_distance: begun, ...options } = before;
-  return { ...(suspension === "string" ? before : options), suspension };
-}
-
-/**
  * Return the options of the address with the present controls, and without what belongs to other
- * drives than the cosine of Live.
+ * drives than its cosine.
  * @param {any} registry
  * @param {Record<string, string>} before
  * @param {string} system

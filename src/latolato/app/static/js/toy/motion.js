@@ -1,87 +1,28 @@
-/** A motion that is still happening, with what the scene asks of a run, and its last seconds. */
+/** The motion of a toy that a hand holds, with what the stage and the curves ask of a run: it grows. */
 
 import { ballsOf } from "../model/block.js";
-import { isFelt, poseOf, SHOWN_RADIUS } from "../shared/motion.js";
+import { fromBottom, isFelt, poseOf, SHOWN_RADIUS } from "../shared/motion.js";
 import { Log } from "../shared/swings.js";
-import { DEGREE } from "../shared/units.js";
 
 /** @typedef {import("../shared/motion.js").Ball} Ball */
 /** @typedef {import("./toy.js").Toy} Toy */
 
-/** How far back the curves reach [s]. */
-export const SPAN = 15;
-// Instants that are closer to the one before are left out.
-const SPACING = 1 / 64; // s
+// How far back the curves reach [s], with some room.
+const SPAN = 15.2;
+// Every so manieth sample is in the curves: sixty a second.
+const STRIDE = 4;
+// Poses of the trail: every so manieth sample.
+const TRAIL_STRIDE = 2;
 // Room above the pivot that is always shown, in reaches of the balls.
 const ABOVE = 0.3;
 // How much of the way the picture's upper end goes in a frame.
 const GROW = 0.25;
 const SHRINK = 0.02;
-const ROOM = Math.ceil(SPAN / SPACING) + 2;
 
-/** The last seconds of some quantities, in the order of time. */
-export class History {
-  /** @param {string[]} names */
-  constructor(names) {
-    this.count = 0;
-    this.next = 0;
-    this.time = new Float64Array(ROOM);
-    /** @type {Record<string, Float64Array>} */
-    this.values = Object.fromEntries(names.map((name) => [name, new Float64Array(ROOM)]));
-  }
-
-  /**
-   * @param {number} time
-   * @param {Record<string, number>} values
-   */
-  add(time, values) {
-    const since = time - this.time[(this.next + ROOM - 1) % ROOM];
-    if (since < 0) this.count = 0;
-    if (this.count && since < SPACING) return;
-    this.time[this.next] = time;
-    for (const name of Object.keys(this.values)) this.values[name][this.next] = values[name];
-    this.next = (this.next + 1) % ROOM;
-    this.count = Math.min(this.count + 1, ROOM);
-  }
-
-  /**
-   * Return the place of the k-th of the samples that are kept, the oldest being the first.
-   * @param {number} k
-   */
-  at(k) {
-    return (this.next + ROOM - this.count + k) % ROOM;
-  }
-
-  /**
-   * Return the least and the largest value that is kept.
-   * @param {string[]} names
-   * @param {number} [since] of the last so many seconds only
-   * @returns {[number, number]}
-   */
-  range(names, since = Infinity) {
-    let [low, high] = [Infinity, -Infinity];
-    const newest = this.time[this.at(this.count - 1)];
-    for (const name of names)
-      for (let k = this.count - 1; k >= 0; k -= 1) {
-        const i = this.at(k);
-        if (newest - this.time[i] > since) break;
-        const value = this.values[name][i];
-        low = Math.min(low, value);
-        high = Math.max(high, value);
-      }
-    return low <= high ? [low, high] : [0, 0];
-  }
-}
-
-/** What `Scene` draws of a toy. */
-export class LiveMotion {
-  /**
-   * @param {Toy} toy
-   * @param {History} history of its last seconds: angles in degrees, and the pivot
-   */
-  constructor(toy, history) {
+export class GrowingMotion {
+  /** @param {Toy} toy */
+  constructor(toy) {
     this.toy = toy;
-    this.history = history;
     this.balls = ballsOf(toy.system);
     /** What the balls did. */
     this.log = new Log(this.balls);
@@ -96,19 +37,33 @@ export class LiveMotion {
         isFelt(kind, speeds[radial + row], toy.system.naturalFrequency * length)));
     };
     this.isString = toy.system.suspension === "string";
+    /** The largest angle from the bottom since the start [rad]. */
+    this.most = 0;
     this.follow();
     this.longest = Math.max(...this.balls.map((b) => b.length));
     this.contacts = new Float64Array(0);
     this.naturalFrequency = toy.system.naturalFrequency;
-    this.end = Infinity;
+    this.grows = true;
+    /** Nobody can go back in it, so that it pins no contact to an instant. */
+    this.low = this.high = null;
     this.reach = toy.controls.drive_amplitude;
     this.top = 0;
+  }
+
+  /** Its last instant [s]. */
+  get end() {
+    return this.toy.time;
+  }
+
+  /** The instants of the last seconds. */
+  get time() {
+    return /** @type {Float64Array} */ (this.values("time"));
   }
 
   /** What the hand does, and what draws the balls down. */
   get about() {
     const { controls, system, isShaken } = this.toy;
-    return { is_sinusoidal: !isShaken,
+    return { is_sinusoidal: !isShaken, attributes: { natural_frequency: system.naturalFrequency },
       options: { ...controls, drive: isShaken ? "measured_pivot" : "harmonic", gravity: system.gravity } };
   }
 
@@ -116,6 +71,12 @@ export class LiveMotion {
   follow() {
     const { angles, velocities, time } = this.toy;
     this.log.move(time, (row) => [angles[row], velocities[row]]);
+    this.most = Math.max(this.most, ...angles.map(fromBottom));
+  }
+
+  /** The largest angle from the bottom since the start [rad]. */
+  highest() {
+    return this.most;
   }
 
   /** @param {Ball} ball */
@@ -132,20 +93,22 @@ export class LiveMotion {
   }
 
   /**
-   * Return a quantity near the newest instant.
+   * Return a quantity at the newest instant; NaN if it is not known.
    * @param {string} name
-   * @param {number} time
+   * @param {number} [_time]
    * @param {number} [row]
    */
-  at(name, time, row = 0) {
-    const { toy } = this;
-    if (name === "pivot_velocity") return toy.pivot.velocity;
-    return name === "angular_velocity" ? toy.velocities[row] : NaN;
+  at(name, _time, row = 0) {
+    return this.toy.minute.newest(name, row);
   }
 
-  /** Nothing is known of the whole motion. */
-  values() {
-    return null;
+  /**
+   * Return one quantity of the last seconds, of one ball where it has several rows.
+   * @param {string} name
+   * @param {number} [ball]
+   */
+  values(name, ball = 0) {
+    return this.toy.minute.recent(name, ball, SPAN, STRIDE);
   }
 
   /** The pivot moves up and down. @returns {[number, number]} */
@@ -176,9 +139,9 @@ export class LiveMotion {
 
   /**
    * Let the box follow how high the balls went lately, and a shaken pivot.
-   * @param {number} largest angle of the last seconds [rad]
    */
-  rise(largest) {
+  rise() {
+    const largest = Math.max(...this.balls.flatMap(({ row }) => [...this.values("angle", row) ?? []].map(Math.abs)), 0);
     const side = this.longest + Math.max(...this.balls.map((b) => this.radius(b)));
     const above = Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2);
     const needed = side * Math.sin(above) + this.reach;
@@ -193,26 +156,19 @@ export class LiveMotion {
   }
 
   /**
-   * Return the poses of the last moment as the history has them, the oldest first, and one between
-   * each two: a ball that moves fast turns far in a picture.
-   * @param {number} time now
+   * Return the poses of the last moment, the oldest first, and now.
+   * @param {number} _time now
    * @param {number} span how far back they go [s]
    */
-  recent(time, span) {
-    const { history, balls } = this;
-    const { pivot, right, left, far, other } = history.values;
-    /** @type {number[][]} */
-    const rows = [];
-    for (let k = history.count - 1; k >= 0; k -= 1) {
-      const i = history.at(k);
-      if (history.time[i] < time - span) break;
-      const next = rows.at(-1);
-      const row = [pivot[i], right[i], left[i], far[i], other[i]];
-      if (next) rows.push(row.map((value, j) => 0.5 * (value + next[j])));
-      rows.push(row);
-    }
-    const poses = rows.reverse().map(([height, ...values]) => poseOf(height, balls,
-      ({ name }) => values[name === "left" ? 1 : 0] * DEGREE, 0, ({ name }) => values[name === "left" ? 3 : 2]));
+  recent(_time, span) {
+    const { balls, toy: { minute } } = this;
+    const of = (/** @type {string} */ name, /** @type {number} */ row) => minute.recent(name, row, span, TRAIL_STRIDE);
+    const heights = /** @type {Float64Array} */ (of("pivot_height", 0));
+    const angles = balls.map(({ row }) => /** @type {Float64Array} */ (of("angle", row)));
+    const distances = balls.map(({ row }) => of("distance", row));
+    const place = (/** @type {Ball} */ ball) => balls.indexOf(ball);
+    const poses = Array.from(heights, (height, i) => poseOf(height, balls,
+      (ball) => ball.sign * angles[place(ball)][i], 0, (ball) => distances[place(ball)]?.[i] ?? ball.length));
     return [...poses, this.pose()];
   }
 }

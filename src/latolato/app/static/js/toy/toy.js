@@ -3,9 +3,9 @@
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
 import { recordOf } from "../model/case.js";
-import { LEDGER, OUTSIDE_MODEL, PER_STRING } from "../model/simulate.js";
+import { OUTSIDE_MODEL, PER_STRING } from "../model/simulate.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
-import { Recording } from "./recording.js";
+import { Minute, RATE } from "./minute.js";
 
 /**
  * @typedef {import("../kernels/memory.js").Held} Held
@@ -19,8 +19,6 @@ import { Recording } from "./recording.js";
 
 // Aimed-at error over a few hundred periods [rad]; see `latolato.simulate`.
 const TOLERANCE = 1e-10;
-// Samples of a recording in a second.
-export const SAMPLES_PER_SECOND = 240;
 // A toy moves on by no more than this at a go: a hand corrects its aim as often.
 export const LONGEST = 1 / 60; // s
 // A hand moves no faster than this, and by this share of its way each time the toy moves on.
@@ -72,7 +70,6 @@ export class Toy {
     this.room = ROOM + kernels.rows.spare;
     // Contact is always exact.
     this.case = { ...each, tolerance: TOLERANCE, clampStep: 0 };
-    this.begun = cosine;
     /** As it is now. */
     this.system = { ...each.system, balls: each.system.balls.map((ball) => ({ ...ball })) };
     const { balls, restitution, contacts } = this.system;
@@ -88,9 +85,7 @@ export class Toy {
     /** Called with each contact: time, kind and a row of the table of contacts. */
     this.onContact = (/** @type {number} */ _time, /** @type {number} */ _kind,
       /** @type {number[]} */ _speeds) => {};
-    /** @type {Recording | null} */
-    this.recording = null;
-    this.awaitsRecording = false;
+    this.minute = new Minute(kernels, cosine, this.case);
     /** @type {{ball: number, angle: number} | null} */
     this.held = null;
     this.pushed = 0;
@@ -118,6 +113,7 @@ export class Toy {
     });
     /** @type {View} */
     this.present = this.look(now, samples)(0);
+    this.minute.add(0, this.present, this.canBegin);
     kernels.release(now);
   }
 
@@ -173,34 +169,26 @@ export class Toy {
     return { kinetic, potential };
   }
 
-  /** Return a toy that begins as this one did, with the controls as they are; this one ends. */
-  restarted() {
-    const { drive_amplitude: amplitude, drive_frequency: frequency } = this.controls;
-    return new Toy(this.kernels, { ...this.case, system: this.system },
-      { ...this.begun, amplitude, frequency });
-  }
-
   /**
    * Take new values of controls, from now on; if one is wrong none is taken.
    * @param {Record<string, number>} values in SI units
    */
   set(values) {
     this.check(values);
-    const { controls, system, recording } = this;
+    const { controls, system } = this;
     Object.assign(controls, values);
     if ("damping" in values) for (const ball of system.balls) ball.damping = values.damping;
     system.restitution = values.restitution ?? system.restitution;
-    if (recording && ("damping" in values || "restitution" in values)) recording.byHand = true;
+    if ("damping" in values || "restitution" in values) this.noteHand();
     if (!this.isShaken && ("drive_amplitude" in values || "drive_frequency" in values)) this.steer();
     this.prepare();
   }
 
   /** Change the cosine of the pivot to what was asked for last. */
   steer() {
-    const { controls, recording, steered, time } = this;
+    const { controls, minute, steered, time } = this;
     steered.settle(time);
-    const change = steered.steer(time, controls.drive_amplitude, controls.drive_frequency);
-    recording?.steer(change);
+    minute.steer(steered.steer(time, controls.drive_amplitude, controls.drive_frequency));
   }
 
   /** Whether something else than the cosine moves the pivot. */
@@ -219,9 +207,9 @@ export class Toy {
     else if (lead) {
       shaken.begin(this.pivot, lead);
       this.drive = shaken;
-      if (this.recording) this.recording.isShaken = true;
     } else if (this.isShaken) {
       steered.resume(this.time, this.pivot, controls.drive_frequency, shaken.limit);
+      this.minute.settle(steered.cosine);
       this.drive = steered;
       this.steer();
     } else return;
@@ -260,19 +248,6 @@ export class Toy {
       ? { ...aim, angle: Math.min(Math.max(aim.angle, low), high) } : aim;
   }
 
-  /** Begin a recording as soon as the drive is steady and no ball is held. */
-  record() {
-    this.awaitsRecording = true;
-  }
-
-  /** Return the recording that ends here, null if none had begun. */
-  finish() {
-    const { recording } = this;
-    this.recording = null;
-    this.awaitsRecording = false;
-    return recording;
-  }
-
   /**
    * Move on; throws if the motion left the range of numbers or cannot be followed.
    * @param {number} stop in s, at most `LONGEST` from now
@@ -280,19 +255,23 @@ export class Toy {
    */
   advance(stop, wall = performance.now()) {
     const { kernels, run } = this;
-    if (this.isShaken) this.shaken.move(this.time, stop, wall);
-    else if (this.steered.settle(this.time)) this.prepare();
-    if (this.awaitsRecording && this.drive.isSteady && !this.held) this.beginRecording();
+    if (this.isShaken) {
+      this.shaken.move(this.time, stop, wall);
+      this.minute.shakenAt = stop;
+    } else if (this.steered.settle(this.time)) {
+      this.minute.settle(this.steered.cosine);
+      this.prepare();
+    }
     const kick = this.kick(stop - this.time);
     const speed = largest(this.speeds) + largest(kick);
     if (speed > this.speed) this.prepare(speed);
     const isKicked = kick.some((each) => each !== 0);
-    if (isKicked && this.recording) this.recording.byHand = true;
+    if (isKicked || this.held) this.noteHand();
     /** @type {number[]} */
-    const recorded = [];
-    for (let k = Math.floor(this.time * SAMPLES_PER_SECOND); k / SAMPLES_PER_SECOND <= stop; k += 1)
-      if (k / SAMPLES_PER_SECOND > this.time) recorded.push(k / SAMPLES_PER_SECOND);
-    const instants = kernels.copy(recorded.at(-1) === stop ? recorded : [...recorded, stop]);
+    const kept = [];
+    for (let k = Math.floor(this.time * RATE); k / RATE <= stop; k += 1)
+      if (k / RATE > this.time) kept.push(k / RATE);
+    const instants = kernels.copy(kept.at(-1) === stop ? kept : [...kept, stop]);
     const count = instants.shape[0];
     const samples = kernels.take("f8", kernels.rows.samples, count);
     const contacts = { times: kernels.take("f8", this.room), kinds: kernels.take("i8", this.room),
@@ -320,7 +299,8 @@ export class Toy {
     kernels.set(run, "state.steps", 0);
     this.time = stop;
     const viewAt = this.look(instants, samples);
-    recorded.forEach((instant, i) => this.recording?.add(instant, viewAt(i)));
+    const begins = this.canBegin;
+    kept.forEach((instant, i) => this.minute.add(instant, viewAt(i), begins));
     this.present = viewAt(count - 1);
     kernels.release(instants);
   }
@@ -395,19 +375,19 @@ export class Toy {
   }
 
   /**
-   * Count contacts and remember the hardest, for the flash; keep them if recording.
+   * Count contacts, keep them, and remember the hardest, for the flash.
    * @param {number} rows
    * @param {Record<"times" | "kinds" | "values", Held>} contacts
    */
   noteContacts(rows, { times, kinds, values }) {
-    const { kernels, recording, system } = this;
+    const { kernels, minute, system } = this;
     const table = kernels.numbers(values);
     for (let i = 0; i < rows; i += 1) {
       const speeds = Array.from({ length: kernels.layout.contact_rows.count }, (_, row) =>
         table[row * this.room + i]);
       const kind = Number(kernels.numbers(kinds)[i]);
       const at = kernels.numbers(times)[i];
-      recording?.addContact(at, kind, speeds);
+      minute.addContact(at, kind, speeds);
       this.onContact(at, kind, speeds);
       if (kind >= REST) continue;
       this.contacts += 1;
@@ -416,22 +396,13 @@ export class Toy {
     }
   }
 
-  /** Begin a recording at this instant. */
-  beginRecording() {
-    this.awaitsRecording = false;
-    const { kernels, system, present } = this;
-    const balls = system.balls.map((ball) => ({ ...ball }));
-    this.recording = new Recording(kernels, this.steered.from(this.time),
-      { ...this.case, system: { ...system, balls }, angles: this.angles, velocities: this.velocities,
-        distances: [] });
-    this.recording.isShaken = this.isShaken;
-    // No run begins with a ball that leaves its circle.
-    this.recording.byHand = this.state("is_slack").some(Number);
-    for (const name of LEDGER) {
-      if (kernels.layout.sample_rows[name] >= kernels.rows.samples) continue;
-      kernels.set(this.run, `state.${name}`, 0);
-      present.samples[kernels.layout.sample_rows[name]] = 0;
-    }
-    this.recording.add(this.time, present);
+  /** Whether a run could begin now: its drive is steady, nobody holds a ball, and no ball has left its circle. */
+  get canBegin() {
+    return !this.isShaken && this.drive.isSteady && !this.held && !this.state("is_slack").some(Number);
+  }
+
+  /** Note that a hand changes something now that no run can repeat. */
+  noteHand() {
+    this.minute.handAt = this.time;
   }
 }

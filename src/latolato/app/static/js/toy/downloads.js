@@ -20,11 +20,14 @@ export class Downloads {
     this.page = page;
     this.runner = new Runner(page.registry);
     this.request = { scenario: /** @type {string | null} */ (null), options: {} };
+    /** What was played by hand, if that is on show. @type {import("../shared/block.js").Block | null} */
+    this.kept = null;
     const entry = (/** @type {string} */ kind, /** @type {HTMLElement} */ control) => el("li", {}, control,
       el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`));
     const own = OWN.map((kind) => ({ kind, item: entry(kind, el("button", { type: "button", class: "plain link",
       on: { click: () => void this.write(kind) } }, t(`file_${kind}`))) }));
     this.contacts = own[1].item;
+    this.scenario = own[2].item;
     this.links = OF_PROGRAM.map((kind) => ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
     const id = freshId();
     this.speed = el("select", { id }, ...SPEEDS.map((s) =>
@@ -32,16 +35,16 @@ export class Downloads {
     this.job = new JobLine();
     this.make = el("button", { type: "button", on: { click: () => void this.animate() } },
       t("file_mp4"));
-    this.root = el("details", { class: "card downloads", on: {
+    this.root = el("details", { class: "card downloads of-run", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
         if (event.key === "Escape") this.root.open = false;
       } } },
       el("summary", {}, t("download")),
       el("ul", {}, ...own.map(({ item }) => item),
         ...(page.registry.server ? this.links.map(({ kind, link }) => entry(kind, link)) : [])),
-      ...(page.registry.server ? [
+      ...(page.registry.server ? [this.ofProgram = el("div", {},
         el("div", { class: "row" }, this.make, el("label", { for: id }, t("speed")), this.speed),
-        el("p", { class: "hint" }, t("fileHint_mp4")), this.job.root]
+        el("p", { class: "hint" }, t("fileHint_mp4")), this.job.root)]
         : [el("p", { class: "hint" }, t("fileProgram"))]));
   }
 
@@ -49,25 +52,30 @@ export class Downloads {
    * Return nothing; the menu is of this run from now on.
    * @param {{scenario: string | null, options: Record<string, any>}} request
    * @param {boolean} touching whether balls of the run can touch
+   * @param {import("../shared/block.js").Block | null} kept what was played by hand, if that is on show: no
+   *   parameters make it again, so it is stored as it is
    */
-  show(request, touching) {
+  show(request, touching, kept) {
     this.request = request;
-    const query = format({ view: "play", ...request, extra: {} });
+    this.kept = kept;
+    for (const part of [this.scenario, this.ofProgram, ...this.links.map(({ link }) => link.parentElement)])
+      if (part) part.hidden = kept !== null;
+    const query = format({ view: "toy", ...request, extra: {} });
     for (const { kind, link } of this.links) link.href = `download/run.${kind}${query}`;
     this.contacts.hidden = !touching;
   }
 
   /**
-   * Compute the run once more, with all its samples, and store it.
+   * Compute the run once more, with all its samples, and store it; what was played is stored as it is.
    * @param {typeof OWN[number]} kind
    */
   async write(kind) {
     const { registry } = this.page;
     const { scenario } = this.request;
     // The run is on show, so its time was agreed to.
-    const block = await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES, isAgreed: true });
+    const block = this.kept ?? await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES, isAgreed: true });
     const { system, drive } = block.about.options;
-    const name = `latolato_${scenario ?? `${system}_${drive}`}.${kind}`;
+    const name = `latolato_${this.kept ? "by_hand" : scenario ?? `${system}_${drive}`}.${kind}`;
     const text = kind === "toml" ? tomlOf(registry, block, name)
       : kind === "csv" ? columnsTable(registry, block) : contactsTable(registry, block);
     saveFile(new Blob([text], { type: kind === "toml" ? "application/toml" : "text/csv" }), name);

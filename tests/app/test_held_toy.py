@@ -1,4 +1,4 @@
-"""The toy of Live, moved by JavaScript, beside what Python computes."""
+"""The toy that a hand holds, moved by JavaScript, beside what Python computes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from latolato.scenario.scenario import scenarios
 from latolato.simulation.start import DEFAULT_REST_SPEED
 from toys import TICKS_PER_SECOND, Job, move_toys
 
-RECORD = (0, "record", None)
+KEEP = (0, "keep", None)
 STRING = {"suspension": "string", "drive_amplitude": "60 mm"}
 STILL = {"drive": "harmonic", "drive_amplitude": "0 m", "drive_frequency": "6 rad/s"}
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
@@ -67,7 +67,7 @@ def beginning(scenario):
 
 
 CHANGES = [
-    (300, "record", None),
+    (300, "keep", None),
     (360, "set", {"drive_frequency": 15.1}),
     (364, "set", {"drive_amplitude": 0.04}),
     (480, "set", {"drive_amplitude": 0.02, "drive_frequency": 20.0}),
@@ -77,21 +77,21 @@ CHANGES = [
 @pytest.mark.parametrize(
     "job",
     [
-        Job("fig12", 720, [RECORD]),
-        Job("fig04b_push", 720, [RECORD]),
-        Job("fig02", 720, [RECORD]),
-        Job("ballpair_asymmetric", 180, [RECORD]),  # it is chaotic
+        Job("fig12", 720, [KEEP]),
+        Job("fig04b_push", 720, [KEEP]),
+        Job("fig02", 720, [KEEP]),
+        Job("ballpair_asymmetric", 180, [KEEP]),  # it is chaotic
         Job("fig12", 720, CHANGES, options={"drive_amplitude": "34 mm"}),
-        Job("toy", 180, [RECORD], options=STRING),
+        Job("toy", 180, [KEEP], options=STRING),
     ],
     ids=lambda job: f"{job.scenario}, {len(job.actions)} actions",
 )
-def test_a_recording_is_the_run_of_its_options(tmp_path, job):
+def test_what_is_kept_is_the_run_of_its_options(tmp_path, job):
     (done,) = move_toys(tmp_path, job)
-    recording, dataset = done["recording"], done["dataset"]
-    assert recording["deviation"] < 1e-6
-    assert not recording["byHand"]
-    again = RunRequest(None, recording["options"]).to_scenario()
+    kept, dataset = done["kept"], done["dataset"]
+    assert kept["deviation"] < 1e-6
+    assert not kept["byHand"]
+    again = RunRequest(None, kept["options"]).to_scenario()
     run = again.simulate(times=dataset["time"].values)
     # Both aim at 1e-10; the motion is regular or short.
     np.testing.assert_allclose(dataset["angle"], run["angle"], rtol=0, atol=1e-7)
@@ -112,10 +112,10 @@ HUNG = {"suspension": "string", "drag_frame": "lab"}
         ("fig12", HUNG), ("ballpair_asymmetric", HUNG),
     ],
 )  # fmt: skip
-def test_a_file_of_a_recording_has_the_columns_of_python(tmp_path, name, options):
-    (done,) = move_toys(tmp_path, Job(name, 60, [RECORD], options))
+def test_a_file_of_what_is_kept_has_the_columns_of_python(tmp_path, name, options):
+    (done,) = move_toys(tmp_path, Job(name, 60, [KEEP], options))
     dataset = done["dataset"]
-    run = RunRequest(None, done["recording"]["options"]).to_scenario().simulate(
+    run = RunRequest(None, done["kept"]["options"]).to_scenario().simulate(
         times=dataset["time"].values
     )  # fmt: skip
     path = ll.save(run, tmp_path / "python.csv")
@@ -133,8 +133,8 @@ def test_a_file_of_a_recording_has_the_columns_of_python(tmp_path, name, options
 
 
 def test_the_work_of_a_hand_is_a_column(tmp_path):
-    (done,) = move_toys(tmp_path, Job("fig12", 120, [RECORD, (60, "push", 2.0)]))
-    assert done["recording"]["byHand"]
+    (done,) = move_toys(tmp_path, Job("fig12", 120, [KEEP, (60, "push", 2.0)]))
+    assert done["kept"]["byHand"]
     dataset = done["dataset"]
     assert float(dataset["noise_work"][-1]) > 0.0
     assert "hand" in dataset.attrs["note"]
@@ -142,11 +142,11 @@ def test_the_work_of_a_hand_is_a_column(tmp_path):
 
 def test_the_heights_of_a_shaken_pivot_make_the_same_motion_in_python(tmp_path):
     shake = (60, "shake", {"amplitude": 0.02, "frequency": 12.0})
-    job = Job("fig02", 360, [(60, "record", None), shake], options={"initial_angle": "40 deg"})
+    job = Job("fig02", 360, [(60, "keep", None), shake], options={"initial_angle": "40 deg"})
     (done,) = move_toys(tmp_path, job)
-    recording, dataset = done["recording"], done["dataset"]
-    assert recording["deviation"] is None
-    assert dataset.attrs["drive"] == recording["options"]["drive"] == "measured_pivot"
+    kept, dataset = done["kept"], done["dataset"]
+    assert kept["deviation"] is None
+    assert dataset.attrs["drive"] == kept["options"]["drive"] == "measured_pivot"
     assert "pivot_height is its motion" in dataset.attrs["note"]
     time = dataset["time"].values
     scenario = scenario_of(Job("fig02", 0, options=STILL))

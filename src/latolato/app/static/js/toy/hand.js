@@ -1,0 +1,443 @@
+/** The hand that holds a toy: it moves in real time while pointers, keys and sensors change everything. */
+
+import { startKernels } from "../kernels/load.js";
+import { specify } from "../model/case.js";
+import { el } from "../shared/dom.js";
+import { followDrag } from "../shared/drag.js";
+import { slackText } from "../shared/hang.js";
+import { textOf } from "../shared/laws.js";
+import { textsOf } from "../shared/links.js";
+import { before } from "../shared/motion.js";
+import { FIRST } from "../shared/state.js";
+import { t, tr } from "../strings.js";
+import { withControls } from "./address.js";
+import { fit, KEYS } from "./controls.js";
+import { cosineOf } from "./drive.js";
+import { GrowingMotion } from "./motion.js";
+import { Pace } from "./pace.js";
+import { Shake } from "./shake.js";
+import { Toy } from "./toy.js";
+
+/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../shared/motion.js").Ball} Ball */
+/** @typedef {import("../shared/motion.js").Motion} Motion */
+/** @typedef {import("../model/case.js").Case} Case */
+/**
+ * What the view does for the hand: `request` returns the scenario and the options to run; `begun` shows
+ * what a toy has begun with; `refuse` says why there is none; `keep` shows what was played, with the
+ * options of the run that it is, if it is one.
+ * @typedef {{request: () => {scenario: string | null, options: Record<string, string>},
+ *   begun: (each: Case) => void, refuse: (error: Error) => void,
+ *   keep: (block: import("../shared/block.js").Block, options: Record<string, string> | null) => void}} Owner
+ */
+
+// Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
+const RATIOS = { high: 3.136, low: 2.389 };
+// A push, in natural angular frequencies [rad/s].
+const PUSH = 0.4;
+// A softer contact is no clack to be seen [rad/s].
+const SOFTEST = 0.1;
+// Balls that meet this fast are as loud as it gets, in natural angular frequencies.
+const LOUDEST = 3;
+// A smaller share of real time is shown.
+const SLOW = 0.95;
+// A longer address is not understood by every server.
+const LONGEST_ADDRESS = 6000;
+// Drives whose cosine goes on from any instant of a run.
+const STEADY = ["harmonic", "fixed_pivot"];
+
+/**
+ * Return whether two cases differ in nothing but what the controls change.
+ * @param {Case} one
+ * @param {Case} other
+ */
+function isSteered(one, other) {
+  const rest = (/** @type {Case} */ { system, angles, velocities, distances }) =>
+    JSON.stringify([system.kind, system.gravity, angles, velocities, distances, system.suspension,
+      system.string_restitution, system.drag_frame,
+      system.balls.map((ball) => ({ ...ball, damping: 0 }))]);
+  return rest(one) === rest(other);
+}
+
+/**
+ * Return the state of a run at its last sample up to an instant at which all balls are on their circles.
+ * @param {Motion} motion
+ * @param {number} time
+ */
+function stateOf(motion, time) {
+  const balls = motion.balls.filter(({ row }, i) => i === 0 || row > 0);
+  let i = Math.min(before(motion.time, time), motion.time.length - 2);
+  while (i > 0 && balls.some((ball) => motion.isLoose(ball, i))) i -= 1;
+  const of = (/** @type {string} */ name) =>
+    balls.map(({ row }) => Number(motion.values(name, row)?.[i]));
+  return { time: motion.time[i], angles: of("angle"), velocities: of("angular_velocity") };
+}
+
+/**
+ * Return angles at which no balls overlap: those of a run on show may be off by rounding.
+ * @param {number[]} angles
+ * @param {import("../model/laws.js").System} system
+ */
+function apart(angles, { contacts, low, high }) {
+  if (!contacts) return angles;
+  const within = (/** @type {number} */ value) => Math.min(Math.max(value, low), high);
+  if (angles.length === 1) return angles.map(within);
+  const [right, left] = angles;
+  const missing = within(right - left) - (right - left);
+  return [right + 0.5 * missing, left - 0.5 * missing];
+}
+
+export class Hand {
+  /**
+   * @param {Page} page
+   * @param {import("../shared/player.js").Player} player whose stage and clock it takes
+   * @param {import("../shared/knobs.js").Knobs} knobs
+   * @param {Owner} owner
+   */
+  constructor(page, player, knobs, owner) {
+    this.page = page;
+    this.player = player;
+    this.knobs = knobs;
+    this.owner = owner;
+    this.isOn = false;
+    /** @type {Toy | null} */
+    this.toy = null;
+    /** @type {GrowingMotion | null} */
+    this.motion = null;
+    /** What the address asks for. @type {Case | null} */
+    this.asked = null;
+    this.signature = "";
+    this.pace = new Pace();
+    this.shake = new Shake(() => this.toy, () => this.showShake());
+    const button = (/** @type {string} */ name, /** @type {string} */ key, /** @type {() => void} */ click) =>
+      el("button", { type: "button", on: { click } }, t(name), el("kbd", { "aria-hidden": "true" }, key));
+    const trick = (/** @type {"high" | "low"} */ name, /** @type {string} */ text, /** @type {string} */ key) =>
+      el("button", { type: "button", on: { click: () => this.ratio(RATIOS[name]) } },
+        t(text, { ratio: RATIOS[name] }), el("kbd", { "aria-hidden": "true" }, key));
+    this.parts = {
+      push: button("push", "P", () => this.push()),
+      restart: button("restart", "R", () => this.restart()),
+      shake: button("shakeIt", "S", () => void this.shake.toggle()),
+      keep: button("keepMinute", "C", () => this.keep()),
+      high: trick("high", "highFrequency", "1"),
+      low: trick("low", "lowFrequency", "2"),
+    };
+    const { push, restart, shake, keep, high, low } = this.parts;
+    /** What a hand can do, in the row of the transport. */
+    this.tools = el("span", { class: "row of-hand" }, push, restart, shake, keep);
+    this.readout = el("p", { class: "readout of-hand" });
+    this.hint = el("p", { class: "hint of-hand", id: "hand-keys" }, t("handKeys"));
+    this.trick = el("section", { class: "card trick of-hand" }, el("h2", {}, t("trick")),
+      el("div", { class: "row" }, high, el("span", {}, t("trickThen")), low),
+      el("details", { class: "about" }, el("summary", {}, t("trickWhy")), el("p", {}, t("trickHint")),
+        el("ol", {}, el("li", {}, t("trickStep1")), el("li", {}, t("trickStep2"))),
+        el("p", { class: "hint" }, t("trickMore"))));
+    const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
+      this.toy?.hold({ ball: ball.row, angle });
+    followDrag(player.scene, { isOn: () => this.isOn, lead, drop: () => this.toy?.hold(null),
+      grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0), lift: (height) => this.shake.drag(height) });
+    player.clock.subscribe((_, { playing, isRead }) => {
+      if (!playing) this.pace.rest();
+      if (this.isOn && isRead) this.read();
+    });
+    document.addEventListener("visibilitychange", () => this.returnToView());
+  }
+
+  /**
+   * Take the toy, where the run on show has it.
+   * @param {boolean} isAsked whether somebody asked for it just now, and not the address of a page that opens
+   */
+  async take(isAsked) {
+    const { player } = this;
+    this.isOn = true;
+    const { motion, clock: { time } } = player;
+    const from = motion && !motion.grows ? stateOf(motion, time) : null;
+    await this.begin(null, from);
+    if (this.isOn) this.takeKeys(isAsked);
+  }
+
+  /** Let the toy go. */
+  release() {
+    this.isOn = false;
+    this.shake.end();
+    this.toy = this.motion = this.asked = null;
+    this.signature = "";
+    this.say("");
+    this.player.scene.canvas.classList.remove("grabbable", "unasked");
+  }
+
+  /** The run in the address, as a text to compare. */
+  wish() {
+    const { scenario, options } = this.page.store.state;
+    return JSON.stringify([scenario, options]);
+  }
+
+  /**
+   * Begin with what the address asks for, if that has changed.
+   * @param {boolean} steers whether a toy that differs in its controls alone is steered there
+   */
+  follow(steers) {
+    if (this.wish() !== this.signature) void this.begin(steers ? this.toy : null);
+  }
+
+  /**
+   * Begin with what the address asks for, or steer a toy to it that differs in its controls alone.
+   * @param {Toy | null} [running]
+   * @param {{time: number, angles: number[], velocities: number[]} | null} [from] where a run on show has the balls
+   */
+  async begin(running = null, from = null) {
+    this.signature = this.wish();
+    const { signature } = this;
+    this.toy = running;
+    try {
+      const each = await specify(this.page.registry, this.owner.request());
+      if (running && this.asked && isSteered(this.asked, each)) this.steer(running, each);
+      else {
+        const kernels = await startKernels(each.kernels.name);
+        if (signature !== this.signature || !this.isOn) return;
+        const cosine = cosineOf(each);
+        this.asked = each;
+        this.start(from && STEADY.includes(each.drive.kind)
+          ? new Toy(kernels, { ...each, angles: apart(from.angles, each.system), velocities: from.velocities, distances: [] },
+            { ...cosine, phase: cosine.phase + cosine.frequency * from.time })
+          : new Toy(kernels, each, cosine));
+      }
+      this.asked = each;
+      this.owner.begun(each);
+      this.say(this.page.registry.drives[each.drive.kind].sinusoidal ? "" : t("handCosine"));
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      if (signature !== this.signature) return;
+      this.owner.refuse(error);
+      this.allow(false);
+    }
+  }
+
+  /**
+   * Give a running toy the controls of a case, as if its sliders were moved there.
+   * @param {Toy} toy
+   * @param {Case} each
+   */
+  steer(toy, each) {
+    const { amplitude, frequency } = cosineOf(each);
+    const { balls: [{ damping }], restitution } = each.system;
+    const values = { drive_amplitude: amplitude, drive_frequency: frequency, damping, restitution };
+    toy.set(Object.fromEntries(Object.entries(values).filter(([name]) => name in toy.controls)));
+    for (const name of Object.keys(toy.controls)) this.knobs.all[name]?.show(toy.controls[name]);
+    this.showRatio();
+    this.rescale();
+  }
+
+  /** @param {Toy} toy */
+  start(toy) {
+    const { knobs, player } = this;
+    this.toy = toy;
+    const motion = new GrowingMotion(toy);
+    this.motion = motion;
+    knobs.keys = KEYS;
+    fit(knobs, toy);
+    knobs.explain(toy.system.naturalFrequency);
+    this.trick.hidden = motion.balls.length < 2;
+    player.hold(motion, (now) => this.move(now), LOUDEST * toy.system.naturalFrequency);
+    const { canvas } = player.scene;
+    canvas.classList.add("grabbable");
+    canvas.setAttribute("aria-label", t("handStage"));
+    this.showRatio();
+    this.shake.apply();
+    this.pace.rest();
+    this.allow(true);
+    this.read();
+  }
+
+  /**
+   * Enable or disable the buttons that move a toy.
+   * @param {boolean} hasToy
+   */
+  allow(hasToy) {
+    for (const button of Object.values(this.parts)) button.disabled = !hasToy;
+  }
+
+  /** Begin again as the run begins, with the controls as they are. */
+  restart() {
+    const { toy, asked } = this;
+    if (!toy || !asked) return;
+    const { drive_amplitude: amplitude, drive_frequency: frequency } = toy.controls;
+    this.start(new Toy(toy.kernels, { ...asked, system: toy.system }, { ...cosineOf(asked), amplitude, frequency }));
+  }
+
+  /**
+   * Take what was slid or typed.
+   * @param {string} name
+   * @param {number} value in SI units
+   */
+  turn(name, value) {
+    const { toy } = this;
+    const isRatio = name === "frequency_ratio";
+    const scale = isRatio && toy ? toy.system.naturalFrequency : 1;
+    const control = isRatio ? "drive_frequency" : name;
+    this.knobs.error(null);
+    this.say("");
+    this.set(control, value * scale);
+    this.knobs.all[control].show(value * scale);
+  }
+
+  /**
+   * Ask for a new value, and keep it in the address.
+   * @param {string} name
+   * @param {number} value in SI units
+   */
+  set(name, value) {
+    const { registry, store } = this.page;
+    if (!this.toy) {
+      // The value before made no toy; this one may.
+      const option = registry.options[name];
+      if (option) store.option(name, textOf(option, value));
+      return;
+    }
+    // These are of the cosine.
+    if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
+    this.player.senses.narrator.turned(name, this.toy.controls[name], value);
+    this.toy.set({ [name]: value });
+    if (name === "drive_amplitude") this.rescale();
+    const options = withControls(registry, store.state.options, this.toy.system.kind,
+      this.toy.controls, name);
+    const scenario = store.state.scenario ?? (options.system ? null : FIRST);
+    this.signature = JSON.stringify([scenario, options]);
+    store.set({ scenario, options });
+  }
+
+  /** Show as much of the plane as the pivot needs. */
+  rescale() {
+    if (!this.motion || !this.toy) return;
+    this.motion.reach = this.toy.controls.drive_amplitude;
+    this.player.scene.draw();
+  }
+
+  /**
+   * Move the toy on to a picture; returns its time [s].
+   * @param {number} now in ms
+   */
+  move(now) {
+    const { toy, motion, pace, player: { clock, scene } } = this;
+    if (!toy || !motion) return clock.time;
+    pace.speed = clock.speed;
+    try {
+      pace.move(toy, now, () => {
+        motion.follow();
+        if (toy.clack > SOFTEST) scene.flash(motion.pose(), toy.clack);
+        scene.ring(motion.pose(), motion.pulled.splice(0));
+        toy.clack = 0;
+      });
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      // The memory that it computed in may be spoiled: begin in a new one.
+      void this.begin().then(() => this.say(t("handFault", { text: tr(error.message) })));
+    }
+    motion.rise();
+    return toy.time;
+  }
+
+  /** Write what the toy does now. */
+  read() {
+    const { toy, motion, pace } = this;
+    if (!toy || !motion) return;
+    const text = toy.isShaken ? "handReadoutShaken"
+      : motion.balls.length > 1 ? "handReadout" : "handReadoutOne";
+    const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
+    this.readout.textContent = t(text, {
+      time: toy.time.toFixed(1), count: toy.contacts, ratio: ratio.toFixed(3),
+    }) + slackText(motion, toy.time) + (pace.share < SLOW ? t("handSlow", { share: (pace.share * pace.speed).toFixed(2) }) : "");
+    this.showRatio();
+    this.shake.watch();
+  }
+
+  /** Show what shakes the pivot now. */
+  showShake() {
+    this.parts.shake.setAttribute("aria-pressed", String(this.shake.isOn));
+    this.page.messages.say("shake", this.shake.text, { stays: true });
+    if (!this.toy?.isShaken) this.rescale();
+  }
+
+  showRatio() {
+    const { toy } = this;
+    if (!toy) return;
+    const ratio = toy.controls.drive_frequency / toy.system.naturalFrequency;
+    this.knobs.all.frequency_ratio?.read(ratio.toFixed(3), true);
+    for (const name of /** @type {("high" | "low")[]} */ (["high", "low"]))
+      this.parts[name].setAttribute("aria-pressed", String(Math.abs(ratio - RATIOS[name]) < 2e-3));
+  }
+
+  /** Show the last minute as a run like any other. */
+  keep() {
+    const { toy } = this;
+    if (!toy) return;
+    const kept = toy.minute.keep(toy.system);
+    const again = kept.again();
+    const block = kept.block(again);
+    const options = kept.isRun(again) ? textsOf(this.page.registry, kept.options()) : null;
+    const fits = options && new URLSearchParams(options).toString().length < LONGEST_ADDRESS;
+    this.owner.keep(block, fits ? options : null);
+  }
+
+  /** Tell that the toy stood still while its tab was in the background. */
+  returnToView() {
+    this.pace.rest();
+    if (this.isOn && this.player.clock.playing && !document.hidden)
+      this.page.messages.say("hidden", t("handHidden"));
+  }
+
+  push() {
+    this.toy?.push(PUSH * this.toy.system.naturalFrequency);
+  }
+
+  /** @param {number} ratio */
+  ratio(ratio) {
+    if (this.toy) this.turn("frequency_ratio", ratio);
+  }
+
+  /**
+   * Let arrow keys steer the toy, unless the focus is elsewhere on a page that opens, as in a story. A
+   * frame shows the focus as soon as somebody uses keys.
+   * @param {boolean} isAsked
+   */
+  takeKeys(isAsked) {
+    const { canvas } = this.player.scene;
+    const { activeElement, body } = document;
+    if (!isAsked && activeElement !== body && !activeElement?.closest("#views")) return;
+    canvas.classList.add("unasked");
+    const reveal = () => canvas.classList.remove("unasked");
+    canvas.focus({ preventScroll: true });
+    canvas.addEventListener("blur", reveal, { once: true });
+    window.addEventListener("keydown", reveal, { once: true });
+  }
+
+  /** The action of each key. @returns {import("../shared/keys.js").Actions} */
+  actions() {
+    const turn = (/** @type {string} */ name, /** @type {number} */ way) =>
+      () => this.knobs.all[name]?.turn(way);
+    return {
+      ArrowUp: { text: "keyAmplitudeUp", act: turn("drive_amplitude", 1) },
+      ArrowDown: { text: "keyAmplitudeDown", act: turn("drive_amplitude", -1) },
+      ArrowRight: { text: "keyFrequencyUp", act: turn("drive_frequency", 1) },
+      ArrowLeft: { text: "keyFrequencyDown", act: turn("drive_frequency", -1) },
+      d: { text: "keyDampingUp", act: turn("damping", 1) },
+      D: { text: "keyDampingDown", act: turn("damping", -1) },
+      e: { text: "keyRestitutionUp", act: turn("restitution", 1) },
+      E: { text: "keyRestitutionDown", act: turn("restitution", -1) },
+      p: { text: "keyPush", act: () => this.push() },
+      s: { text: "keyShake", act: () => void this.shake.toggle() },
+      r: { text: "keyRestart", act: () => this.restart() },
+      c: { text: "keyKeep", act: () => this.keep() },
+      1: { text: "keyHigh", act: () => this.ratio(RATIOS.high) },
+      2: { text: "keyLow", act: () => this.ratio(RATIOS.low) },
+    };
+  }
+
+  /**
+   * Say something about the toy on show.
+   * @param {string} text
+   */
+  say(text) {
+    this.page.messages.say("toy", text, { stays: true });
+  }
+}
