@@ -5,7 +5,7 @@ the first lines say how fast native code is in the same run, for machines differ
 slider to curve are times from an event to the picture that shows what comes of it. Maps have walls,
 300 s and e = 1; their pictures are counted by ``data-pictures`` and ``data-done`` of the view.
 
-``python benchmarks/pages.py [play live maps size server]``
+``python benchmarks/pages.py [toy hand maps size server]``
 """
 
 from __future__ import annotations
@@ -58,9 +58,9 @@ PAINTED = """(tell) => requestAnimationFrame(() => {
   after.port1.onmessage = tell;
   after.port2.postMessage(0);
 })"""
-# Notes when the frame with the first curve of Play was painted, or the first that moved in Live.
+# Notes when the frame with the first curve of a run was painted, or the first that moved in a hand.
 WATCH_START = f"""const look = () => {{
-  const moves = window.latolato?.views.live?.toy?.time > 0;
+  const moves = window.latolato?.views.toy?.hand?.toy?.time > 0;
   if (!moves && !document.querySelector("[data-runs]")) requestAnimationFrame(look);
   else ({PAINTED})(() => {{ window.shown = performance.now(); }});
 }};
@@ -92,12 +92,12 @@ FRAMES = """async (ms) => {
   return (1000 * count) / (last - begun);
 }"""
 PRESS = """async (count) => {
-  const view = window.latolato.views.live;
+  const view = window.latolato.views.toy.hand;
   const times = [];
   for (let k = 0; k < count; k += 1) {
     await new Promise((done) => setTimeout(done, 140 + 13 * (k % 7)));
     const begun = performance.now();
-    view.parts.canvas.dispatchEvent(new KeyboardEvent("keydown",
+    view.player.scene.canvas.dispatchEvent(new KeyboardEvent("keydown",
       { key: k % 2 ? "ArrowDown" : "ArrowUp", bubbles: true, cancelable: true }));
     const { time } = view.toy;
     let pictures = 0;
@@ -192,7 +192,7 @@ def native() -> None:
 
 def first_pictures(browser: Any, address: str) -> None:
     """Print how soon a visitor who was never here sees something."""
-    for view, what in (("live", "first moving picture, cold"), ("play", "first curve, cold")):
+    for view, what in (("toy&toy.hand=1", "first moving picture, cold"), ("toy", "first curve, cold")):
         shown = []
         for _ in range(COLD_STARTS):
             page = new_page(browser)
@@ -203,7 +203,7 @@ def first_pictures(browser: Any, address: str) -> None:
         line(what, f"{statistics.median(shown):.2f} s", "1.0 s")
 
 
-def play(browser: Any, address: str) -> None:
+def toy(browser: Any, address: str) -> None:
     """Print how Play follows a slider, and how smooth it is."""
     first_pictures(browser, address)
     for samples, asked in ((30_000, 25), (100_000, 50)):
@@ -218,26 +218,26 @@ def play(browser: Any, address: str) -> None:
         page.context.close()
 
 
-def live(browser: Any, address: str) -> None:
-    """Print how soon Live follows a key, and how smooth it is."""
+def hand(browser: Any, address: str) -> None:
+    """Print how soon a toy in a hand follows a key, and how smooth it is."""
     page = new_page(browser)
-    page.goto(f"{address}?view=live")
+    page.goto(f"{address}?view=toy&toy.hand=1")
     page.wait_for_selector("[data-ready]")
     page.wait_for_timeout(1500)
     keys = page.evaluate(PRESS, KEYS)
     delays = sorted(delay for delay, _ in keys)
     measured = f"{statistics.median(delays):.1f} ms, at most {max(p for _, p in keys)} pictures"
-    line("Live: input to changed motion", measured, "1 picture")
-    page.get_by_label("Speed", exact=True).select_option("10")
+    line("hand: input to changed motion", measured, "1 picture")
+    page.locator(".transport").get_by_label("Speed").select_option("10")
     throttle = page.context.new_cdp_session(page)
     for slower, asked in ((1, "60"), (4, "50")):
         throttle.send("Emulation.setCPUThrottlingRate", {"rate": slower})
         page.wait_for_timeout(500)
         rate = page.evaluate(FRAMES, 1000 * SECONDS)
         more = "" if slower == 1 else f", processor {slower} times slower"
-        line(f"Live: pictures a second at 10x{more}", f"{rate:.1f}", asked)
+        line(f"hand: pictures a second at 10x{more}", f"{rate:.1f}", asked)
     throttle.send("Emulation.setCPUThrottlingRate", {"rate": 1})
-    page.get_by_label("Speed", exact=True).select_option("1")
+    page.locator(".transport").get_by_label("Speed").select_option("1")
     page.get_by_text("Listen and read").click()
     # In turns, so that whatever else the machine does weighs on both.
     rates: dict[bool, list[float]] = {False: [], True: []}
@@ -248,7 +248,7 @@ def live(browser: Any, address: str) -> None:
         rates[is_on].append(page.evaluate(FRAMES, 500 * SECONDS))
     silent, heard = (statistics.median(rates[is_on]) for is_on in (False, True))
     measured = f"{silent:.1f}, {heard:.1f} with them"
-    line("Live: pictures a second without sound and description", measured, "60")
+    line("hand: pictures a second without sound and description", measured, "60")
     page.context.close()
 
 
@@ -274,9 +274,9 @@ def maps(browser: Any, address: str) -> None:
 
 
 def size(browser: Any, address: str) -> None:
-    """Print how much a visitor loads who opens Play, Live and Map."""
+    """Print how much a visitor loads who opens Toy, holds it, and opens Map."""
     files: dict[str, bytes] = {}
-    for view, end in (("play", "[data-runs]"), ("live", "[data-ready]"), ("map", "h1")):
+    for view, end in (("toy", "[data-runs]"), ("toy&toy.hand=1", "[data-ready]"), ("map", "h1")):
         page = new_page(browser)
         loaded: set[str] = set()
         page.on("request", lambda request, loaded=loaded: loaded.add(request.url))
@@ -290,7 +290,7 @@ def size(browser: Any, address: str) -> None:
     whole = sum(map(len, files.values())) / 1e6
     packed = sum(len(gzip.compress(each)) for each in files.values()) / 1e6
     measured = f"{whole:.2f} MB, gzip {packed:.2f} MB"
-    line(f"Play, Live and Map with kernels, {len(files)} files", measured, "1 MB")
+    line(f"Toy and Map with kernels, {len(files)} files", measured, "1 MB")
 
 
 def server(browser: Any) -> None:
@@ -300,7 +300,7 @@ def server(browser: Any) -> None:
         context = browser.new_context()
         for k in range(PAGES):
             page = context.new_page()
-            page.goto(f"{address}?view={('play', 'live')[k % 2]}")
+            page.goto(f"{address}?view={('toy', 'toy&toy.hand=1')[k % 2]}")
             page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
         time.sleep(1.0)
         before = cpu_time(process)
@@ -318,7 +318,7 @@ def cpu_time(process: int) -> float:
 
 def main() -> None:
     """Measure what the command line names, or everything."""
-    wanted = sys.argv[1:] or ["play", "live", "maps", "size", "server"]
+    wanted = sys.argv[1:] or ["toy", "hand", "maps", "size", "server"]
     print(f"{os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}\n")
     line("", "measured", "asked at most")
     native()
@@ -326,7 +326,7 @@ def main() -> None:
         write_site(Path(folder))
         command = [sys.executable, "-m", "http.server", "--bind", "127.0.0.1", "-d", folder, "0"]
         with serving(command, r"\((http://[^)]+)\)") as (address, _):
-            for measure in (play, live, maps, size):
+            for measure in (toy, hand, maps, size):
                 if measure.__name__ in wanted:
                     measure(browser, address)
         if "server" in wanted:

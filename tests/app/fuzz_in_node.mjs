@@ -33,7 +33,7 @@ const kinds = {
     return { same, ended: await ended(state) };
   },
   async link(search) {
-    const views = ["play", "map", "live"];
+    const views = ["toy", "map"];
     const { state, left } = readable(registry, parse(search), views);
     const again = readable(registry, parse(format(state)), views);
     return { lines: left.map(({ text }) => text), again: again.left.length, known: views.includes(state.view) };

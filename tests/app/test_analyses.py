@@ -639,8 +639,8 @@ def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
     page.wait_for_selector(".point[data-runs]", timeout=240_000)
     page.get_by_role("link", name="Open in Play").click()
     page.wait_for_selector("[data-runs] .player", timeout=240_000)
-    page.wait_for_function("() => window.latolato.views.play?.player.motion")
-    found = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
+    page.wait_for_function("() => window.latolato.views.toy?.player.motion")
+    found = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     asked = RunRequest("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}).to_scenario()
     assert found["drive_frequency"] == asked.drive.drive_frequency
 

@@ -18,7 +18,7 @@ from latolato.io.files import load
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/animation"
 # A pair whose balls touch, in units that are not SI.
-QUERY = "view=play&scenario=fig04a_push&duration=2 s&length=90 cm&map.x=damping"
+QUERY = "view=toy&scenario=fig04a_push&duration=2 s&length=90 cm&map.x=damping"
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_a_page_that_goes_ends_its_work(client):
 
 
 def test_the_menu_stores_what_is_on_show(page, tmp_path):
-    page.goto("/?view=play&scenario=fig04a_push&duration=2 s&length=90 cm")
+    page.goto("/?view=toy&scenario=fig04a_push&duration=2 s&length=90 cm")
     page.wait_for_selector("[data-runs]", timeout=240_000)
     page.get_by_text("Download", exact=True).click()
     with page.expect_download() as caught:
@@ -170,7 +170,7 @@ def test_the_menu_stores_what_is_on_show(page, tmp_path):
     caught.value.save_as(path)
     assert path.name == "latolato_fig04a_push.nc"
     shown = page.evaluate(
-        """() => { const m = window.latolato.views.play.player.motion;
+        """() => { const m = window.latolato.views.toy.player.motion;
           return [m.end, m.angle(m.balls[0], m.end)]; }"""
     )
     run = ll.load(path)
@@ -180,7 +180,7 @@ def test_the_menu_stores_what_is_on_show(page, tmp_path):
 
 def test_an_animation_is_made_from_the_menu_or_cancelled(page, tmp_path):
     av = pytest.importorskip("av", reason="needs the extra 'video'")
-    page.goto("/?view=play&scenario=fig02&duration=100 s")
+    page.goto("/?view=toy&scenario=fig02&duration=100 s")
     page.wait_for_selector("[data-runs]", timeout=240_000)
     page.get_by_text("Download", exact=True).click()
     page.get_by_role("button", name="Make an MP4").click()

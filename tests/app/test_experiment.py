@@ -188,7 +188,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
 
     page.get_by_role("button", name="Open in Play").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    options = page.evaluate("() => window.latolato.views.play.player.motion.about.options")
+    options = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     assert options["damping"] == pytest.approx(BALL.damping, rel=0.015)
     assert options["initial_angle"] == pytest.approx(0.6, abs=0.01)
     assert options["drive"] == "fixed_pivot"

@@ -60,7 +60,7 @@ def test_texts_stand_in_the_table_of_strings_only():
 def test_modules_of_play_are_asked_for_with_the_page_and_once_each():
     page = (STATIC / "index.html").read_text()
     asked = re.findall(r'rel="modulepreload" href="(.+?)"', page)
-    left = [STATIC / "js" / "main.js", STATIC / "js" / "play" / "view.js"]
+    left = [STATIC / "js" / "main.js", STATIC / "js" / "toy" / "view.js"]
     needed: set[Path] = set()
     while left:
         module = left.pop()

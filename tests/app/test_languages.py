@@ -143,7 +143,7 @@ def texts_of_refusals() -> Iterator[str]:
         for text in (problem.rule, problem.way_out):
             yield re.sub(r"\{\w+:[^}]*\}", FILLED, text)
     begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
-    for folder in ("model", "map", "live", "story"):
+    for folder in ("model", "map", "toy", "story"):
         for path in sorted((STATIC / "js" / folder).glob("*.js")):
             source = path.read_text(encoding="utf-8")
             for match in begins.finditer(source):
@@ -224,8 +224,8 @@ def test_translations_have_the_gaps_of_the_english_texts(path, english):
 # How long a view may take to show its first picture [ms].
 PATIENCE = 120_000
 VIEWS = {
-    "play": "[data-runs]",
-    "live": "[data-ready]",
+    "toy": "[data-runs]",
+    "toy&toy.hand=1": "[data-ready]",
     "map&map.scenario=fig05_push&map.duration=20&map.size=12": "[data-done]",
 }
 # What a reader sees or hears of a page, each text once, without code, symbols and marked English.
@@ -278,7 +278,7 @@ def test_views_show_no_english_and_fit_a_phone(page, path, view, english):
         if text not in names and any(shape.fullmatch(text) for shape in shapes)
     ]
     assert left == []
-    assert table["strings"]["view_play"] in shown
+    assert table["strings"]["view_toy"] in shown
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
 
 
@@ -289,7 +289,7 @@ def spoken(page: Any) -> str:
 
 
 def test_a_reader_chooses_a_language_and_keeps_it(page):
-    page.goto("/?view=play&scenario=fig02&duration=5%20s")
+    page.goto("/?view=toy&scenario=fig02&duration=5%20s")
     assert spoken(page) == "en"
     names = page.locator("#language option").all_inner_texts()
     assert names == ["English", "Bahasa Indonesia (beta)"]
@@ -301,26 +301,26 @@ def test_a_reader_chooses_a_language_and_keeps_it(page):
     assert "duration=5+s" in page.url
     assert "lang=id" in page.url
     assert "lang=id" in page.locator("#views a").nth(1).get_attribute("href")
-    page.goto("/?view=play")
+    page.goto("/?view=toy")
     assert spoken(page) == "id"
-    assert page.url.endswith("?view=play")
+    assert page.url.endswith("?view=toy")
     # A link has the last word, for this once.
-    page.goto("/?view=play&lang=en")
+    page.goto("/?view=toy&lang=en")
     assert spoken(page) == "en"
-    page.goto("/?view=play")
+    page.goto("/?view=toy")
     assert spoken(page) == "id"
 
 
 def test_a_browser_says_what_its_reader_prefers(browser, server):
     context = browser.new_context(base_url=server.address, locale="id-ID")
     page = context.new_page()
-    page.goto("/?view=play")
+    page.goto("/?view=toy")
     assert spoken(page) == "id"
     context.close()
 
 
 def test_an_unknown_language_is_named_and_left_out(page):
-    page.goto("/?view=play&lang=xx")
+    page.goto("/?view=toy&lang=xx")
     page.get_by_text("the language “xx”, which is not here. The page is in English.").wait_for()
     assert spoken(page) == "en"
     page.get_by_label("How far the hand moves, slider").press("ArrowRight")
@@ -329,7 +329,7 @@ def test_an_unknown_language_is_named_and_left_out(page):
 
 
 def test_a_refusal_stands_in_the_language_of_the_page(page):
-    page.goto("/?view=play&lang=id")
+    page.goto("/?view=toy&lang=id")
     spoken(page)
     page.get_by_text("Parameter lain", exact=True).click()
     field = page.get_by_label("jari-jari satu bola", exact=False).first
@@ -351,7 +351,7 @@ def test_a_language_is_one_file(page):
     }
     page.route("**/registry.json", lambda route: route.fulfill(json=about))
     page.route("**/languages/eo.json", lambda route: route.fulfill(json=table))
-    page.goto("/?view=play&lang=eo")
+    page.goto("/?view=toy&lang=eo")
     assert spoken(page) == "eo"
     page.get_by_role("link", name="Mapo").wait_for()
     page.get_by_label("gravita akcelo g", exact=True).wait_for(state="attached")
@@ -360,14 +360,14 @@ def test_a_language_is_one_file(page):
 def test_english_asks_for_no_further_file(page):
     asked = []
     page.on("request", lambda request: asked.append(request.url))
-    page.goto("/?view=play")
+    page.goto("/?view=toy")
     spoken(page)
     assert [url for url in asked if "languages" in url] == []
 
 
 def test_a_language_whose_texts_do_not_come_is_told(page, watch):
     page.route("**/languages/id.json", lambda route: route.abort())
-    page.goto("/?view=play&lang=id")
+    page.goto("/?view=toy&lang=id")
     page.get_by_text("The texts in Bahasa Indonesia could not be loaded").wait_for()
     assert spoken(page) == "en"
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]

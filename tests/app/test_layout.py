@@ -1,4 +1,4 @@
-"""The composition of Play and Live: a large stage, few knobs, the rest when asked for."""
+"""The composition of Toy: a large stage, few knobs, the rest when asked for."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from latolato.io.shown_units import SIZES
 
 # How long a page may take to show its first run or toy [ms].
 PATIENCE = 120_000
-PLAYER = "window.latolato.views.play.player"
-READY = {"play": "[data-runs]", "live": "[data-ready]"}
+PLAYER = "window.latolato.views.toy.player"
+# What the address says of a toy, and of one in a hand.
+ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
+READY = {"toy": "[data-runs]", "held": "[data-ready]"}
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 
 
-def open_view(page, query, view="play", size=LAPTOP, motion="reduce"):
+def open_view(page, query, view="toy", size=LAPTOP, motion="reduce"):
     page.emulate_media(reduced_motion=motion)
     page.set_viewport_size(size)
-    page.goto(f"/?view={view}{query}")
+    page.goto(f"/?view={ADDRESS[view]}{query}")
     page.wait_for_selector(READY[view], timeout=PATIENCE)
 
 
@@ -58,7 +60,7 @@ def test_a_run_that_played_goes_on_when_its_view_comes_back(page):
     open_view(page, "", motion="no-preference")
     page.get_by_role("link", name="Map", exact=True).click()
     assert not page.evaluate(f"() => {PLAYER}.clock.playing")
-    page.get_by_role("link", name="Play", exact=True).click()
+    page.get_by_role("link", name="Toy", exact=True).click()
     page.get_by_role("button", name="Pause").wait_for()
 
 
@@ -70,7 +72,7 @@ def test_the_headline_asks_what_the_preset_asks(page):
     page.get_by_role("heading", name=ll.load_scenario("kapitza").question).wait_for()
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 @pytest.mark.parametrize("size", [LAPTOP, {"width": 1920, "height": 1080}])
 def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, size):
     open_view(page, "", view, size)
@@ -79,7 +81,7 @@ def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, siz
     assert 0.57 < stage["width"] / size["width"] < 0.63
     assert page.locator("canvas.scene").bounding_box()["height"] > 0.45 * size["height"]
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".more-curves"]
-    seen += {"play": [".scrub", ".chart", ".drawers"], "live": [".strip", ".trick"]}[view]
+    seen += {"toy": [".scrub", ".chart", ".drawers"], "held": [".chart", ".trick"]}[view]
     boxes = [page.locator(each).first.bounding_box() for each in seen]
     knobs = page.locator(".knobs .knob")
     assert knobs.count() >= 3
@@ -103,7 +105,7 @@ def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, siz
 )
 def test_every_toy_has_three_telling_knobs(page, scenario, knobs):
     open_view(page, f"&scenario={scenario}&duration=3 s")
-    shown = page.evaluate("() => Object.keys(window.latolato.views.play.knobs.all)")
+    shown = page.evaluate("() => Object.keys(window.latolato.views.toy.knobs.all)")
     assert [name for name in shown if name != "frequency_ratio"] == knobs
     assert page.locator(".knobs .knob").count() == 3
 
@@ -355,7 +357,7 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     open_view(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
     messages = page.locator(".stage-messages")
-    option = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
+    option = "([name, text]) => window.latolato.views.toy.page.store.option(name, text)"
     page.evaluate(option, ["radius", "9 m"])
     messages.get_by_text("“radius of one ball” must be at least 0 mm").wait_for()
     page.evaluate(option, ["restitution", "2"])
@@ -371,7 +373,7 @@ def test_the_first_run_finds_its_place(page):
     held = []
     page.route("**/one.wasm", lambda route: held.append(route))
     page.set_viewport_size(LAPTOP)
-    page.goto("/?view=play")
+    page.goto("/?view=toy")
     parts = (".stage", ".scrub", ".transport", ".drawers", ".more-curves")
     page.locator(".more-curves").wait_for()
     before = [page.locator(each).bounding_box() for each in parts]
@@ -390,7 +392,7 @@ def test_messages_and_curves_move_nothing(page):
     parts = (".stage", ".transport", ".knobs", ".drawers")
     places = [page.locator(each).bounding_box() for each in parts]
     page.evaluate(
-        "() => window.latolato.views.play.note('This run takes long.', "
+        "() => window.latolato.views.toy.note('This run takes long.', "
         "[{ label: 'Stop', act: () => {} }])"
     )
     page.get_by_role("button", name="Pivot", exact=True).click()
@@ -399,7 +401,7 @@ def test_messages_and_curves_move_nothing(page):
     assert [page.locator(each).bounding_box() for each in parts] == places
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, view):
     context = browser.new_context(
         base_url=server.address, viewport=PHONE, has_touch=True, is_mobile=True
@@ -423,7 +425,7 @@ def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, vie
     context.close()
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 @pytest.mark.parametrize(
     "size",
     [{"width": 844, "height": 390}, {"width": 683, "height": 384}, {"width": 195, "height": 422}],
@@ -463,7 +465,7 @@ def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size)
         assert page.locator(".timeline").bounding_box() == curve
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
     page.emulate_media(color_scheme="dark")
     open_view(page, "", view, motion="no-preference")
@@ -472,7 +474,7 @@ def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
     on_screen = page.evaluate(paint)
     page.evaluate("() => dispatchEvent(new Event('beforeprint'))")
     assert page.evaluate(paint) != on_screen == "#e8eaef"
-    curve = {"play": ".chart canvas", "live": ".strip"}[view]
+    curve = ".chart canvas"
     for seen in ("canvas.scene", curve, ".headline", ".legend output", ".knobs input[type=text]"):
         assert page.locator(seen).first.is_visible()
     # Pictures keep their shape.
@@ -489,7 +491,7 @@ def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
 
 
 def test_a_slip_of_the_keyboard_is_refused_with_a_way_on(page):
-    open_view(page, "", "play")
+    open_view(page, "")
     field = page.get_by_role("textbox", name="How far the hand moves")
     field.fill("99999")
     field.press("Enter")
@@ -501,10 +503,10 @@ def test_a_slip_of_the_keyboard_is_refused_with_a_way_on(page):
 
 
 def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
-    open_view(page, "&scenario=fig02_mathieu", "play")
+    open_view(page, "&scenario=fig02_mathieu")
     marks = page.evaluate(
         """() => {
-          const { plot } = window.latolato.views.play.player.curves.charts[0];
+          const { plot } = window.latolato.views.toy.player.curves.charts[0];
           return plot.axes[1]._values.map(Number);
         }"""
     )
@@ -515,7 +517,7 @@ def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
 @pytest.mark.parametrize("language", ["en", "id"])
 def test_a_phone_s_header_shows_the_whole_name_of_its_language(page, language):
     page.set_viewport_size(PHONE)
-    page.goto(f"/?view=play&lang={language}")
+    page.goto(f"/?view=toy&lang={language}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     select = page.locator("#language")
     width = select.bounding_box()["width"]

@@ -15,7 +15,7 @@ BROKEN = {
     "lenght=1 m": "There is no parameter “lenght”.",
     "strange.thing=1": "There is no parameter “strange.thing”.",
     "play.speed=2": "There is no parameter “play.speed”.",
-    "live.thing=1": "There is no parameter “live.thing”.",
+    "toy.thing=1": "There is no parameter “toy.thing”.",
     "report.figur=fig02": "There is no parameter “report.figur”.",
     "story.nme=why_twice": "There is no parameter “story.nme”.",
     "length=much": "“pivot to ball centre” must be a number in cm",
@@ -34,7 +34,7 @@ BROKEN = {
 
 
 # All views read links with the same code: each opens a share of the broken ones.
-VIEWS = ("play", "live", "map", "analyse")
+VIEWS = ("toy", "map", "analyse")
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -54,26 +54,26 @@ def test_one_message_names_all_parts_and_offers_ways_on(page):
     assert message.count() == 1
     for words in ("no view “nowhere”", "no preset “fig99”", "got 1.2", "no parameter “lenght”"):
         assert words in message.inner_text()
-    page.wait_for_function("() => location.search === '?view=play'")
+    page.wait_for_function("() => location.search === '?view=toy'")
     page.get_by_role("button", name="Show it with 1").click()
     page.wait_for_function("() => location.search.includes('restitution=1')")
     assert message.count() == 0
 
 
 def test_a_link_to_a_preset_that_is_gone_leads_to_the_first_one(page):
-    page.goto("/?view=live&scenario=nothing&damping=0")
+    page.goto("/?view=toy&toy.hand=1&scenario=nothing&damping=0")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     page.get_by_role("button", name="Go to the first preset").click()
-    page.wait_for_function("() => location.search === '?view=live&scenario=toy'")
+    page.wait_for_function("() => location.search === '?view=toy&scenario=toy&toy.hand=1'")
     assert page.get_by_label("Begin with").input_value() == "toy"
 
 
-def test_live_leaves_out_what_its_own_preset_has_not(page):
-    page.goto("/?view=live&ramp=1 s&restitution=0.8")
+def test_a_hand_leaves_out_what_its_toy_has_not(page):
+    page.goto("/?view=toy&toy.hand=1&ramp=1 s&restitution=0.8")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     text = "“time in which the frequency moves to a new stage” does not belong to “Harmonic”."
     page.locator(".message").get_by_text(text).wait_for()
-    assert page.locator(".live").get_by_label("Bounciness e").input_value() == "0.8"
+    assert page.locator(".toy").get_by_label("Bounciness e").input_value() == "0.8"
 
 
 def test_a_link_that_calls_its_preset_preset_is_told_the_key(page):
@@ -82,14 +82,14 @@ def test_a_link_that_calls_its_preset_preset_is_told_the_key(page):
     page.locator(".message").get_by_text("as in “scenario=fig02”, not by “preset”").wait_for()
     title = ll.load_scenario("fig02").title
     page.get_by_role("button", name=f"Show “{title}”").click()
-    page.wait_for_function("() => location.search === '?view=play&scenario=fig02'")
+    page.wait_for_function("() => location.search === '?view=toy&scenario=fig02'")
     page.goto("/?preset=nothing")
     page.locator(".message").get_by_text("not by “preset”").wait_for()
     assert page.locator(".message button").count() == 1  # dismisses it
 
 
 def test_a_link_to_a_map_leads_to_map(page):
-    page.goto("/?view=play&scenario=fig05")
+    page.goto("/?view=toy&scenario=fig05")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     page.get_by_role("button", name="Open it in Map").click()
     page.wait_for_function("() => location.search.includes('map.scenario=fig05')")
@@ -101,14 +101,14 @@ def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page)
         lambda: page.get_by_role("button", name="Dismiss this message").click(),
         lambda: page.get_by_label("Begin with").select_option("fig02"),
     ):
-        page.goto("/?view=play&lenght=1")
+        page.goto("/?view=toy&lenght=1")
         page.wait_for_selector("[data-runs]", timeout=PATIENCE)
         leave()
         page.locator(".message").wait_for(state="detached")
 
 
 def test_values_that_contradict_each_other_are_refused_with_a_way_back(page):
-    page.goto("/?view=play&scenario=toy&radius=40 cm")
+    page.goto("/?view=toy&scenario=toy&radius=40 cm")
     message = page.locator(".message.bad")
     message.get_by_text("must be at least 0 cm and below the length, got 40").wait_for()
     page.get_by_role("button", name="Reset to the preset").click()
@@ -117,7 +117,7 @@ def test_values_that_contradict_each_other_are_refused_with_a_way_back(page):
 
 
 def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered(page):
-    page.goto("/?view=play&scenario=toy&duration=4 s")
+    page.goto("/?view=toy&scenario=toy&duration=4 s")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     field = page.get_by_role("textbox", name="Bounciness")
     field.fill("2")
@@ -132,14 +132,14 @@ def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered
     assert field.get_attribute("aria-invalid") == "false"
 
 
-def test_a_knob_of_live_offers_the_nearest_value(page):
-    page.goto("/?view=live&scenario=toy")
+def test_a_knob_of_a_toy_in_a_hand_offers_the_nearest_value(page):
+    page.goto("/?view=toy&toy.hand=1&scenario=toy")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     knob = page.get_by_role("textbox", name="Bounciness")
     knob.fill("-1")
     knob.press("Enter")
     page.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()
     page.get_by_role("button", name="Take 0").click()
-    page.wait_for_function("() => window.latolato.views.live.toy.controls.restitution === 0")
+    page.wait_for_function("() => window.latolato.views.toy.hand.toy.controls.restitution === 0")
     assert knob.input_value() == "0"
     assert page.locator(".message").count() == 0

@@ -22,7 +22,7 @@ PATIENCE = 60_000
 def open_play(page, query=""):
     """Open Play with a run at rest."""
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"/?view=play{query}")
+    page.goto(f"/?view=toy{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
 
 
@@ -52,12 +52,12 @@ def test_a_slider_changes_the_curve_and_the_address(page):
 
 
 def test_numbers_that_would_lag_behind_the_picture_are_not_shown(page):
-    page.goto("/?view=play&scenario=toy")
+    page.goto("/?view=toy&scenario=toy")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     page.wait_for_timeout(1500)  # the first clacks
     fast, slow, paused = page.evaluate(
         """async () => {
-          const { player } = window.latolato.views.play;
+          const { player } = window.latolato.views.toy;
           const { clock, motion } = player;
           const read = (time) => [document.querySelector(".transport .time").textContent,
             [...document.querySelectorAll(".timeline .legend output")]
@@ -102,7 +102,7 @@ def test_balls_are_drawn_where_the_run_has_them(page, scenario):
     for share in (0.0, 0.31, 0.77):
         found = page.evaluate(
             """async share => {
-              const player = window.latolato.views.play.player;
+              const player = window.latolato.views.toy.player;
               player.clock.seek(share * player.clock.end);
               const { motion, scene } = player;
               const time = player.clock.time;
@@ -124,7 +124,7 @@ def test_balls_are_drawn_where_the_run_has_them(page, scenario):
 
 # Reads the canvas of a curve: for some columns the rows in which a colour is seen.
 READ_CURVE = """({ chart, series }) => {
-  const { plot, curves } = window.latolato.views.play.player.curves.charts[chart];
+  const { plot, curves } = window.latolato.views.toy.player.curves.charts[chart];
   const { ctx } = plot;
   const canvas = ctx.canvas;
   const { data } = ctx.getImageData(0, 0, canvas.width, canvas.height);
@@ -160,7 +160,7 @@ def test_curves_go_through_the_data(page, scheme):
 
 
 CURSOR = """(share) => {
-  const { clock, curves } = window.latolato.views.play.player;
+  const { clock, curves } = window.latolato.views.toy.player;
   clock.seek(share * clock.end);
   return curves.charts.map(({ plot, instant }) => {
     const box = plot.over.getBoundingClientRect();
@@ -188,7 +188,7 @@ def test_fast_and_slow_playback_show_the_same_motion(page):
     open_play(page, "&scenario=fig04a_push&duration=20%20s")
     shown = page.evaluate(
         """() => {
-          const { clock, scene } = window.latolato.views.play.player;
+          const { clock, scene } = window.latolato.views.toy.player;
           const at = (speed, steps) => {
             clock.speed = speed;
             clock.seek(0);
@@ -207,9 +207,9 @@ def test_the_address_brings_the_same_run_back(page):
     field.fill("28")
     field.press("Enter")
     page.wait_for_function("() => location.search.includes('28')")
-    state = "() => window.latolato.views.play.player.motion.about.options"
+    state = "() => window.latolato.views.toy.player.motion.about.options"
     page.wait_for_function(
-        "() => Math.abs(window.latolato.views.play.player.motion.about.options.drive_amplitude"
+        "() => Math.abs(window.latolato.views.toy.player.motion.about.options.drive_amplitude"
         " - 0.028) < 1e-12"
     )
     before, address = page.evaluate(state), page.url
@@ -272,12 +272,12 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
         page.wait_for_function(f"() => ({lengths})()[0] === {rows}")
     page.get_by_label("Drive", exact=True).select_option("staged_harmonic")
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive === 'staged_harmonic'"
+        "() => window.latolato.views.toy.player.motion.about.options.drive === 'staged_harmonic'"
     )
     # The address follows a moment later.
     page.wait_for_function(f"() => ({lengths})().join() === '4,4,4'")
     page.get_by_role("button", name="Add a row").click()
-    options = "window.latolato.views.play.player.motion.about.options"
+    options = "window.latolato.views.toy.player.motion.about.options"
     page.wait_for_function(f"() => {options}.drive_amplitudes?.length === 5")
 
 
@@ -286,18 +286,18 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
     for system in ("latolato", "ballpair", "mathieu", "pendulum"):
         page.get_by_label("System", exact=True).select_option(system)
         page.wait_for_function(
-            "name => window.latolato.views.play.player.motion.about.options.system === name",
+            "name => window.latolato.views.toy.player.motion.about.options.system === name",
             arg=system,
         )
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
     page.get_by_role("button", name="Add a row").click()
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
+        "() => window.latolato.views.toy.player.motion.about.options.drive_times?.length === 3"
     )
     for drive in ("chirp", "crank_slider", "fixed_pivot", "harmonic"):
         page.get_by_label("Drive", exact=True).select_option(drive)
         page.wait_for_function(
-            "name => window.latolato.views.play.player.motion.about.options.drive === name",
+            "name => window.latolato.views.toy.player.motion.about.options.drive === name",
             arg=drive,
         )
 
@@ -305,11 +305,11 @@ def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
 @pytest.mark.parametrize("scenario", [None, "fig02", "fig12"])
 def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
     open_form(page, f"&scenario={scenario}" if scenario else "")
-    options = "() => window.latolato.views.play.player.motion.about.options"
+    options = "() => window.latolato.views.toy.player.motion.about.options"
     before = page.evaluate(options)
     page.get_by_label("Drive", exact=True).select_option("chirp")
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive === 'chirp'"
+        "() => window.latolato.views.toy.player.motion.about.options.drive === 'chirp'"
     )
     after = page.evaluate(options)
     for name in ("length", "mass", "damping", "radius", "initial_angle", "duration"):
@@ -321,12 +321,12 @@ def test_the_editor_of_schedules_opens_from_the_first_page(page):
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
     page.get_by_role("button", name="Add a row").click()
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive_times?.length === 3"
+        "() => window.latolato.views.toy.player.motion.about.options.drive_times?.length === 3"
     )
     page.get_by_label("angular frequency of each stage 3").fill("12")
     page.get_by_label("angular frequency of each stage 3").press("Enter")
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive_frequencies[2] === 12"
+        "() => window.latolato.views.toy.player.motion.about.options.drive_frequencies[2] === 12"
     )
 
 
@@ -352,17 +352,17 @@ def test_a_run_of_minutes_asks_first_and_stops_at_once(page):
     page.wait_for_function("() => document.activeElement.textContent === 'Stop'")
     stop.press("Enter")
     page.get_by_text("The run was stopped").wait_for()
-    assert page.evaluate("() => window.latolato.views.play.runner.worker") is None
+    assert page.evaluate("() => window.latolato.views.toy.runner.worker") is None
     field.fill("5")
     field.press("Enter")
-    page.wait_for_function("() => window.latolato.views.play.player.motion.end === 5")
+    page.wait_for_function("() => window.latolato.views.toy.player.motion.end === 5")
     assert page.locator(".message").count() == 0
 
 
 def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
     open_play(page)
     fail = """(times) => {
-      const view = window.latolato.views.play;
+      const view = window.latolato.views.toy;
       view.simulate();
       for (let k = 0; k < times; k += 1)
         view.runner.receive({ number: view.runner.number, fault: { message: "" } });
@@ -388,7 +388,7 @@ def test_a_moving_slider_shows_the_run_under_way_and_the_newest_one(page):
     open_play(page, "&scenario=fig04b_push&duration=20%20s")
     asked, statuses, amplitude = page.evaluate(
         """async () => {
-          const { runner } = window.latolato.views.play;
+          const { runner } = window.latolato.views.toy;
           const { worker } = runner;
           const post = worker.postMessage.bind(worker);
           let asked = 0;
@@ -410,22 +410,22 @@ def test_the_keyboard_plays_steps_and_zooms(page):
     chart.focus()
     chart.press(".")
     chart.press(".")
-    step = page.evaluate("() => 20 / (window.latolato.views.play.player.motion.time.length - 1)")
-    assert page.evaluate("() => window.latolato.views.play.player.clock.time") == pytest.approx(
+    step = page.evaluate("() => 20 / (window.latolato.views.toy.player.motion.time.length - 1)")
+    assert page.evaluate("() => window.latolato.views.toy.player.clock.time") == pytest.approx(
         2 * step
     )
     chart.press("+")
-    span = page.evaluate("() => window.latolato.views.play.player.curves.span")
+    span = page.evaluate("() => window.latolato.views.toy.player.curves.span")
     assert span[1] - span[0] == pytest.approx(10.0, rel=0.5)
     chart.press("0")
-    assert page.evaluate("() => window.latolato.views.play.player.curves.span") == [0, 20]
+    assert page.evaluate("() => window.latolato.views.toy.player.curves.span") == [0, 20]
     chart.press(" ")
-    page.wait_for_function("() => window.latolato.views.play.player.clock.time > 0.2")
+    page.wait_for_function("() => window.latolato.views.toy.player.clock.time > 0.2")
     chart.press(" ")
-    assert page.evaluate("() => window.latolato.views.play.player.clock.playing") is False
+    assert page.evaluate("() => window.latolato.views.toy.player.clock.playing") is False
 
 
-PLAYING = "() => window.latolato.views.play.player.clock.playing"
+PLAYING = "() => window.latolato.views.toy.player.clock.playing"
 
 
 def test_the_space_bar_plays_and_does_not_scroll(page):
@@ -473,7 +473,7 @@ def test_a_pinned_run_stays_behind_the_next(page):
     field.fill("30")
     field.press("Enter")
     page.get_by_text("right ball, pinned").wait_for()
-    series = page.evaluate("() => window.latolato.views.play.player.curves.charts[0].plot.data")
+    series = page.evaluate("() => window.latolato.views.toy.player.curves.charts[0].plot.data")
     assert len(series) == 5  # time, two pinned angles, two angles
     page.get_by_role("button", name="Unpin this run").click()
     page.get_by_text("right ball, pinned").wait_for(state="detached")
@@ -486,7 +486,7 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
     sides = page.evaluate(
         """async () => {
           const { ledgerRows } = await import("/js/shared/more.js");
-          const rows = ledgerRows(window.latolato.views.play.player.motion);
+          const rows = ledgerRows(window.latolato.views.toy.player.motion);
           const sum = (sign) => rows.filter((r) => r.energy * sign > 0)
             .reduce((total, r) => total + r.share, 0);
           return [sum(1), sum(-1)];
@@ -520,7 +520,7 @@ def test_play_needs_no_server_once_it_is_there(browser):
     field.fill("31")
     field.press("Enter")
     page.wait_for_function(
-        "() => Math.abs(window.latolato.views.play.player.motion.about.options"
+        "() => Math.abs(window.latolato.views.toy.player.motion.about.options"
         ".drive_amplitude - 0.031) < 1e-12"
     )
     context.close()
@@ -605,7 +605,7 @@ def test_the_hint_on_frequencies_is_that_of_the_toy_on_show(page):
     open_play(page)
     hint = page.get_by_text("ω₀ is how often a ball swings by itself:")
     assert "1.11 times per second. After a push, this toy flies at" in hint.inner_text()
-    page.evaluate("window.latolato.views.play.page.store.option('length', '80 cm')")
+    page.evaluate("window.latolato.views.toy.page.store.option('length', '80 cm')")
     page.get_by_text("0.557 times per second.").wait_for()
     assert "this toy flies" not in hint.inner_text()
 

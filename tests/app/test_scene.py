@@ -12,12 +12,12 @@ import latolato as ll
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 PRESETS = [name for name in ll.scenarios() if not ll.load_scenario(name).sweep]
-PLAYER = "const { motion, scene, clock } = window.latolato.views.play.player;"
+PLAYER = "const { motion, scene, clock } = window.latolato.views.toy.player;"
 
 
 def open_play(page, query):
     """Open Play with a run that stands still."""
-    page.goto(f"/?view=play{query}")
+    page.goto(f"/?view=toy{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     of_scene(page, "clock.pause()")
 
@@ -247,7 +247,7 @@ def test_a_clack_flashes_where_the_balls_touch(page, scenario):
     assert (flash["x"], flash["y"]) == pytest.approx((x, y), abs=2e-3 * longest)
     assert 0 < flash["strength"] <= 1
     # It is gone soon, although the run stands still.
-    page.wait_for_function("() => !window.latolato.views.play.player.scene.flashes.flashes.length")
+    page.wait_for_function("() => !window.latolato.views.toy.player.scene.flashes.flashes.length")
 
 
 def test_nothing_flashes_for_who_wants_little_motion(page):
@@ -279,7 +279,7 @@ def test_a_tiny_ball_is_large_enough_to_be_seen(page):
 
 PICTURE = """async ({ title, width }) => {
   const { stagePicture, captionOf } = await import("/js/shared/picture.js");
-  const { motion, scene } = window.latolato.views.play.player;
+  const { motion, scene } = window.latolato.views.toy.player;
   const drawn = JSON.stringify(scene.drawn);
   const caption = captionOf(motion.about.options);
   const blob = await stagePicture(scene, { title, caption });

@@ -1,4 +1,4 @@
-"""Play, Live and Map for those who hear a page or have no mouse."""
+"""Toy and Map for those who hear a page or have no mouse."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ import pytest
 
 from browser_checks import serious_faults
 
-PLAYER = {"play": ".player", "live": ""}  # what has the senses, in a view
+# What the address says of a toy, and of one in a hand.
+ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
 GAP = 3000  # ms between sentences
-READY = {"play": "[data-runs]", "live": "[data-ready]", "map": "[data-done]"}
+READY = {"toy": "[data-runs]", "held": "[data-ready]", "map": "[data-done]"}
 # What each view shows.
 TOY = "&scenario=toy"
 SMALL = "&map.scenario=fig05_push&map.duration=20&map.size=8&map.observable=largest_angle"
-QUERIES = {"play": TOY, "live": TOY, "map": SMALL}
-# What Play says, with the times at which it does [ms].
+QUERIES = {"toy": TOY, "held": TOY, "map": SMALL}
+# What the page says, with the times at which it does [ms].
 WATCH = """() => {
   window.said = [];
   const line = document.querySelector(".narration");
-  const { narrator } = window.latolato.views.play.player.senses;
+  const { narrator } = window.latolato.views.toy.player.senses;
   new MutationObserver(() => window.said.push([narrator.saidAt, line.textContent]))
     .observe(line, { childList: true, characterData: true, subtree: true });
 }"""
@@ -30,7 +31,7 @@ WATCH = """() => {
 LISTEN = """async ({ clacks, tones, speed, playing, length }) => {
   const [{ Senses }, { Sound }, { logOf }] = await Promise.all(
     ["senses", "sound", "swings"].map((name) => import(`./js/shared/${name}.js`)));
-  const { motion } = window.latolato.views.play.player;
+  const { motion } = window.latolato.views.toy.player;
   const log = logOf(motion);
   const context = new OfflineAudioContext(2, length * 48000, 48000);
   const senses = new Senses(document.createElement("canvas"), () => []);
@@ -56,7 +57,7 @@ DELAY = 0.02  # s, that of `sound.js`
 
 
 def open_view(page, view, query=""):
-    page.goto(f"/?view={view}{query}")
+    page.goto(f"/?view={ADDRESS[view]}{query}")
     page.wait_for_selector(READY[view], timeout=240_000)
 
 
@@ -84,7 +85,7 @@ def text_of(node, field):
 
 def test_a_run_is_told_in_a_polite_region_as_fast_as_one_can_follow(page):
     page.emulate_media(reduced_motion="reduce")  # elsewhere it plays before anybody watches
-    open_view(page, "play", TOY)
+    open_view(page, "toy", TOY)
     page.evaluate(WATCH)
     page.get_by_role("button", name="Play", exact=True).click()
     wait_until_said(page, "below and above the hand in turn, 3.0 times")
@@ -105,13 +106,13 @@ def test_a_run_is_told_in_a_polite_region_as_fast_as_one_can_follow(page):
 
 
 def test_a_pause_says_where_everything_is_and_then_is_silent(page):
-    open_view(page, "play", TOY)
-    page.wait_for_function("() => window.latolato.views.play.player.clock.time > 0.3")
+    open_view(page, "toy", TOY)
+    page.wait_for_function("() => window.latolato.views.toy.player.clock.time > 0.3")
     page.keyboard.press("Space")
     text = said(page)
     angle = page.evaluate(
         """() => {
-          const { motion, clock } = window.latolato.views.play.player;
+          const { motion, clock } = window.latolato.views.toy.player;
           return Math.round(motion.angle(motion.balls[0], clock.time) * 180 / Math.PI);
         }"""
     )
@@ -131,7 +132,7 @@ def test_a_pause_says_where_everything_is_and_then_is_silent(page):
 
 
 def test_a_changed_parameter_is_compared_with_before(page):
-    open_view(page, "play", TOY)
+    open_view(page, "toy", TOY)
     page.get_by_label("How far the hand moves, slider").fill("40")
     wait_until_said(page, "Now the balls no longer clack above the hand")
     assert said(page).startswith("“How far the hand moves” is smaller now.")
@@ -139,15 +140,15 @@ def test_a_changed_parameter_is_compared_with_before(page):
     wait_until_said(page, "A ball hangs from a hand that moves 2 centimetres")
 
 
-def test_live_tells_what_a_key_changes(page):
-    open_view(page, "live", TOY)
+def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
+    open_view(page, "held", TOY)
     wait_until_said(page, "clack above the hand for the first time")
     page.keyboard.press("ArrowUp")
     wait_until_said(page, "“How far the hand moves” is larger now.")
     wait_until_said(page, "The balls swing as high as before, up to 175 degrees.")
     # A key that changes nothing, at the end of what a toy takes, is no change.
     page.keyboard.press("Space")
-    page.evaluate("() => window.latolato.views.live.knobs.all.restitution.give(1)")
+    page.evaluate("() => window.latolato.views.toy.knobs.all.restitution.give(1)")
     wait_until_said(page, "“Bounciness” is larger now.")
     page.keyboard.press("e")
     page.wait_for_timeout(900)
@@ -157,7 +158,7 @@ def test_live_tells_what_a_key_changes(page):
 
 
 def test_charts_say_what_they_show(page):
-    open_view(page, "play", TOY)
+    open_view(page, "toy", TOY)
     page.get_by_text("Energy and more curves").click()
     for quantity in ("angles", "energies", "powers"):
         page.wait_for_selector(f".chart[aria-label*='The {quantity} lie between']")
@@ -175,11 +176,11 @@ def listen(page, **how):
 
 
 def test_every_clack_is_heard_when_balls_meet(page):
-    open_view(page, "play", TOY)
+    open_view(page, "toy", TOY)
     heard = listen(page, clacks=True, tones=False, speed=0.5, playing=7.9, length=8)
     times, kinds = page.evaluate(
         """() => {
-          const { arrays } = window.latolato.views.play.player.motion.block;
+          const { arrays } = window.latolato.views.toy.player.motion.block;
           return [[...arrays.contact_time], [...arrays.contact_kind]];
         }"""
     )
@@ -193,7 +194,7 @@ def test_every_clack_is_heard_when_balls_meet(page):
 
 
 def test_the_angle_is_heard_as_pitch_and_side(page):
-    open_view(page, "play", "&scenario=fig02&initial_angle=60%20deg&duration=10%20s")
+    open_view(page, "toy", "&scenario=fig02&initial_angle=60%20deg&duration=10%20s")
     speed = 0.3
     heard = listen(page, clacks=False, tones=True, speed=speed, playing=8, length=9)
     for at in np.arange(0.5, 7.8, 0.37):
@@ -206,7 +207,7 @@ def test_the_angle_is_heard_as_pitch_and_side(page):
         instants = [(at + lag) * speed for lag in (-0.025, 0.015, 0.06)]
         angles = page.evaluate(
             """(times) => {
-              const { motion } = window.latolato.views.play.player;
+              const { motion } = window.latolato.views.toy.player;
               return times.map((time) => motion.angle(motion.balls[0], time));
             }""",
             instants,
@@ -232,8 +233,8 @@ window.AudioContext = class extends window.AudioContext {
 
 def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
     page.add_init_script(OPENED)
-    open_view(page, "live", TOY)
-    page.wait_for_function("() => window.latolato.views.live.toy.contacts > 3")
+    open_view(page, "held", TOY)
+    page.wait_for_function("() => window.latolato.views.toy.hand.toy.contacts > 3")
     assert page.evaluate("() => window.opened") == 0
     page.get_by_text("Listen and read").click()
     page.get_by_label("Hear the angle").press("Space")
@@ -242,8 +243,8 @@ def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
     other = page.context.new_page()
     watch.attach(other)
     other.add_init_script(OPENED)
-    open_view(other, "live", TOY)
-    other.wait_for_function("() => window.latolato.views.live.toy.contacts > 3")
+    open_view(other, "held", TOY)
+    other.wait_for_function("() => window.latolato.views.toy.hand.toy.contacts > 3")
     assert other.get_by_label("Hear the angle").is_checked()
     assert not other.get_by_label("Sound", exact=True).is_checked()
     assert other.evaluate("() => window.opened") == 0
@@ -251,12 +252,12 @@ def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
     other.wait_for_function("() => window.opened === 1")
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
     open_view(page, view, TOY)
     sound = page.locator(".stage-tools").get_by_label("Sound", exact=True)
     sound.check()
-    assert page.evaluate(f"() => window.latolato.views.{view}{PLAYER[view]}.senses.sound.clacks")
+    assert page.evaluate(f"() => window.latolato.views.toy.player.senses.sound.clacks")
     for name in ("Hear the angle", "Describe"):
         assert not page.get_by_label(name).is_visible()
     # A reader hears what is said all the same, and who turned that on sees it.
@@ -285,7 +286,7 @@ MISSED = """() => [...document.querySelectorAll(
   .map((each) => each.outerHTML.slice(0, 90))"""
 
 
-@pytest.mark.parametrize("view", ["play", "live", "map"])
+@pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_tab_reaches_every_control_and_shows_where_it_is(page, view):
     page.emulate_media(reduced_motion="reduce")
     open_view(page, view, QUERIES[view])
@@ -306,7 +307,7 @@ def test_tab_reaches_every_control_and_shows_where_it_is(page, view):
     assert page.evaluate(MISSED) == []
 
 
-@pytest.mark.parametrize("view", ["play", "live", "map"])
+@pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
     open_view(page, view, QUERIES[view])
     page.evaluate("() => document.activeElement.blur()")
@@ -315,8 +316,8 @@ def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
     dialog.wait_for()
     keys = " ".join(dialog.locator("kbd").all_text_contents())
     listed = {
-        "play": "Space , . W ?",
-        "live": "Space ↑ ↓ → ← D ⇧ D E ⇧ E P S R C",
+        "toy": "Space , . W ?",
+        "held": "Space ↑ ↓ → ← D ⇧ D E ⇧ E P S R C",
         "map": "← → ↓ ↑ Enter + =",
     }
     assert listed[view] in keys
@@ -331,26 +332,26 @@ def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
     assert dialog.count() == 0
 
 
-def test_the_space_bar_pauses_live_wherever_the_focus_is(page):
-    open_view(page, "live", TOY)
-    page.get_by_role("link", name="Live", exact=True).focus()
+def test_the_space_bar_pauses_a_held_toy_wherever_the_focus_is(page):
+    open_view(page, "held", TOY)
+    page.get_by_role("link", name="Toy", exact=True).focus()
     page.keyboard.press("Space")
-    assert page.evaluate("() => window.latolato.views.live.paused")
+    assert page.evaluate("() => window.latolato.views.toy.player.clock.playing === false")
     page.keyboard.press("ArrowUp")  # scrolls there
-    assert page.evaluate("() => window.latolato.views.live.toy.controls.drive_amplitude") == 0.06
+    assert page.evaluate("() => window.latolato.views.toy.hand.toy.controls.drive_amplitude") == 0.06
     page.get_by_text("Listen and read").click()
     page.get_by_label("Describe").focus()
     page.keyboard.press("Space")
     assert page.get_by_label("Describe").is_checked()
-    assert page.evaluate("() => window.latolato.views.live.paused")
+    assert page.evaluate("() => window.latolato.views.toy.player.clock.playing === false")
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_a_described_view_is_accessible_also_enlarged(page, view):
     open_view(page, view, TOY)
     page.get_by_text("Listen and read").click()
     page.get_by_label("Describe").check()
-    if view == "play":
+    if view == "toy":
         page.get_by_label("Arrows").check()
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("w")
@@ -368,12 +369,12 @@ def test_a_described_view_is_accessible_also_enlarged(page, view):
 
 def test_who_wants_little_motion_has_no_flash_and_no_motion_unasked(page):
     page.emulate_media(reduced_motion="reduce")
-    open_view(page, "play", TOY)
+    open_view(page, "toy", TOY)
     page.wait_for_timeout(300)
-    assert page.evaluate("() => window.latolato.views.play.player.clock.time") == 0
+    assert page.evaluate("() => window.latolato.views.toy.player.clock.time") == 0
     flashes = page.evaluate(
         """async () => {
-          const { scene, clock } = window.latolato.views.play.player;
+          const { scene, clock } = window.latolato.views.toy.player;
           clock.seek(0.2);
           clock.seek(0.3);
           const context = scene.canvas.getContext("2d");

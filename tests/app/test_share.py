@@ -29,7 +29,7 @@ def open_menu(page, query):
     page.get_by_role("button", name="Share").click()
 
 
-@pytest.mark.parametrize("view", ["play", "live", "map"])
+@pytest.mark.parametrize("view", ["toy", "toy&toy.hand=1", "map"])
 def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
     open_menu(page, f"view={view}")
     with page.expect_download() as caught:
@@ -42,20 +42,20 @@ def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
 
 def test_the_link_is_copied(page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    open_menu(page, "view=play&scenario=toy&token=secret")
+    open_menu(page, "view=toy&scenario=toy&token=secret")
     field = page.get_by_role("textbox", name="Bounciness")
     field.fill("0.8")
     field.press("Enter")
     page.get_by_role("button", name="Copy the link").click()
     page.get_by_text("Copied.").wait_for()
     copied = page.evaluate("() => navigator.clipboard.readText()")
-    assert copied.endswith("/?view=play&scenario=toy&restitution=0.8&map.size=8")
+    assert copied.endswith("/?view=toy&scenario=toy&restitution=0.8&map.size=8")
     page.context.clear_permissions()
 
 
 def test_without_the_clipboard_the_link_is_selected(page):
     page.add_init_script("Object.defineProperty(navigator, 'clipboard', { value: undefined });")
-    open_menu(page, "view=play&scenario=toy")
+    open_menu(page, "view=toy&scenario=toy")
     page.get_by_role("button", name="Copy the link").click()
     page.get_by_text("The link is selected").wait_for()
     assert page.evaluate("() => getSelection().toString()").endswith("scenario=toy&map.size=8")
@@ -65,13 +65,13 @@ def test_without_the_clipboard_the_link_is_selected(page):
 
 
 def test_a_system_that_shares_gets_the_link_and_the_picture(page):
-    page.goto("/?view=play&scenario=toy")
+    page.goto("/?view=toy&scenario=toy")
     page.wait_for_selector(READY, timeout=PATIENCE)
     page.evaluate(SHARES)
     page.get_by_role("button", name="Share").click()
     page.wait_for_function("() => window.given")
     given = page.evaluate("() => window.given")
-    assert given["url"].endswith("/?view=play&scenario=toy")
+    assert given["url"].endswith("/?view=toy&scenario=toy")
     assert given["name"] == "latolato_toy.png"
     assert given["size"] > 1000
     refuse = "(name) => { navigator.share = async () => { throw new DOMException('', name); }; }"
@@ -87,7 +87,7 @@ def test_a_system_that_shares_gets_the_link_and_the_picture(page):
 @pytest.mark.parametrize("size", [(1366, 768), (844, 390), (683, 384), (390, 844)])
 def test_the_menu_opens_within_the_stage_and_moves_nothing(page, size):
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    page.goto("/?view=play&scenario=toy")
+    page.goto("/?view=toy&scenario=toy")
     page.wait_for_selector(READY, timeout=PATIENCE)
     button, stage = page.get_by_role("button", name="Share"), page.locator(".stage")
     places = [button.bounding_box(), stage.bounding_box()]

@@ -29,7 +29,7 @@ MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <latolato-player scenario="zeno" duration="2 s"></latolato-player>
 """
 AROUND = """<!doctype html><title>around</title><link rel="icon" href="icon.svg">
-<iframe src="./?view=play&scenario=fig02" width="800" height="300"></iframe>
+<iframe src="./?view=toy&scenario=fig02" width="800" height="300"></iframe>
 """
 
 
@@ -80,14 +80,14 @@ def test_scenarios_run_without_a_server_that_computes(visit, web):
     # `make smoke` opens them all; the numbers of each are compared below.
     address, _ = web
     for name in ("toy", "zeno", "ballpair_asymmetric"):
-        visit.goto(f"{address}?view=play&scenario={name}")
+        visit.goto(f"{address}?view=toy&scenario={name}")
         visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
         assert visit.locator(".error:visible").all_inner_texts() == [], name
     assert visit.faults == []
     assert visit.hosts == {address.split("/")[2]}
 
 
-@pytest.mark.parametrize("view", ["live", "map", "report", "experiment", "analyse"])
+@pytest.mark.parametrize("view", ["toy", "map", "report", "experiment", "analyse"])
 def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
     visit.goto(f"{web[0]}?view={view}")
     visit.locator("h1").first.wait_for(state="attached")
@@ -120,8 +120,8 @@ def test_a_stored_map_is_left_to_the_program(visit, web):
 
 
 OFFLINE = {
-    "view=play&scenario=kapitza": "[data-runs]",
-    "view=live": "[data-ready]",
+    "view=toy&scenario=kapitza": "[data-runs]",
+    "view=toy&toy.hand=1": "[data-ready]",
     "view=map&map.size=10": "[data-done]",
     "view=report": "h1",
     "view=analyse": "h1",
@@ -192,7 +192,7 @@ DEVICES = {
 
 
 @pytest.mark.parametrize("device", DEVICES)
-def test_play_and_live_work_on(browser, web, device):
+def test_a_toy_and_one_in_a_hand_work_on(browser, web, device):
     context = browser.new_context(**DEVICES[device])
     page = context.new_page()
     faults = []
@@ -200,8 +200,8 @@ def test_play_and_live_work_on(browser, web, device):
     page.add_init_script(NO_WEBGL if "WebGL" in device else "")
     if device == "slow":
         context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": 4})
-    for view, ready in (("play", "[data-runs]"), ("live", "[data-ready]")):
-        page.goto(f"{web[0]}?view={view}")
+    for query, ready in (("", "[data-runs]"), ("&toy.hand=1", "[data-ready]")):
+        page.goto(f"{web[0]}?view=toy{query}")
         page.wait_for_selector(ready, timeout=PATIENCE)
         page.wait_for_function(f"() => ({COLOURS})() > 3")
         seen = page.locator("main canvas").first.bounding_box()
@@ -213,11 +213,11 @@ def test_play_and_live_work_on(browser, web, device):
             page.get_by_role("button", name=re.compile("^(Play|Pause)$")).first.tap()
         else:
             page.keyboard.press("Space")
-        moves = f"() => window.latolato.views.{view}"
-        if view == "play":
-            page.wait_for_function(f"{moves}.player.clock.time > 0")
+        clock = "() => window.latolato.views.toy.player.clock"
+        if not query:
+            page.wait_for_function(f"{clock}.time > 0")
         else:  # it moves by itself, unless motion is to be reduced
-            assert page.evaluate(f"{moves}.paused") is ("calm" not in device)
+            assert page.evaluate(f"{clock}.playing") is ("calm" in device)
         if device in ("phone", "zoomed"):
             assert serious_faults(page) == []
     assert faults == []
@@ -229,7 +229,7 @@ def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
     page = other.new_page()
     loaded = set()
     page.on("request", lambda request: loaded.add(request.url.rpartition("/")[2]))
-    page.goto(f"{web[0]}?view=play&scenario=toy")
+    page.goto(f"{web[0]}?view=toy&scenario=toy")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     page.evaluate("() => navigator.serviceWorker.ready")
     kept = page.evaluate(KEPT_CODE)
@@ -240,12 +240,12 @@ def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
 
 @pytest.mark.slow
 def test_firefox_runs_the_site(web):
-    with firefox_page(f"{web[0]}?view=play&scenario=fig04a_push&duration=3 s") as evaluate:
+    with firefox_page(f"{web[0]}?view=toy&scenario=fig04a_push&duration=3 s") as evaluate:
         evaluate("new Promise((done) => { const look = () => (document.querySelector('[data-runs]')"
                  " ? done() : setTimeout(look, 50)); look(); })")  # fmt: skip
         colours = evaluate(f"({COLOURS})()")
         assert colours > 3
-        end = evaluate("window.latolato.views.play.player.motion.values('angle').at(-1)")
+        end = evaluate("window.latolato.views.toy.player.motion.values('angle').at(-1)")
     run = in_python("fig04a_push", {"duration": 3.0})
     assert end == pytest.approx(run["angle"][-1], abs=1e-9)
 
@@ -255,18 +255,18 @@ IMAGE = "<img src=x onerror=alert(1)>"
 BROKEN = {
     "view=constructor": "There is no view “constructor”",
     f"view={IMAGE}": f"There is no view “{IMAGE}”",
-    f"view=play&scenario={IMAGE}": f"There is no preset “{IMAGE}”",
-    "view=play&scenario=__proto__": "There is no preset “__proto__”",
-    "view=play&system=constructor": "There is no system “constructor”",
-    "view=play&scenario=toy&drive=toString": "There is no drive “toString”",
-    "view=play&__proto__=1&scenario=toy": "There is no parameter “__proto__”",
-    "view=play&scenario=toy&system=pendulum&__proto__=1": "There is no parameter “__proto__”",
-    "view=play&scenario=toy&length=3 constructor": "must be a number in cm",
-    "view=play&scenario=toy&duration=1e999 s": "must be a number in s, got inf",
-    f"view=play&scenario={'x' * 5000}": "There is no preset “xxx",
+    f"view=toy&scenario={IMAGE}": f"There is no preset “{IMAGE}”",
+    "view=toy&scenario=__proto__": "There is no preset “__proto__”",
+    "view=toy&system=constructor": "There is no system “constructor”",
+    "view=toy&scenario=toy&drive=toString": "There is no drive “toString”",
+    "view=toy&__proto__=1&scenario=toy": "There is no parameter “__proto__”",
+    "view=toy&scenario=toy&system=pendulum&__proto__=1": "There is no parameter “__proto__”",
+    "view=toy&scenario=toy&length=3 constructor": "must be a number in cm",
+    "view=toy&scenario=toy&duration=1e999 s": "must be a number in s, got inf",
+    f"view=toy&scenario={'x' * 5000}": "There is no preset “xxx",
     "view=map&format=99": "made by a newer latolato",
-    "view=live&scenario=constructor": "There is no preset “constructor”",
-    "view=live&scenario=toy&radius=NaN": "must be a number in mm, got nan",
+    "view=toy&toy.hand=1&scenario=constructor": "There is no preset “constructor”",
+    "view=toy&toy.hand=1&scenario=toy&radius=NaN": "must be a number in mm, got nan",
 }
 
 
@@ -278,7 +278,7 @@ def test_an_address_that_is_broken_is_named_and_harmless(visit, web):
     assert visit.faults == []
 
 
-@pytest.mark.parametrize("view", ["play", "live", "map"])
+@pytest.mark.parametrize("view", ["toy", "toy&toy.hand=1", "map"])
 def test_a_long_text_in_an_address_does_not_widen_the_page(visit, web, view):
     visit.goto(f"{web[0]}?view={view}&map.size=10&length={'x' * 3000}")
     visit.locator(".message").filter(has_text="xxx").wait_for()

@@ -13,12 +13,12 @@ from latolato.app.run_request import RunRequest
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 PLAYER = (
-    "const { player } = window.latolato.views.play; const { motion, scene, clock, start } = player;"
+    "const { player } = window.latolato.views.toy; const { motion, scene, clock, start } = player;"
 )
 
 
 def open_play(page, query):
-    page.goto(f"/?view=play{query}")
+    page.goto(f"/?view=toy{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
 
 

@@ -217,9 +217,9 @@ BROKEN = [
      "step 1, number: angle is missing: time_to_angle needs one"),
     ('preset = "fig02"', 'preset = "fig20"',
      "step 1, look: there is no preset 'fig20': did you mean 'fig02'?"),
-    ('view = "play"', 'view = "stage"',
-     "step 1, look: there is no view 'stage': known are play, live, map"),
-    ('view = "play"', 'view = "play"\nextra = { scenario = "toy" }',
+    ('view = "toy"', 'view = "stage"',
+     "step 1, look: there is no view 'stage': known are toy, map"),
+    ('view = "toy"', 'view = "toy"\nextra = { scenario = "toy" }',
      'step 1, look: extra must be a table of texts with names such as "map.x"'),
     ("right = true", "right = false", "step 1, predict: one choice must be right, got 0"),
     ("right = true", "right = 1", "step 1, predict, choice 2: right must be true or false"),
@@ -274,14 +274,14 @@ def test_pages_and_python_compute_the_same_numbers(site, tmp_path):
         shown = FILES[name]["steps"][step - 1]["number"]["quantity"]
         for tried in (False, True):
             if look["view"] == "map":  # the run on show is that of a point
-                look = {**look, "view": "play"}
+                look = {**look, "view": "toy"}
             more = TRIED[name][step - 1] if tried else {}
             asked.append({"look": look, "options": more, "name": shown, "angle": None})
             expected.append(number_of(name, step, tried))
     angle = {"name": "time_to_angle", "angle": 45 * DEGREE}
-    asked.append({"look": {"view": "play", "preset": "fig12"}, "options": {}, **angle})
+    asked.append({"look": {"view": "toy", "preset": "fig12"}, "options": {}, **angle})
     expected.append(number("time_to_angle", "fig12", 45 * DEGREE))
-    asked.append({"look": {"view": "play", "preset": "toy"}, "options": {}, "name": "contacts"})
+    asked.append({"look": {"view": "toy", "preset": "toy"}, "options": {}, "name": "contacts"})
     expected.append(number("contacts", "toy"))
     found = in_node(site, tmp_path, numbers=asked)["numbers"]
     found = [math.nan if each is None else each for each in found]
@@ -513,7 +513,7 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
         choices = step["predict"]["choices"]
         right = [choice.get("right", False) for choice in choices].index(True)
         radios = panel.get_by_role("radio")
-        if step["look"]["view"] == "live":  # whose stage leaves the focus where it is
+        if "toy.hand" in step["look"].get("extra", {}):  # whose stage leaves the focus where it is
             page.locator("[data-ready]").wait_for()
         assert page.evaluate("document.activeElement.textContent") == title
         tab_to(page, radios.first)
@@ -628,7 +628,7 @@ def test_a_step_that_there_is_not_is_named_and_the_story_begins(page, query, ste
 
 @pytest.mark.parametrize("name", ["no_such", "toString", "../../index"])
 def test_a_story_that_is_gone_leads_to_the_list(page, name):
-    page.goto(f"/?view=play&story.name={name}&story.step=2&story.answers=1")
+    page.goto(f"/?view=toy&story.name={name}&story.step=2&story.answers=1")
     page.locator(".stage-messages .message.bad").wait_for()
     assert not page.get_by_role("complementary", name="Story").is_visible()
     page.wait_for_url(lambda url: "story." not in url)
@@ -641,7 +641,7 @@ def solved(name):
     look, options = FILES[name]["look"], dict(SOLUTIONS[name])
     extra = {"story.guess": options.pop("guess")} if "guess" in options else {}
     own = {**look.get("options", {}), **options}
-    return {"view": "play", "scenario": look["preset"], **own, "story.name": name, **extra}
+    return {"view": "toy", "scenario": look["preset"], **own, "story.name": name, **extra}
 
 
 @pytest.mark.parametrize("name", CHALLENGES)
@@ -738,7 +738,7 @@ def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
 @pytest.mark.parametrize("height", [664, 740])
 def test_the_button_of_a_question_covers_no_answer_on_a_low_phone(page, height):
     page.set_viewport_size({"width": 390, "height": height})
-    page.goto("/?view=play&story.name=first_clack")
+    page.goto("/?view=toy&story.name=first_clack")
     answers = page.locator(".story-step .check")
     answers.last.wait_for()
     page.wait_for_timeout(500)  # fonts and the stage

@@ -1,4 +1,4 @@
-"""Balls on strings in Play and Live, in a real browser."""
+"""Balls on strings in a run and in a hand, in a real browser."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LOOP = (
 # Where the ball is at all times, and what is written of it.
 SEEN = """async () => {
   const { slackText } = await import("/js/shared/hang.js");
-  const { player } = window.latolato.views.play;
+  const { player } = window.latolato.views.toy;
   const seen = [];
   for (let time = 0; time < player.motion.end; time += 0.01) {
     const { across, height, balls: [{ x, y }] } = player.motion.pose(time);
@@ -29,17 +29,17 @@ SEEN = """async () => {
 }"""
 
 
-def opened(page, query, view="play"):
+def opened(page, query, view="toy"):
     """Return the compiled modules that a view loads until it shows its first motion."""
     loaded = []
     page.on("request", lambda request: loaded.append(request.url.rpartition("/")[2]))
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"/?view={view}{query}")
-    page.wait_for_selector(f".view.{view}:is([data-runs], [data-ready])", timeout=PATIENCE)
+    page.goto(f"/?view={dict(held='toy&toy.hand=1').get(view, view)}{query}")
+    page.wait_for_selector(".view.toy:is([data-runs], [data-ready])", timeout=PATIENCE)
     return {name for name in loaded if name.endswith(".wasm")}
 
 
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_only_strings_load_the_modules_of_the_plane(page, view):
     assert opened(page, "&scenario=toy", view) == {"one.wasm"}
     assert "plane_one.wasm" in opened(page, "&scenario=toy&suspension=string", view)
@@ -69,25 +69,25 @@ def test_strings_and_rods_are_chosen_in_the_form_and_take_their_fields_along(pag
     bounce.first.wait_for()
     page.get_by_label("suspension").select_option("rod")
     page.wait_for_function("() => location.search.includes('suspension=rod')")
-    page.wait_for_function("() => !window.latolato.views.play.player.motion.isString")
+    page.wait_for_function("() => !window.latolato.views.toy.player.motion.isString")
     assert not bounce.count()
     assert "string_restitution" not in page.url
     page.get_by_label("suspension").select_option("string")
-    page.wait_for_function("() => window.latolato.views.play.player.motion.isString")
+    page.wait_for_function("() => window.latolato.views.toy.player.motion.isString")
 
 
-def test_live_hangs_its_toy_on_strings(page):
-    opened(page, "&scenario=toy", "live")
+def test_a_hand_hangs_its_toy_on_strings(page):
+    opened(page, "&scenario=toy", "held")
     page.get_by_label("Hung on a").select_option("string")
-    page.wait_for_function("() => window.latolato.views.live.toy?.system.suspension === 'string'")
+    page.wait_for_function("() => window.latolato.views.toy.hand.toy?.system.suspension === 'string'")
     assert "suspension=string" in page.url
 
 
-def test_live_says_how_far_slack_balls_are_and_rings_them(page):
-    page.goto("/?view=live&scenario=toy_strings")
+def test_a_toy_in_a_hand_says_how_far_slack_balls_are_and_rings_them(page):
+    page.goto("/?view=toy&toy.hand=1&scenario=toy_strings")
     page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for(timeout=PATIENCE)
     page.wait_for_function(
-        "() => window.latolato.views.live.scene.flashes.flashes.some(({ ring }) => ring === 0.012)",
+        "() => window.latolato.views.toy.player.scene.flashes.flashes.some(({ ring }) => ring === 0.012)",
         timeout=PATIENCE,
     )
 

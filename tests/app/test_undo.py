@@ -10,7 +10,7 @@ STEP = "() => history.state.step"
 
 
 def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
-    page.goto(f"/?view=play{query}")
+    page.goto(f"/?view=toy{query}")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     page.get_by_text("More parameters", exact=True).click()
 
@@ -47,25 +47,26 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     page.wait_for_selector("[data-done]", timeout=PATIENCE)
     page.get_by_role("button", name="Zoom in on the cross").click()
     wait_for_step(page, 4)
-    page.get_by_role("link", name="Live").click()
+    page.get_by_role("link", name="Toy").click()
+    page.get_by_role("button", name="Hold it yourself").click()
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowUp")
-    wait_for_step(page, 6)
+    wait_for_step(page, 7)
     wait_for_options(page, drive_amplitude="0.029 m")
-    views = ["play", "play", "play", "map", "map", "live", "live"]
+    views = ["toy", "toy", "toy", "map", "map", "toy", "toy", "toy"]
     end = page.url
-    for step in (5, 4, 3, 2, 1, 0):
+    for step in (6, 5, 4, 3, 2, 1, 0):
         page.keyboard.press("Control+z")
         wait_for_step(page, step)
         assert options(page)["view"] == views[step]
     assert page.url == start
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.restitution !== 0.8"
+        "() => window.latolato.views.toy.player.motion.about.options.restitution !== 0.8"
     )
     page.keyboard.press("Control+z")  # there is nothing before it
     assert page.get_by_role("button", name="Undo").is_disabled()
-    for step in (1, 2, 3, 4, 5, 6):
+    for step in (1, 2, 3, 4, 5, 6, 7):
         page.keyboard.press("Control+Shift+Z" if step % 2 else "Control+y")
         wait_for_step(page, step)
         assert options(page)["view"] == views[step]
@@ -96,7 +97,7 @@ def test_back_is_undo_also_right_after_a_change(page):
     page.get_by_role("button", name="Redo").click()
     wait_for_options(page, drive_amplitude="28 mm")
     page.wait_for_function(
-        "() => window.latolato.views.play.player.motion.about.options.drive_amplitude === 0.028"
+        "() => window.latolato.views.toy.player.motion.about.options.drive_amplitude === 0.028"
     )
 
 
@@ -110,7 +111,7 @@ def test_the_end_of_a_drag_is_kept_when_one_goes_back_at_once(page):
             slider.dispatchEvent(new Event("input", { bubbles: true }));
           };
           for (const value of [100, 140, 180]) drag(value);
-          const { store } = window.latolato.views.play.page;
+          const { store } = window.latolato.views.toy.page;
           history.back();
           return store.state.options.drive_amplitude;
         }"""
@@ -162,18 +163,18 @@ def test_a_field_shows_what_is_undone_but_not_while_one_types(page):
     page.wait_for_function("() => document.activeElement.value === '0.8'")
 
 
-def test_a_toy_of_live_goes_on_where_a_control_is_undone(page):
-    page.goto("/?view=live&scenario=toy")
+def test_a_toy_in_a_hand_goes_on_where_a_control_is_undone(page):
+    page.goto("/?view=toy&toy.hand=1&scenario=toy")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
-    page.evaluate("() => { window.first = window.latolato.views.live.toy; }")
+    page.evaluate("() => { window.first = window.latolato.views.toy.hand.toy; }")
     usual = page.evaluate("() => window.first.controls.restitution")
     type_into(page, "Bounciness", "0.5")
     wait_for_step(page, 1)
     page.keyboard.press("Control+z")
     page.wait_for_function(
-        "(usual) => window.latolato.views.live.toy?.controls.restitution === usual", arg=usual
+        "(usual) => window.latolato.views.toy.hand.toy?.controls.restitution === usual", arg=usual
     )
-    assert page.evaluate("() => window.latolato.views.live.toy === window.first")
+    assert page.evaluate("() => window.latolato.views.toy.hand.toy === window.first")
     knob = page.get_by_role("textbox", name="Bounciness")
     page.wait_for_function("(e) => e.value !== '0.5'", arg=knob.element_handle())
 
@@ -187,7 +188,7 @@ def test_many_quick_changes_stay_within_what_browsers_allow(page):
             const own = history[name].bind(history);
             history[name] = (...given) => { calls += 1; own(...given); };
           }
-          const { store } = window.latolato.views.play.page;
+          const { store } = window.latolato.views.toy.page;
           for (let k = 0; k < 150; k += 1) {
             store.option("restitution", `${k / 1000}`);
             store.option("duration", `${k + 1} s`);
@@ -200,9 +201,9 @@ def test_many_quick_changes_stay_within_what_browsers_allow(page):
 
 
 @pytest.mark.parametrize("focus", ["body", "canvas, main", "a.brand"])
-@pytest.mark.parametrize("view", ["play", "live"])
+@pytest.mark.parametrize("view", ["toy", "held"])
 def test_space_plays_and_pauses_wherever_no_field_has_the_focus(page, view, focus):
-    page.goto(f"/?view={view}&scenario=toy")
+    page.goto(f"/?view=toy&scenario=toy{dict(held='&toy.hand=1').get(view, '')}")
     page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
     button = page.get_by_role("button", name="Pause", exact=True)
     if not button.count():

@@ -1,9 +1,8 @@
 """What all views have in common, in a real browser."""
 
 TITLES = {
-    "play": "Play",
+    "toy": "Toy",
     "map": "Map",
-    "live": "Live",
     "story": "Stories",
     "report": "Report",
     "experiment": "Experiment",
@@ -36,7 +35,7 @@ def test_every_view_has_the_same_tools_at_its_top_right(page):
         place.get_by_role("button", name="Share").click()
         assert place.get_by_label("Link to this view").input_value() == page.url
         # Only a stage and a map can be saved as a picture.
-        has_picture = name in ("play", "map", "live")
+        has_picture = name in ("toy", "map")
         assert place.get_by_role("button", name="Save the picture").is_visible() is has_picture
         page.keyboard.press("Escape")
     page.get_by_role("button", name="Undo").click()

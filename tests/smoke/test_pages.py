@@ -46,7 +46,7 @@ def wait_for(page, end):
 
 # The ends of the axes of all pictures in Play.
 ENDS = """() => {
-  const { curves, more } = window.latolato.views.play.player;
+  const { curves, more } = window.latolato.views.toy.player;
   return [more.phase, more.section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
     [...curves.charts, ...more.curves.charts].flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
       .map(({ min, max }) => [min, max]));
@@ -55,7 +55,7 @@ ENDS = """() => {
 
 @pytest.mark.parametrize("scenario", RUNS)
 def test_play(page, answer, scenario):
-    page.goto(f"/?view=play&scenario={scenario}")
+    page.goto(f"/?view=toy&scenario={scenario}")
     wait_for(page, "[data-runs]")
     page.get_by_text("Energy and more curves", exact=True).click()
     # Pictures come one after the other, the table of contacts last.
@@ -74,7 +74,7 @@ def test_drive(page, answer, drive):
     registry = page.request.get("/registry.json").json()
     # A pivot that moves sideways breaks the mirror symmetry of a toy of one angle.
     scenario = "ballpair_asymmetric" if drive == "planar_harmonic" else "toy"
-    link = f"/?view=play&scenario={scenario}&drive={drive}&duration=10 s"
+    link = f"/?view=toy&scenario={scenario}&drive={drive}&duration=10 s"
     for name in registry["drives"][drive]["options"]:
         option = registry["options"][name]
         if option["default"] is None:  # the form would begin with this
@@ -119,7 +119,7 @@ def test_question(page, answer, question, scenario):
 
 
 # What each view shows when it has what it asks the server for; the others are opened above.
-VIEWS = {"live": "[data-ready]", "report": "h1", "experiment": ".dropzone"}
+VIEWS = {"toy&toy.hand=1": "[data-ready]", "report": "h1", "experiment": ".dropzone"}
 
 
 @pytest.mark.parametrize("view", VIEWS)

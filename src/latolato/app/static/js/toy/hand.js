@@ -145,15 +145,15 @@ export class Hand {
 
   /**
    * Take the toy, where the run on show has it.
-   * @param {boolean} isAsked whether somebody asked for it just now, and not the address of a page that opens
+   * @param {boolean} isPressed whether somebody pressed the button, and not an address or a story asks for it
    */
-  async take(isAsked) {
+  async take(isPressed) {
     const { player } = this;
     this.isOn = true;
     const { motion, clock: { time } } = player;
     const from = motion && !motion.grows ? stateOf(motion, time) : null;
     await this.begin(null, from);
-    if (this.isOn) this.takeKeys(isAsked);
+    if (this.isOn) this.takeKeys(isPressed);
   }
 
   /** Let the toy go. */
@@ -396,14 +396,14 @@ export class Hand {
   }
 
   /**
-   * Let arrow keys steer the toy, unless the focus is elsewhere on a page that opens, as in a story. A
-   * frame shows the focus as soon as somebody uses keys.
-   * @param {boolean} isAsked
+   * Let arrow keys steer the toy, unless the focus is elsewhere on the page, as in a story. A frame shows
+   * the focus as soon as somebody uses keys.
+   * @param {boolean} isPressed whether the focus is on the button that was pressed
    */
-  takeKeys(isAsked) {
+  takeKeys(isPressed) {
     const { canvas } = this.player.scene;
     const { activeElement, body } = document;
-    if (!isAsked && activeElement !== body && !activeElement?.closest("#views")) return;
+    if (!isPressed && activeElement !== body && !activeElement?.closest("#views")) return;
     canvas.classList.add("unasked");
     const reveal = () => canvas.classList.remove("unasked");
     canvas.focus({ preventScroll: true });

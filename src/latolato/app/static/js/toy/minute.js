@@ -135,6 +135,8 @@ export class Minute {
     /** Those that add up from the beginning on. @type {Record<string, number[]>} */
     this.ledger = Object.fromEntries(LEDGER.filter((name) => name !== "retension_loss" || isString)
       .map((name) => [name, [FIRST + sample_rows[name]]]));
+    /** The newest instant, which need not be that of a sample: a row like those. @type {number[]} */
+    this.now = [];
     this.samples = new Table(out + angles * ball_rows.length, SPAN * RATE);
     this.contacts = new Table(2 + layout.contact_rows.count, MOST_CONTACTS);
   }
@@ -153,6 +155,15 @@ export class Minute {
    */
   add(time, { samples, pivot, out }, begins) {
     this.samples.add([time, Number(begins), ...samples, ...pivot, ...out]);
+  }
+
+  /**
+   * Note the newest instant.
+   * @param {number} time
+   * @param {import("./toy.js").View} view
+   */
+  show(time, { samples, pivot, out }) {
+    this.now = [time, 0, ...samples, ...pivot, ...out];
   }
 
   /**
@@ -183,7 +194,7 @@ export class Minute {
   }
 
   /**
-   * Return one quantity of the last seconds; null if it has no place.
+   * Return one quantity of the last seconds up to now; null if it has no place.
    * @param {string} name
    * @param {number} ball
    * @param {number} seconds
@@ -196,7 +207,11 @@ export class Minute {
     const first = from + ((stride - ((from + samples.gone) % stride)) % stride);
     const own = (/** @type {string} */ each) => {
       const all = this.places[each] ?? this.ledger[each];
-      return all ? samples.column(all[Math.min(ball, all.length - 1)], first, stride) : null;
+      if (!all) return null;
+      const place = all[Math.min(ball, all.length - 1)];
+      const column = samples.column(place, first, stride);
+      if (!(this.now[TIME] > samples.at(first + (column.length - 1) * stride, TIME))) return column;
+      return Float64Array.of(...column, this.now[place]);
     };
     if (name !== "total_energy") return own(name);
     const potential = /** @type {Float64Array} */ (own("potential_energy"));
@@ -204,13 +219,13 @@ export class Minute {
   }
 
   /**
-   * Return one quantity at the last instant; NaN if it has no place.
+   * Return one quantity at the newest instant; NaN if it has no place.
    * @param {string} name
    * @param {number} ball
    */
   newest(name, ball) {
     const all = this.places[name];
-    return all ? this.samples.at(this.samples.size - 1, all[Math.min(ball, all.length - 1)]) : NaN;
+    return all ? this.now[all[Math.min(ball, all.length - 1)]] : NaN;
   }
 
   /**

@@ -114,6 +114,7 @@ export class Toy {
     /** @type {View} */
     this.present = this.look(now, samples)(0);
     this.minute.add(0, this.present, this.canBegin);
+    this.minute.show(0, this.present);
     kernels.release(now);
   }
 
@@ -302,6 +303,7 @@ export class Toy {
     const begins = this.canBegin;
     kept.forEach((instant, i) => this.minute.add(instant, viewAt(i), begins));
     this.present = viewAt(count - 1);
+    this.minute.show(stop, this.present);
     kernels.release(instants);
   }
 

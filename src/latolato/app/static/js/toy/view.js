@@ -113,7 +113,10 @@ export class ToyView {
     this.listen();
     this.releases.push(beforePrint(() => this.player.clock.pause()));
     this.releases.push(this.page.store.subscribe((state, changed) => this.follow(state, changed)));
-    if (HELD in this.page.store.state.extra) void this.take(false);
+    const isHeld = HELD in this.page.store.state.extra;
+    if (isHeld && this.hand?.toy) this.hand.follow(false);
+    else if (isHeld) void this.take();
+    else if (this.hand?.isOn) this.letGo();
     else void this.simulate();
     if (this.goesOn) this.player.clock.play();
   }
@@ -145,7 +148,7 @@ export class ToyView {
     const isHeld = this.hand?.isOn ?? false;
     const isAsked = HELD in state.extra;
     if (isAsked !== isHeld) {
-      if (isAsked) void this.take(true);
+      if (isAsked) void this.take();
       else this.letGo();
       return;
     }
@@ -161,12 +164,10 @@ export class ToyView {
     void this.simulate();
   }
 
-  /**
-   * Let a hand take the toy.
-   * @param {boolean} isAsked whether somebody asked for it just now
-   */
-  async take(isAsked) {
+  /** Let a hand take the toy. */
+  async take() {
     const { clock } = this.player;
+    const isPressed = document.activeElement === this.hold;
     this.runner.stop();
     this.note("");
     this.hold.setAttribute("aria-pressed", "true");
@@ -174,7 +175,7 @@ export class ToyView {
     if (!(HELD in this.page.store.state.extra)) return;
     const wasShown = this.hasBegun;
     this.hasBegun = true;
-    await this.hand.take(isAsked);
+    await this.hand.take(isPressed);
     if (!this.hand.isOn) return;
     this.listen();
     const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -1,4 +1,4 @@
-"""Shaking the toy of Live, with simulated sensors, in a real browser."""
+"""Shaking the toy in a hand, with simulated sensors, in a real browser."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 import latolato as ll
 from browser_checks import serious_faults
-from live_pages import PATIENCE, of_toy, open_live, wait_for_toy
+from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
 
 # A phone that is shaken with 4 cm at 19 rad/s, along its y axis, or held otherwise.
 AMPLITUDE, FREQUENCY = 0.04, 19.0
@@ -32,13 +32,13 @@ def shake(page, sign=1, axis="y"):
 
 @pytest.mark.parametrize("sign,axis", [(1, "y"), (-1, "y"), (-1, "z")])
 def test_a_phone_shakes_the_pivot_and_the_balls_fly(page, sign, axis):
-    open_live(page, STILL)
+    open_held(page, STILL)
     shake(page, sign, axis)
     assert page.get_by_role("button", name="Shake it").get_attribute("aria-pressed") == "true"
     wait_for_toy(page, "toy.time > 5", timeout=30_000)
     seen = page.evaluate(
         """async () => {
-          const { toy } = window.latolato.views.live;
+          const { toy } = window.latolato.views.toy.hand;
           const begun = toy.time;
           let [sum, count] = [0, 0];
           while (toy.time < begun + 4) {
@@ -65,7 +65,7 @@ def test_the_sensors_of_the_browser_shake_the_pivot(page):
             "Emulation.setSensorOverrideEnabled",
             {"enabled": True, "type": kind, "metadata": {"available": True}},
         )
-    open_live(page, STILL)
+    open_held(page, STILL)
     page.get_by_role("button", name="Shake it").click()
     begun, highest = time.monotonic(), 0.0
     while (passed := time.monotonic() - begun) < 4.0:
@@ -83,7 +83,7 @@ def test_the_sensors_of_the_browser_shake_the_pivot(page):
 
 
 def test_a_sensor_that_falls_silent_is_told_of(page):
-    open_live(page)
+    open_held(page)
     shake(page)
     page.wait_for_timeout(500)
     page.evaluate("() => clearInterval(window.phone)")
@@ -95,18 +95,17 @@ def test_a_sensor_that_falls_silent_is_told_of(page):
 
 
 def test_a_new_toy_is_shaken_on(page):
-    open_live(page)
+    open_held(page)
     shake(page)
-    page.evaluate("() => { window.before = window.latolato.views.live.toy; }")
+    page.evaluate("() => { window.before = window.latolato.views.toy.hand.toy; }")
     page.get_by_role("button", name="Restart").click()
     wait_for_toy(page, "toy !== window.before && toy.isShaken && toy.time > 0.2")
-    page.get_by_role("link", name="Play").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert not page.evaluate("() => window.latolato.views.live.shake.isOn")
+    page.get_by_role("link", name="Report").click()
+    assert not page.evaluate("() => window.latolato.views.toy.hand.shake.isOn")
 
 
 def test_a_device_without_a_sensor_offers_the_pivot(page):
-    open_live(page)
+    open_held(page)
     page.get_by_role("button", name="Shake it").click()
     page.get_by_text("No motion sensor responds here.").wait_for()
     assert page.get_by_role("button", name="Shake it").get_attribute("aria-pressed") == "false"
@@ -132,7 +131,7 @@ def test_a_device_without_a_sensor_offers_the_pivot(page):
 )
 def test_a_refused_sensor_is_explained(page, script, sentence):
     page.add_init_script(script)
-    open_live(page)
+    open_held(page)
     page.get_by_role("button", name="Shake it").click()
     page.get_by_text(sentence).wait_for()
     wait_for_toy(page, "!toy.isShaken")
@@ -146,7 +145,7 @@ def test_a_granted_sensor_shakes_and_the_screen_stays_on(page):
         const request = async () => { window.locks += 1; return { release }; };
         Object.defineProperty(navigator, "wakeLock", { value: { request } });"""
     )
-    open_live(page)
+    open_held(page)
     shake(page)
     wait_for_toy(page, "toy.isShaken")
     assert page.evaluate("() => window.locks") == 1
@@ -156,17 +155,17 @@ def test_a_granted_sensor_shakes_and_the_screen_stays_on(page):
 
 
 def test_the_hand_can_be_dragged_and_the_cursor_says_so(page):
-    open_live(page, STILL)
+    open_held(page, STILL)
     box = page.get_by_role("application").bounding_box()
     x, y, size = page.evaluate(
         """() => {
-          const { scene, motion } = window.latolato.views.live;
+          const { player: { scene }, motion } = window.latolato.views.toy.hand;
           const ratio = window.devicePixelRatio;
           return [...scene.place(0, motion.toy.pivot.height), scene.scale().size]
             .map((each) => each / ratio);
         }"""
     )
-    cursor = "() => getComputedStyle(window.latolato.views.live.parts.canvas).cursor"
+    cursor = "() => getComputedStyle(window.latolato.views.toy.player.scene.canvas).cursor"
     page.mouse.move(box["x"] + 10, box["y"] + box["height"] - 10)
     assert page.evaluate(cursor) == "auto"
     page.mouse.move(box["x"] + x, box["y"] + y)
@@ -185,32 +184,27 @@ def test_the_hand_can_be_dragged_and_the_cursor_says_so(page):
     wait_for_toy(page, "!toy.isShaken && Math.abs(toy.pivot.height) < 1e-3")
 
 
-def test_a_recording_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path):
-    open_live(page)
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.2")
+def test_what_is_kept_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path):
+    open_held(page)
     shake(page)
-    wait_for_toy(page, "toy.recording?.duration > 3", timeout=30_000)
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_text("The pivot was shaken, so no parameters reproduce it").wait_for()
-    for button, name in (("CSV", "live.csv"), ("CSV of contacts", "live.contacts.csv")):
+    wait_for_toy(page, "toy.time > 3", timeout=30_000)
+    page.get_by_role("button", name="Keep the last minute").click()
+    page.get_by_text("The pivot was shaken, so no parameters make it again").wait_for()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_text("Download", exact=True).click()
+    for button, name in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
         with page.expect_download() as caught:
             page.get_by_role("button", name=button, exact=True).click()
         caught.value.save_as(tmp_path / name)
-    run = ll.load(tmp_path / "live.csv")
+    run = ll.load(tmp_path / "run.csv")
     assert run.attrs["drive"] == "measured_pivot"
-    assert "shaken by hand" in run.attrs["note"]
+    assert "the pivot was shaken" in run.attrs["note"]
     height = run["pivot_height"]
     assert 0.02 < float(abs(height).max()) < 0.13
     # The heights make the same motion in Python, as long as it is regular.
     pivot = ll.MeasuredPivot(times=run["time"].values, pivot_heights=height.values)
     assert len(pivot.pivot_heights) == run.sizes["time"]
-    page.get_by_role("button", name="Open in Play").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    page.get_by_text("The pivot was shaken").wait_for()
-    page.reload()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    assert page.evaluate("() => window.latolato.views.play.player.motion.about.options.drive") == (
+    assert page.evaluate("() => window.latolato.views.toy.player.motion.about.options.drive") == (
         "measured_pivot"
     )
 
@@ -219,9 +213,9 @@ def test_a_recording_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path)
 def test_a_message_leaves_the_picture_of_a_phone_free(page, language):
     page.set_viewport_size({"width": 390, "height": 844})
     page.add_init_script("DeviceMotionEvent.requestPermission = async () => 'denied'")
-    page.goto(f"/?view=live&lenght=1&lang={language}")
+    page.goto(f"/?view=toy&toy.hand=1&lenght=1&lang={language}")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
-    page.evaluate("() => window.latolato.views.live.shake.toggle()")
+    page.evaluate("() => window.latolato.views.toy.hand.shake.toggle()")
     page.locator(".message").nth(1).wait_for()
     picture = page.locator("canvas.scene").bounding_box()
     messages = page.locator(".stage-messages").bounding_box()

@@ -1,4 +1,4 @@
-"""Live in a real browser."""
+"""The toy in a hand, in a real browser."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import math
 import pytest
 
 from browser_checks import serious_faults
-from live_pages import PATIENCE, of_toy, open_live, wait_for_toy
+from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
 
 
 def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
-    open_live(page)
+    open_held(page)
     page.get_by_role("application").press("ArrowUp")
     before = of_toy(page, "controls.drive_amplitude")
     page.evaluate(
         """() => {
-          const { toy } = window.latolato.views.live;
+          const { toy } = window.latolato.views.toy.hand;
           window.failed = toy;
           toy.advance = () => { throw new WebAssembly.RuntimeError("unreachable"); };
         }"""
@@ -27,13 +27,13 @@ def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
 
 
 def test_a_key_changes_the_motion_with_the_next_picture(page):
-    open_live(page)
+    open_held(page)
     before = of_toy(page, "controls.drive_amplitude")
     changed = page.evaluate(
         """async () => {
-          const { toy, parts } = window.latolato.views.live;
+          const { toy, player } = window.latolato.views.toy.hand;
           await new Promise(requestAnimationFrame);
-          parts.canvas.dispatchEvent(new KeyboardEvent("keydown",
+          player.scene.canvas.dispatchEvent(new KeyboardEvent("keydown",
             { key: "ArrowUp", bubbles: true, cancelable: true }));
           const { time } = toy;
           await new Promise(requestAnimationFrame);
@@ -51,7 +51,7 @@ def test_a_key_changes_the_motion_with_the_next_picture(page):
 
 
 def test_a_reload_keeps_what_was_set(page):
-    open_live(page)
+    open_held(page)
     page.keyboard.press("ArrowUp")
     page.keyboard.press("2")
     page.keyboard.press("e")
@@ -73,11 +73,11 @@ def test_a_reload_keeps_what_was_set(page):
 )
 def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees):
     # Without drive, so that nothing but the hand moves it.
-    open_live(page, f"{query}&drive=harmonic&drive_amplitude=0%20m&drive_frequency=6%20rad/s")
+    open_held(page, f"{query}&drive=harmonic&drive_amplitude=0%20m&drive_frequency=6%20rad/s")
     canvas = page.get_by_role("application")
     box = canvas.bounding_box()
     place = """([k, angle]) => {
-      const { scene, motion } = window.latolato.views.live;
+      const { player: { scene }, motion } = window.latolato.views.toy.hand;
       const ratio = window.devicePixelRatio;
       const length = motion.balls[k].length;
       const to = angle === null ? [scene.drawn[k].x, scene.drawn[k].y]
@@ -99,7 +99,7 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
         page.mouse.move(box["x"] + x, box["y"] + y)
     page.wait_for_function(
         """([k, angle]) => {
-          const { motion } = window.latolato.views.live;
+          const { motion } = window.latolato.views.toy.hand;
           return Math.abs(motion.angle(motion.balls[k]) - angle) < 0.03;
         }""",
         arg=[ball, expected],
@@ -109,7 +109,7 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
     x, y = page.evaluate(place, [ball, expected])
     pixel, colour = page.evaluate(
         """([k, x, y]) => {
-          const { scene, motion } = window.latolato.views.live;
+          const { player: { scene }, motion } = window.latolato.views.toy.hand;
           const ratio = window.devicePixelRatio;
           const context = scene.canvas.getContext("2d");
           const dot = document.createElement("canvas").getContext("2d");
@@ -127,32 +127,31 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
 
 
 def test_the_trick_of_fig12_can_be_done_by_hand(page):
-    open_live(page)
+    open_held(page)
     page.get_by_role("button", name="High", exact=False).click()
     page.wait_for_function(
-        "() => window.latolato.views.live.watch.history.range(['right'])[1] > 15", timeout=30_000
+        "() => window.latolato.views.toy.hand.motion.values('angle').some((a) => a > 15 * Math.PI / 180)", timeout=30_000
     )
     assert page.get_by_role("button", name="High").get_attribute("aria-pressed") == "true"
     page.keyboard.press("2")
     page.wait_for_function(
-        "() => window.latolato.views.live.watch.history.range(['right'])[1] > 35", timeout=30_000
+        "() => window.latolato.views.toy.hand.motion.values('angle').some((a) => a > 35 * Math.PI / 180)", timeout=30_000
     )
 
 
 def test_a_toy_that_is_not_seen_stands_still(page):
-    open_live(page)
-    page.get_by_role("link", name="Play").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_held(page)
+    page.get_by_role("link", name="Report").click()
     time = of_toy(page, "time")
     page.wait_for_timeout(200)
     assert of_toy(page, "time") == time
-    page.get_by_role("link", name="Live").click()
-    page.wait_for_function("t => window.latolato.views.live.toy.time > t", arg=time)
+    page.get_by_role("link", name="Toy").click()
+    page.wait_for_function("t => window.latolato.views.toy.hand.toy.time > t", arg=time)
     assert of_toy(page, "time") < time + 5
 
 
 def test_a_tab_in_the_background_pauses_the_toy_and_says_so(page):
-    open_live(page)
+    open_held(page)
     show = """is => {
       Object.defineProperty(document, "hidden", { configurable: true, get: () => !is });
       document.dispatchEvent(new Event("visibilitychange"));
@@ -163,27 +162,27 @@ def test_a_tab_in_the_background_pauses_the_toy_and_says_so(page):
 
 
 def test_all_speeds_move_the_toy(page):
-    open_live(page)
+    open_held(page)
     for speed in ("10", "0.1"):
-        page.get_by_label("Speed", exact=True).select_option(speed)
+        page.locator(".transport").get_by_label("Speed").select_option(speed)
         time = of_toy(page, "time")
-        page.wait_for_function("t => window.latolato.views.live.toy.time > t + 0.02", arg=time)
+        page.wait_for_function("t => window.latolato.views.toy.hand.toy.time > t + 0.02", arg=time)
 
 
 def test_a_toy_that_does_not_come_says_why(page, watch):
     page.route("**/one.wasm", lambda route: route.fulfill(status=404, body="gone"))
-    page.goto("/?view=live")
-    page.get_by_text("one.wasm cannot be loaded").wait_for()
+    page.goto("/?view=toy&toy.hand=1")
+    page.locator(".message").get_by_text("one.wasm cannot be loaded").wait_for()
     page.unroute_all()
     page.get_by_role("link", name="Map").click()
-    page.get_by_role("link", name="Live").click()
+    page.get_by_role("link", name="Toy").click()
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     watch.faults[:] = [fault for fault in watch.faults if "404" not in fault]
 
 
 def test_a_motion_that_cannot_be_followed_begins_again(page):
-    open_live(page)
-    page.evaluate("() => window.latolato.views.live.toy.push(1e9)")
+    open_held(page)
+    page.evaluate("() => window.latolato.views.toy.hand.toy.push(1e9)")
     page.get_by_text("The toy restarts").wait_for()
     wait_for_toy(page, "toy.time > 0.1")
 
@@ -196,22 +195,22 @@ def test_a_motion_that_cannot_be_followed_begins_again(page):
     ],
 )
 def test_an_address_that_makes_no_toy_says_why(page, query, fault):
-    page.goto(f"/?view=live{query}")
+    page.goto(f"/?view=toy&toy.hand=1{query}")
     page.locator(".message").get_by_text(fault).wait_for()
 
 
 def test_a_refused_control_is_mended_in_its_field(page):
-    open_live(page)
-    page.evaluate("() => window.latolato.views.live.page.store.option('restitution', '2')")
+    open_held(page)
+    page.evaluate("() => window.latolato.views.toy.page.store.option('restitution', '2')")
     page.locator(".message").get_by_text("must lie between 0 and 1").wait_for()
-    knob = page.locator(".live").get_by_label("Bounciness e")
+    knob = page.locator(".toy").get_by_label("Bounciness e")
     knob.fill("0.5")
     knob.press("Enter")
     wait_for_toy(page, "toy?.controls.restitution === 0.5")
 
 
 def test_a_value_out_of_range_is_explained_next_to_its_field(page):
-    open_live(page)
+    open_held(page)
     field = page.get_by_role("textbox", name="How often")
     field.fill("1e8")
     field.press("Enter")
@@ -221,15 +220,14 @@ def test_a_value_out_of_range_is_explained_next_to_its_field(page):
 
 
 def test_a_toy_needs_no_server_once_it_is_there(page):
-    open_live(page)
+    open_held(page)
     requests = []
     page.on("request", lambda request: requests.append(request.url))
     page.keyboard.press("ArrowUp")
     page.keyboard.press("r")
-    page.get_by_role("button", name="Record").click()
-    wait_for_toy(page, "toy.recording?.duration > 0.1")
-    page.get_by_role("button", name="Stop").click()
-    page.get_by_text("reproduce the motion").wait_for()
+    wait_for_toy(page, "toy.time > 0.5")
+    page.get_by_role("button", name="Keep the last minute").click()
+    page.get_by_text("It is a run of its own parameters").wait_for()
     # Browsers ask for the icon again when the address changes.
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 
@@ -237,7 +235,7 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
 @pytest.mark.parametrize("width", [390, 1280])
 def test_live_is_accessible_and_fits_the_screen(page, width):
     page.set_viewport_size({"width": width, "height": 900})
-    open_live(page)
+    open_held(page)
     # Contrast is checked of what is there: of a pressed button, too.
     assert page.locator(".trick button[aria-pressed=true]").first.is_visible()
     for scheme in ("light", "dark"):
@@ -251,15 +249,15 @@ def test_live_is_accessible_and_fits_the_screen(page, width):
 @pytest.mark.parametrize("width", [390, 600, 910, 1366])
 def test_nothing_on_the_stage_lies_over_something_else(page, width, language):
     page.set_viewport_size({"width": width, "height": 844})
-    open_live(page, f"&lang={language}")
+    open_held(page, f"&lang={language}")
     page.wait_for_function("() => document.querySelector('.readout').textContent")
     over, within = page.evaluate(
         """() => {
           const [readout, tools, stage] = [".readout", ".stage-tools", ".stage"]
-            .map((each) => document.querySelector(`.live ${each}`).getBoundingClientRect());
+            .map((each) => document.querySelector(`.toy ${each}`).getBoundingClientRect());
           return [readout.left < tools.right && tools.left < readout.right
               && readout.top < tools.bottom && tools.top < readout.bottom,
-            [...document.querySelectorAll(".live .stage-tools > *")].every((each) =>
+            [...document.querySelectorAll(".toy .stage-tools > *")].every((each) =>
               each.getBoundingClientRect().right <= stage.right)];
         }"""
     )
@@ -267,20 +265,9 @@ def test_nothing_on_the_stage_lies_over_something_else(page, width, language):
     assert within
 
 
-def test_the_headline_asks_for_a_push_until_the_balls_move(page):
-    open_live(page)
-    headline = page.get_by_role("heading", name="They hang still. Push once.")
-    wait_for_toy(page, "toy.time > 0.5")
-    assert headline.is_visible()
-    page.get_by_role("button", name="Push").click()
-    headline.wait_for(state="detached")
-    page.get_by_role("heading", name="What will this toy do?").wait_for()
-    page.wait_for_function("() => !/hang/.test(document.querySelector('.narration').textContent)")
-
-
 def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     page.emulate_media(reduced_motion="reduce")
-    page.goto("/?view=live")
+    page.goto("/?view=toy&toy.hand=1")
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     page.wait_for_timeout(100)
     assert of_toy(page, "time") == 0.0
@@ -289,30 +276,93 @@ def test_who_wants_little_motion_finds_the_toy_at_rest(page):
 
 
 def test_the_legends_say_what_the_toy_does(page):
-    open_live(page)
+    open_held(page)
     page.get_by_role("button", name="Push").click()
     wait_for_toy(page, "toy.time > 1")
+    page.get_by_text("Energy and more curves", exact=True).click()
     page.get_by_role("button", name="Pause").click()
-    page.get_by_text("Energies", exact=True).click()
     page.wait_for_timeout(300)
-    for names, values in (
-        (("right", "left"), "motion.balls.map((ball) => motion.angle(ball) * 180 / Math.PI)"),
-        (("kinetic", "potential"), "[toy.energies.kinetic, toy.energies.potential]"),
+    for figure, values in (
+        (0, "motion.balls.map((ball) => motion.angle(ball) * 180 / Math.PI)"),
+        (1, "[toy.energies.kinetic, toy.energies.potential]"),
     ):
         wanted = page.evaluate(
-            f"() => {{ const {{ toy, motion }} = window.latolato.views.live; return {values}; }}"
+            f"() => {{ const {{ toy, motion }} = window.latolato.views.toy.hand; return {values}; }}"
         )
-        shown = [page.locator(f".legend .of-{name} output").inner_text() for name in names]
+        shown = page.locator("figure.panel").nth(figure).locator("output").all_inner_texts()[:2]
         assert [float(text) for text in shown] == pytest.approx(wanted, rel=1e-3, abs=1e-6)
     # On the move they would be behind the picture.
     page.get_by_role("button", name="Play", exact=True).click()
     page.wait_for_function(
-        "() => document.querySelector('.legend .of-right output').textContent === ''"
+        "() => document.querySelector('figure.panel .legend output').textContent === ''"
     )
 
 
+def test_the_curve_goes_along_with_the_toy(page):
+    open_held(page)
+    page.locator(".transport").get_by_label("Speed").select_option("10")
+    wait_for_toy(page, "toy.time > 20", timeout=30_000)
+    seen = page.evaluate(
+        """() => {
+          const { player: { curves }, toy } = window.latolato.views.toy;
+          const { data, scales: { x } } = curves.charts[0].plot;
+          return { count: data[0].length, last: data[0].at(-1), min: x.min, max: x.max };
+        }"""
+    )
+    assert 850 < seen["count"] < 950
+    assert seen["max"] - seen["min"] == pytest.approx(15, abs=1e-6)
+    assert seen["max"] - seen["last"] < 0.1
+
+
+def test_a_hand_takes_the_toy_where_the_run_has_it(page):
+    page.goto("/?view=toy&scenario=toy")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_function("() => window.latolato.views.toy.player.clock.time > 2")
+    page.get_by_role("button", name="Pause").click()
+    run = """() => {
+      const { motion, clock: { time } } = window.latolato.views.toy.player;
+      return [motion.angle(motion.balls[0], time), motion.at("pivot_height", time)];
+    }"""
+    before = page.evaluate(run)
+    page.evaluate("() => { window.latolato.views.toy.player.clock.play = () => {}; }")
+    page.get_by_role("button", name="Hold it yourself").click()
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    # At most a sample earlier.
+    assert of_toy(page, "angles[0]") == pytest.approx(before[0], abs=0.25)
+    assert of_toy(page, "pivot.height") == pytest.approx(before[1], abs=0.015)
+    assert of_toy(page, "time") == 0.0
+
+
+def test_a_toy_that_is_let_go_is_the_run_of_the_address_again(page):
+    page.goto("/?view=toy&scenario=toy")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_role("button", name="Hold it yourself").click()
+    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    assert not page.get_by_role("checkbox", name="Loop").is_visible()
+    page.get_by_role("application").press("e")
+    page.wait_for_function("() => location.search.includes('restitution=0.91')")
+    page.get_by_role("button", name="Hold it yourself").click()
+    page.wait_for_function(
+        "() => window.latolato.views.toy.player.motion.about.options.restitution === 0.91"
+    )
+    assert page.get_by_role("checkbox", name="Loop").is_visible()
+    assert not page.get_by_role("button", name="Push").is_visible()
+    assert "toy.hand" not in page.url
+    page.go_back()
+    page.wait_for_selector(".held")
+
+
+@pytest.mark.parametrize("view", ["live", "play"])
+def test_addresses_of_older_versions_open_the_toy(page, view):
+    page.goto(f"/?view={view}&scenario=fig12")
+    ready = {"live": "[data-ready]", "play": "[data-runs]"}[view]
+    page.wait_for_selector(ready, timeout=PATIENCE)
+    assert page.get_by_role("link", name="Toy").get_attribute("aria-current") == "page"
+    assert page.locator(".message").count() == 0
+
+
 def test_the_stage_has_a_frame_only_for_who_uses_keys(page):
-    open_live(page)
+    open_held(page)
     stage = page.get_by_role("application")
     outline = "(element) => [element.matches(':focus'), getComputedStyle(element).outlineStyle]"
     assert stage.evaluate(outline) == [True, "none"]

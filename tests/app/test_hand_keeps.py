@@ -1,0 +1,78 @@
+"""What a hand keeps of the last minute, in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+
+import latolato as ll
+from held_pages import PATIENCE, open_held, wait_for_toy
+
+PLAYER = "window.latolato.views.toy.player"
+
+
+def keep(page, *, key=None, seconds=0.5):
+    """Keep what the toy did; a key is pressed before if asked."""
+    if key:
+        page.keyboard.press(key)
+    wait_for_toy(page, f"toy.time > {seconds}")
+    page.get_by_role("button", name="Keep the last minute").click()
+    page.get_by_text("These are the last").wait_for()
+    page.wait_for_function(f"() => !{PLAYER}.clock.lead && {PLAYER}.motion")
+
+
+def stored(page, folder):
+    """Store the run on show from the menu, and read it."""
+    page.get_by_text("Download", exact=True).click()
+    for name, file in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
+        with page.expect_download() as caught:
+            page.get_by_role("button", name=name, exact=True).click()
+        caught.value.save_as(folder / file)
+    return ll.load(folder / "run.csv")
+
+
+def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
+    open_held(page)
+    keep(page, key="2", seconds=1)
+    page.get_by_text("It is a run of its own parameters").wait_for()
+    assert "drive=staged_harmonic" in page.url
+    assert "toy.hand" not in page.url
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    end = page.evaluate(f"() => {PLAYER}.motion.end")
+    run = stored(page, tmp_path)
+    assert run.attrs["drive"] == "staged_harmonic"
+    assert float(run["time"][-1]) == pytest.approx(end)
+    page.reload()
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    assert page.evaluate(f"() => {PLAYER}.motion.end") == pytest.approx(end)
+
+
+def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
+    open_held(page)
+    keep(page, key="p", seconds=1)
+    page.get_by_text("A hand took part, so no parameters make it again").wait_for()
+    assert page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
+    page.get_by_text("Energy and more curves").click()
+    page.get_by_text("the hand", exact=True).wait_for()
+    run = stored(page, tmp_path)
+    assert float(run["noise_work"][-1]) > 0
+    # What would be another run is not offered.
+    assert not page.get_by_role("button", name="Scenario", exact=False).is_visible()
+    assert not page.get_by_role("link", name="NetCDF", exact=False).is_visible()
+    # Whoever changes a parameter gets a run of these parameters.
+    runs = page.locator("[data-runs]").get_attribute("data-runs")
+    page.get_by_label("How far the hand moves, slider").press("ArrowRight")
+    page.wait_for_function(
+        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
+    )
+    assert not page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
+
+
+def test_what_was_kept_can_be_pinned_and_taken_again(page):
+    open_held(page)
+    keep(page, key="p", seconds=1)
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_role("button", name="Pin this run").click()
+    page.get_by_role("button", name="Hold it yourself").click()
+    wait_for_toy(page, "toy?.time > 0.3")
+    page.get_by_role("button", name="Hold it yourself").click()
+    page.wait_for_function(f"() => !{PLAYER}.clock.lead && {PLAYER}.pinned?.about.by_hand")
