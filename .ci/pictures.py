@@ -20,13 +20,13 @@ sys.path.insert(0, str(ROOT / "tests" / "shared"))
 
 # What each page shows, by its address, and what is in it once it is ready.
 PAGES = {
-    "play": ("?scenario=toy", "[data-runs]"),
+    "toy": ("?scenario=toy", "[data-runs]"),
     "map": ("?view=map&map.scenario=fig05_push&map.duration=60&map.size=120", "[data-done]"),
-    "experiment": ("?view=experiment&experiment.example=decay", ".experiment[data-state=result]"),
+    "measure": ("?view=measure&measure.example=decay", ".measure[data-state=result]"),
     "report": ("report/index.html", ".claims"),
 }
 SIZE = {"width": 1366, "height": 860}
-SET = "([name, text]) => window.latolato.views.play.page.store.option(name, text)"
+SET = "([name, text]) => window.latolato.views.toy.page.store.option(name, text)"
 SETTLED = 3000  # ms: the toy is on its way
 # Those of the tutorial, with buttons to press, sliders to put to their end, and options to set.
 SMALLER = {"width": 1180, "height": 720}

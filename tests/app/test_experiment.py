@@ -31,7 +31,7 @@ def state(page, name):
 
 
 def uploaded(page, path):
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     state(page, "setup")
 
@@ -43,7 +43,7 @@ def fill(page, label, text):
 
 
 DRAWN = """async frame => {
-  const { screen } = window.latolato.views.experiment;
+  const { screen } = window.latolato.views.measure;
   screen.isMarked = screen.hasGhost = false;
   if (screen.clock.index !== frame) {
     const seen = new Promise(done => {
@@ -169,7 +169,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     page.get_by_role("button", name="One frame back").click()
     page.get_by_text(re.compile(rf"frame {truth.sizes['frame'] - 1} of")).wait_for()
     cursor = page.evaluate("""() => {
-      const { curves, screen } = window.latolato.views.experiment;
+      const { curves, screen } = window.latolato.views.measure;
       const { plot } = curves.charts[0];
       const head = plot.over.querySelector(".playhead").getBoundingClientRect();
       return head.left + 0.5 - plot.over.getBoundingClientRect().left
@@ -195,7 +195,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
 
 
 def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.get_by_role("button", name="A pendulum on a driven pivot").click()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("alert").get_by_text("Cancelled.").wait_for()
@@ -206,7 +206,7 @@ def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
 def test_a_file_that_is_no_video_is_told_in_one_line(page, tmp_path):
     path = tmp_path / "note.mp4"
     path.write_text("hello")
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     alert = page.get_by_role("alert").filter(has_text="note.mp4: it cannot be read as a video")
     alert.wait_for(timeout=PATIENCE)

@@ -37,7 +37,7 @@ def written(path, head, *columns, delimiter=","):
 
 def dropped(page, path, query=""):
     """Drop a file on the page and wait until it was looked at."""
-    page.goto(f"/?view=experiment{query}")
+    page.goto(f"/?view=measure{query}")
     page.locator("input[type=file]").set_input_files(path)
     page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
 
@@ -61,14 +61,14 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
     head = "#multi:\n\tright ball\t\tleft ball\t\t\nt\tx\ty\tx\ty"
     path = written(tmp_path / "toy.txt", head, TIME, x, y, -x, y, delimiter="\t")
     page.set_viewport_size({"width": 390, "height": 844})
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     # A file that is dragged onto the page, as with a mouse.
     page.get_by_label(DROP).wait_for(timeout=PATIENCE)
     page.evaluate(
         """([text, name]) => {
           const given = new DataTransfer();
           given.items.add(new File([text], name));
-          document.querySelector(".experiment").dispatchEvent(
+          document.querySelector(".measure").dispatchEvent(
             new DragEvent("drop", { dataTransfer: given, bubbles: true, cancelable: true }));
         }""",
         [path.read_text("utf-8"), path.name],
@@ -99,7 +99,7 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
     used(page)
     assert page.locator(".clip-box").filter(visible=True).count() == 0
     angles = page.evaluate(
-        "() => [0, 1].map((b) => Array.from(window.latolato.views.experiment.session.clip.track"
+        "() => [0, 1].map((b) => Array.from(window.latolato.views.measure.session.clip.track"
         ".values('angle', b)))"
     )
     np.testing.assert_allclose(angles, [angle, -angle], atol=1e-5)
@@ -206,7 +206,7 @@ def test_the_decimal_sign_is_asked_where_the_file_is_refused_without_it(page, an
     path = tmp_path / "whole.csv"  # of milliseconds and degrees, without names
     whole = [[round(1e3 * t), round(d)] for t, d in zip(TIME, np.degrees(angle), strict=True)]
     path.write_text("".join(f"{t},{d}\n" for t, d in whole), "utf-8")
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.locator("input[type=file]").set_input_files(path)
     refusal = page.get_by_role("alert").filter(has_text="delimiter and decimal sign at once")
     refusal.wait_for(timeout=PATIENCE)
@@ -234,7 +234,7 @@ def test_times_on_a_clock_need_no_unit(page, angle, tmp_path):
 def test_a_file_that_is_no_table_is_refused_in_words(page, tmp_path):
     path = tmp_path / "notes.csv"
     path.write_text("We measured on Monday.\nIt rained.\n")
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.get_by_label(DROP).set_input_files(path)
     page.get_by_role("alert").filter(has_text="notes.csv: it has no rows of numbers").wait_for(
         timeout=PATIENCE

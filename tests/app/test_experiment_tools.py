@@ -38,15 +38,15 @@ def state(page, name):
 
 def go(page, frame):
     """Show a frame of the file and wait until the picture is there."""
-    page.evaluate("frame => window.latolato.views.experiment.screen.goTo(frame)", frame)
-    page.wait_for_function("frame => window.latolato.views.experiment.screen.frame === frame",
+    page.evaluate("frame => window.latolato.views.measure.screen.goTo(frame)", frame)
+    page.wait_for_function("frame => window.latolato.views.measure.screen.frame === frame",
                            arg=frame)  # fmt: skip
 
 
 def drag(page, name, place):
     """Move a handle to a place of the picture."""
     page.evaluate(
-        "([name, u, v]) => window.latolato.views.experiment.handles.move(name, u, v)",
+        "([name, u, v]) => window.latolato.views.measure.handles.move(name, u, v)",
         [name, *map(float, place)],
     )
 
@@ -60,7 +60,7 @@ def table_of(page, path):
 
 def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, tmp_path):
     path, truth, balls = clip
-    page.goto("/?view=experiment")
+    page.goto("/?view=measure")
     page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
     state(page, "setup")
     ball = page.get_by_role("button", name=re.compile("^ball"))

@@ -154,7 +154,7 @@ def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
     page.wait_for_timeout(900)
     assert said(page) == "“Bounciness” is larger now."
     names = [text_of(node, "name") for node in accessible(page)]
-    assert any("angle [°]. The angles lie between -17" in name for name in names)
+    assert any("angle [°]: right ball, left ball. The angles lie between -17" in name for name in names)
 
 
 def test_charts_say_what_they_show(page):

@@ -87,13 +87,13 @@ def test_scenarios_run_without_a_server_that_computes(visit, web):
     assert visit.hosts == {address.split("/")[2]}
 
 
-@pytest.mark.parametrize("view", ["toy", "map", "report", "experiment", "analyse"])
+@pytest.mark.parametrize("view", ["toy", "map", "report", "measure", "analyse"])
 def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
     visit.goto(f"{web[0]}?view={view}")
     visit.locator("h1").first.wait_for(state="attached")
     visit.wait_for_timeout(500)
     assert visit.faults == []
-    if view in ("experiment", "analyse"):
+    if view in ("measure", "analyse"):
         visit.get_by_text("latolato app").wait_for()
     if view == "report":
         visit.get_by_text("latolato site FOLDER").wait_for()

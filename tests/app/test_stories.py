@@ -89,7 +89,7 @@ BY_HAND = {
 INDONESIAN = json.loads((STATIC / "languages" / "id.json").read_text(encoding="utf-8"))
 ENGLISH = {
     "story": "Story", "storyAnyway": "Go on anyway", "storyNext": "Next", "storyFinish": "Finish",
-    "view_story": "Stories", "moreParameters": "More parameters",
+    "stories": "Stories", "moreParameters": "More parameters",
     "timesNatural": "\N{MULTIPLICATION SIGN} ω₀",
     "knobAmplitude": "How far the hand moves", "knobFrequency": "How often",
     "knobRestitution": "Bounciness", "knobDamping": "Friction",
@@ -163,9 +163,9 @@ def test_stories_have_five_to_seven_steps():
 
 
 def test_the_list_has_stories_in_their_order_and_then_challenges(page):
-    page.goto("/?view=story")
-    titles = page.locator(".story-cards h3").all_text_contents
-    page.locator(".story-cards h3").first.wait_for()
+    page.goto("/?view=toy&story.list=1")
+    titles = page.locator(".story-cards h4").all_text_contents
+    page.locator(".story-cards h4").first.wait_for()
     ordered = sorted([*STORIES, *CHALLENGES], key=lambda name: FILES[name]["order"])
     ordered.sort(key=CHALLENGES.__contains__)
     assert ordered[0] == "first_clack"
@@ -501,7 +501,7 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
     steps = FILES[name]["steps"]
     foreign = {text for text in texts_of(FILES[name]) if said(text, language) != text}
     assert bool(foreign) == (language != "en")
-    page.goto(f"/?view=story&lang={language}")
+    page.goto(f"/?view=toy&story.list=1&lang={language}")
     link = page.get_by_role("link", name=said(FILES[name]["title"], language))
     link.wait_for()
     tab_to(page, link)
@@ -535,7 +535,7 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
         next_one = said("storyFinish" if i == len(steps) else "storyNext", language)
         tab_to(page, panel.get_by_role("button", name=next_one))
         page.keyboard.press("Enter")
-    page.get_by_role("heading", level=1, name=said("view_story", language)).wait_for()
+    page.get_by_role("heading", level=1, name=said("stories", language)).wait_for()
     assert "story." not in page.url
 
 
@@ -633,7 +633,7 @@ def test_a_story_that_is_gone_leads_to_the_list(page, name):
     assert not page.get_by_role("complementary", name="Story").is_visible()
     page.wait_for_url(lambda url: "story." not in url)
     page.locator(".stage").get_by_role("button", name="All stories and challenges").click()
-    page.get_by_role("heading", level=1, name="Stories").wait_for()
+    page.get_by_role("heading", level=2, name="Stories").wait_for()
 
 
 def solved(name):
@@ -677,7 +677,7 @@ def test_guesses_of_the_tongue_are_scored(page):
 @pytest.mark.parametrize(
     "place, theme",
     [
-        ("/?view=story", "light"),
+        ("/?view=toy&story.list=1", "light"),
         (address("first_clack", 3), "dark"),
         ("/?story.name=guess_tongue", "light"),
     ],

@@ -3,15 +3,14 @@
 TITLES = {
     "toy": "Toy",
     "map": "Map",
-    "story": "Stories",
-    "report": "Report",
-    "experiment": "Experiment",
+    "measure": "Measure",
     "analyse": "Analyse",
+    "report": "Report",
 }
 
 
 def test_every_view_has_one_title(page):
-    page.goto("/?view=report")
+    page.goto("/?view=map")
     views = page.get_by_role("navigation", name="Views").get_by_role("link")
     views.first.wait_for()
     assert views.count() == len(TITLES)
@@ -23,7 +22,7 @@ def test_every_view_has_one_title(page):
 
 def test_every_view_has_the_same_tools_at_its_top_right(page):
     page.add_init_script("delete Navigator.prototype.share;")
-    page.goto("/?view=report&unknown=1")
+    page.goto("/?view=measure&unknown=1")
     views = page.get_by_role("navigation", name="Views").get_by_role("link")
     views.first.wait_for()
     for name, title in TITLES.items():
@@ -39,7 +38,7 @@ def test_every_view_has_the_same_tools_at_its_top_right(page):
         assert place.get_by_role("button", name="Save the picture").is_visible() is has_picture
         page.keyboard.press("Escape")
     page.get_by_role("button", name="Undo").click()
-    page.get_by_role("heading", level=1, name=TITLES["experiment"]).wait_for()
+    page.get_by_role("heading", level=1, name=TITLES["analyse"]).wait_for()
 
 
 def test_messages_leave_the_columns_of_a_view_as_they_are(page):

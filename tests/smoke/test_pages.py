@@ -96,7 +96,7 @@ def test_map(page, answer, scenario):
 
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_experiment(page, answer, example):
-    page.goto(f"/?view=experiment&experiment.example={example}")
+    page.goto(f"/?view=measure&measure.example={example}")
     fit = f"[data-fit={FITS[example]}]"
     page.wait_for_selector(f"{fit}, .error:visible", timeout=PATIENCE)
     page.wait_for_selector("[data-state=result]", timeout=PATIENCE)
@@ -119,7 +119,7 @@ def test_question(page, answer, question, scenario):
 
 
 # What each view shows when it has what it asks the server for; the others are opened above.
-VIEWS = {"toy&toy.hand=1": "[data-ready]", "report": "h1", "experiment": ".dropzone"}
+VIEWS = {"toy&toy.hand=1": "[data-ready]", "report": "h1", "measure": ".dropzone"}
 
 
 @pytest.mark.parametrize("view", VIEWS)

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { ClipClock } from "../../../src/latolato/app/static/js/experiment/clock.js";
-import { clockText } from "../../../src/latolato/app/static/js/experiment/setup.js";
-import { Track } from "../../../src/latolato/app/static/js/experiment/track.js";
+import { ClipClock } from "../../../src/latolato/app/static/js/measure/clock.js";
+import { clockText } from "../../../src/latolato/app/static/js/measure/setup.js";
+import { Track } from "../../../src/latolato/app/static/js/measure/track.js";
 import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
 
 test("a number is told to the second digit of its deviation", () => {

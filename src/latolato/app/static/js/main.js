@@ -19,13 +19,12 @@ import { t } from "./strings.js";
 const VIEWS = {
   toy: async () => (await import("./toy/view.js")).ToyView,
   map: async () => (await import("./map/view.js")).MapView,
-  story: async () => (await import("./story/view.js")).StoryView,
-  report: async () => MissingReport,
-  experiment: async () => (await import("./experiment/view.js")).ExperimentView,
+  measure: async () => (await import("./measure/view.js")).MeasureView,
   analyse: async () => (await import("./analyse/view.js")).AnalyseView,
+  report: async () => MissingReport,
 };
 // Views that need Python beside the page.
-const NEED_PROGRAM = ["experiment", "analyse"];
+const NEED_PROGRAM = ["measure", "analyse"];
 // The report is a page of its own beside this one.
 const REPORT = "report/index.html";
 const THEMES = ["auto", "light", "dark"];
@@ -169,12 +168,12 @@ class MissingReport {
 }
 
 /**
- * Tell a story beside the views as soon as an address names one.
+ * Tell a story beside the views as soon as an address names one, or list them all.
  * @param {Page} page
  */
 function startStories(page) {
   const begin = (/** @type {string} */ changed) => {
-    if (!("story.name" in page.store.state.extra)) return;
+    if (!["story.name", "story.list"].some((name) => name in page.store.state.extra)) return;
     end();
     void import("./story/panel.js").then(({ StoryPanel }) => new StoryPanel(page, changed));
   };

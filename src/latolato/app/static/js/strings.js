@@ -23,7 +23,7 @@ export const STRINGS = {
   languageUnread: "The texts in {name} could not be loaded, so the page is in English.",
   unkept: "This browser keeps nothing for this page, so your choices last until you leave it.",
   warning: "Note: {text}",
-  program_experiment: "Experiment follows a pendulum in a video, fits its damping and its drive, and "
+  program_measure: "Measure follows a pendulum in a video, fits its damping and its drive, and "
     + "compares many trials with the theory. Videos are read by the installed program, on your own machine.",
   program_analyse: "Analyse asks one toy a question: does it return after each shake, how strongly does it "
     + "feel small differences, which push decides? These analyses are computed by the installed program.",
@@ -31,9 +31,8 @@ export const STRINGS = {
   view_toy: "Toy",
   view_map: "Map",
   view_report: "Report",
-  view_experiment: "Experiment",
+  view_measure: "Measure",
   view_analyse: "Analyse",
-  view_story: "Stories",
   tabProgram: "Needs the installed program",
   unknownView: "There is no view “{name}”.",
   // messages on the stage, and what a link leaves out
@@ -241,7 +240,7 @@ export const STRINGS = {
   noNumberIn: "“{text}” is not a number in {unit}.",
   // stories
   storiesIntro: "A story shows you something, lets you guess, and then lets you try it. It takes a few minutes.",
-  storiesList: "Stories",
+  stories: "Stories",
   challengesList: "Challenges",
   storiesSteps: "{count} steps, about {minutes} minutes",
   storiesMinutes: "about {minutes} minutes",
@@ -465,7 +464,7 @@ export const STRINGS = {
   unknownSetting: "“{name}” is not a setting of this question.",
   seconds: "{count} s",
   minutes: "{count} min",
-  // experiment
+  // measure
   clipDrop: "Drop a video or a table here, or choose one",
   clipDropHint: "Videos (MP4, MOV, WebM, AVI): up to {size} MB, {minutes} minutes, {pixels}.",
   clipDropTables: "Tables: what Tracker, phyphox, Vernier, Capstone, a spreadsheet and other programs "

@@ -23,7 +23,7 @@ const LONGEST = 60;
 // What a link may hold of views that read all of theirs; others name what they cannot read themselves.
 const PARTS = /** @type {Record<string, string[]>} */ ({
   toy: ["hand"], report: [],
-  story: ["name", "step", "answers", "tried", "guess"],
+  story: ["list", "name", "step", "answers", "tried", "guess"],
 });
 // Views that show one run, not a sweep.
 const OF_RUNS = ["toy", "analyse"];
@@ -58,7 +58,7 @@ export function readable(registry, state, views) {
   const options = readableOptions(registry, { ...state, scenario }, left);
   const extra = Object.fromEntries(Object.entries(state.extra).filter(([name]) => {
     const [owner, ...part] = name.split(".");
-    const isKnown = views.includes(owner) && (PARTS[owner]?.includes(part.join(".")) ?? true);
+    const isKnown = PARTS[owner]?.includes(part.join(".")) ?? views.includes(owner);
     if (!isKnown) left.push({ text: t("unknownParameter", { name: cut(name) }) });
     return isKnown;
   }));

@@ -18,7 +18,8 @@
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
 /** What views of older versions are now. @type {Record<string, Partial<State>>} */
-const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { "toy.hand": "1" } } };
+const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { "toy.hand": "1" } },
+  story: { view: "toy", extra: { "story.list": "1" } }, experiment: { view: "measure" } };
 // "embed" stands in addresses of older versions, which showed a view without the bar.
 const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
 
@@ -42,7 +43,9 @@ export function parse(search) {
   state.options = Object.fromEntries(others.filter(([name]) => !name.includes(".")));
   state.extra = Object.fromEntries(others.filter(([name]) => name.includes(".")));
   const former = Object.hasOwn(FORMER, state.view) ? FORMER[state.view] : {};
-  return { ...state, ...former, extra: { ...state.extra, ...former.extra } };
+  const extra = Object.fromEntries(Object.entries(state.extra).map(([name, value]) =>
+    [name.replace(/^experiment[.]/, "measure."), value]));
+  return { ...state, ...former, extra: { ...extra, ...former.extra } };
 }
 
 /**

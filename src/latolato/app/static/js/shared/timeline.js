@@ -37,6 +37,8 @@ export class Timeline {
     this.whole = toggle("wholeRun", "wholeRunHint", () => this.toggleWhole());
     this.wrapped = toggle("wrapAngles", "wrapAnglesHint", () => this.press(this.wrapped));
     this.pivot = toggle("pivotCurve", "pivotCurveHint", () => this.press(this.pivot));
+    // Which of them a run needs is known when it comes.
+    this.whole.hidden = this.wrapped.hidden = true;
     this.toggles = el("span", { class: "toggles" }, this.whole, this.wrapped, this.pivot);
     this.root = el("div", { class: "timeline" }, place, this.scrub);
     this.curves = new Curves(place, clock, [this.panel()], { follows: true });

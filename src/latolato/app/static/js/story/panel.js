@@ -9,12 +9,15 @@ import { cut, sayLeft } from "../shared/reading.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
 import { load, loadSchema } from "./files.js";
+import { StoryList } from "./list.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
 import { NOT_YET, Step } from "./step.js";
 
 /** @typedef {import("./check.js").Table} Table */
 
+// Where the address asks for the list.
+const LIST = "story.list";
 // As in story.css: there the panel lies at the bottom.
 const NARROW = "(max-width: 800px) and (min-height: 561px)";
 // A view that has just come has found its size by then.
@@ -41,13 +44,14 @@ export class StoryPanel {
     this.counted = "";
     this.takesFocus = false;
     this.body = el("div", { class: "story-body" });
-    this.title = el("h2", {});
+    this.title = el("h2", { tabindex: "-1" });
+    this.all = new StoryList(page);
     const fold = el("button", { type: "button", class: "plain story-fold", "aria-expanded": "true", on: { click: () => {
       const isOpen = !this.root.classList.toggle("folded");
       fold.setAttribute("aria-expanded", String(isOpen));
     } } }, t("storyFold"));
     const leave = el("button", { type: "button", class: "plain", "aria-label": t("storyLeave"), title: t("storyLeave"),
-      on: { click: () => this.leave(this.page.store.state.view) } }, "×");
+      on: { click: () => this.leave() } }, "×");
     this.place = el("p", { class: "story-place" });
     this.progress = el("progress", { "aria-hidden": "true" });
     this.nav = el("div", { class: "actions" });
@@ -75,10 +79,12 @@ export class StoryPanel {
   async follow(changed) {
     const { state } = this.page.store;
     const { name } = this.kept;
-    const isOpen = name !== undefined && state.view !== "story";
+    const isList = name === undefined && LIST in state.extra;
+    const isOpen = name !== undefined || isList;
     document.documentElement.toggleAttribute("data-story", isOpen);
     this.root.hidden = !isOpen;
-    if (!isOpen) {
+    if (isList) this.showList(changed);
+    if (name === undefined) {
       this.name = "";
       return;
     }
@@ -91,6 +97,22 @@ export class StoryPanel {
     if (!this.tables || name !== this.name) return;
     this.show();
     await this.count();
+  }
+
+  /**
+   * Show the list of stories.
+   * @param {string} changed in the address
+   */
+  showList(changed) {
+    if (this.body.firstChild === this.all.root) return;
+    this.tables = this.part = null;
+    this.progress.hidden = true;
+    this.place.textContent = "";
+    this.title.textContent = t("stories");
+    this.body.replaceChildren(this.all.root);
+    this.nav.replaceChildren();
+    void this.all.show();
+    if (changed !== "address") this.title.focus();
   }
 
   /** @param {string} name */
@@ -136,7 +158,7 @@ export class StoryPanel {
   /** The state that shows the list of stories. */
   get list() {
     const { state } = this.page.store;
-    return { ...state, view: "story", extra: withoutStory(state.extra) };
+    return { ...state, extra: { ...withoutStory(state.extra), [LIST]: "1" } };
   }
 
   listLink() {
@@ -179,7 +201,7 @@ export class StoryPanel {
       if (!isLast) this.go(step + 1);
       else {
         tell(t("storyFinished", { title: tr(title) }));
-        this.leave("story");
+        openState(this.page, this.list);
       }
     };
     this.nav.replaceChildren(
@@ -239,13 +261,10 @@ export class StoryPanel {
       ...(tables.steps && { "story.step": String(step) }), ...(answers && { "story.answers": answers }) }), "preset");
   }
 
-  /**
-   * End the story.
-   * @param {string} view that is shown instead
-   */
-  leave(view) {
+  /** End the story. */
+  leave() {
     const { store } = this.page;
-    store.set({ view, extra: withoutStory(store.state.extra) }, "view");
+    store.set({ extra: withoutStory(store.state.extra) }, "view");
   }
 }
 

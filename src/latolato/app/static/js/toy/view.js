@@ -80,7 +80,12 @@ export class ToyView {
     this.answer = el("span", { hidden: true }, ...Object.entries(STORIES).flatMap(
       ([name, title]) => [" ", openLink(page, { view: "toy", scenario: null, options: {},
         extra: { "story.name": name } }, tr(title))]));
-    this.presets.told.append(this.highest, this.answer);
+    const stories = el("a", { href: "?view=toy&story.list=1", class: "open", on: { click: (/** @type {MouseEvent} */ event) => {
+      if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+      event.preventDefault();
+      page.store.keep("story.list", "1");
+    } } }, t("stories"));
+    this.presets.told.append(this.highest, this.answer, " ", stories);
     this.player.clock.subscribe((time) => this.tellHighest(time));
     place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,

@@ -26,7 +26,7 @@ const OF_FRAMES = ["tracking", "drawing"];
 
 export class Setup {
   /**
-   * @param {import("../shared/state.js").Page} page its address keeps the quantities, after "experiment."
+   * @param {import("../shared/state.js").Page} page its address keeps the quantities, after "measure."
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
@@ -41,18 +41,18 @@ export class Setup {
     /** @type {Record<string, string>} */
     this.values = {};
     for (const name of NAMES) {
-      const kept = store.state.extra[`experiment.${name}`];
+      const kept = store.state.extra[`measure.${name}`];
       if (kept) this.values[name] = kept;
     }
-    const known = [...NAMES, "example"].map((name) => `experiment.${name}`);
-    const strange = Object.keys(store.state.extra).filter((key) => key.startsWith("experiment.")
+    const known = [...NAMES, "example"].map((name) => `measure.${name}`);
+    const strange = Object.keys(store.state.extra).filter((key) => key.startsWith("measure.")
       && !known.includes(key));
     leaveOut(page, Object.fromEntries(strange.map((key) =>
       [key, { text: t("unknownParameter", { name: cut(key) }) }])));
     let before = store.state.extra;
     store.subscribe(({ extra }, changed) => {
       for (const name of changed === "address" ? NAMES : []) {
-        const key = `experiment.${name}`;
+        const key = `measure.${name}`;
         if (extra[key] !== before[key]) own.take(name, extra[key] ?? null);
       }
       before = extra;
@@ -61,7 +61,7 @@ export class Setup {
       state: { options: this.values },
       option: (/** @type {string} */ name, /** @type {string | null} */ value) => {
         own.take(name, value);
-        store.keep(`experiment.${name}`, value);
+        store.keep(`measure.${name}`, value);
       },
       set: (/** @type {{options: Record<string, string>}} */ { options }) => {
         for (const name of new Set([...Object.keys(this.values), ...Object.keys(options)]))

@@ -1,4 +1,4 @@
-/** Experiment: a video is tracked or a table imported, fitted, and compared with what is computed. */
+/** Measure: a video is tracked or a table imported, fitted, and compared with what is computed. */
 
 import { Clock } from "../shared/clock.js";
 import { Curves } from "../shared/curves.js";
@@ -24,9 +24,9 @@ import { panelsOf } from "./track.js";
 /** What of an example's truth somebody would have measured before, by the fields. */
 const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
 /** A link with this part clips an example and measures it. */
-const LINKED = "experiment.example";
+const LINKED = "measure.example";
 
-export class ExperimentView {
+export class MeasureView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
@@ -68,7 +68,7 @@ export class ExperimentView {
     this.preview = el("div", { class: "clip-preview" });
     this.trials = el("section", { class: "card clip-trials" });
     this.side = el("aside", { class: "side" }, this.list, this.form);
-    this.root = el("div", { class: "view split experiment", on: {
+    this.root = el("div", { class: "view split measure", on: {
       dragover: (/** @type {DragEvent} */ e) => this.dragged(e, true),
       dragleave: (/** @type {DragEvent} */ e) => this.dragged(e, false),
       drop: (/** @type {DragEvent} */ e) => this.dropped(e),

@@ -1,4 +1,4 @@
-/** Stories: the list of stories and challenges. */
+/** The list of stories and challenges, where none is told yet. */
 
 import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
@@ -11,29 +11,22 @@ import { shownBy } from "./look.js";
 
 /** @typedef {import("./check.js").Table} Table */
 
-export class StoryView {
+export class StoryList {
   /** @param {import("../shared/state.js").Page} page */
   constructor(page) {
     this.page = page;
     this.lists = el("div", {});
     this.error = el("p", { class: "error", role: "alert", hidden: true });
-    this.root = el("div", { class: "view stories" }, el("h1", {}, t("view_story")),
-      el("p", {}, t("storiesIntro")), this.lists, this.error);
+    this.root = el("div", {}, el("p", {}, t("storiesIntro")), this.lists, this.error);
   }
 
-  show() {
-    void this.list();
-  }
-
-  hide() {}
-
-  async list() {
+  /** List the stories of the site. */
+  async show() {
     const entries = await loadAll(this.page.registry);
     const cards = (/** @type {boolean} */ areStories) => el("ul", { class: "story-cards" },
       ...entries.flatMap(({ name, tables }) => (tables && "steps" in tables === areStories
         ? [this.card(name, tables)] : [])));
-    this.lists.replaceChildren(el("h2", {}, t("storiesList")), cards(true),
-      el("h2", {}, t("challengesList")), cards(false),
+    this.lists.replaceChildren(cards(true), el("h3", {}, t("challengesList")), cards(false),
       ...entries.flatMap(({ error }) => (error ? [el("p", { class: "error" }, error)] : [])));
   }
 
@@ -43,7 +36,7 @@ export class StoryView {
    */
   card(name, { title, summary, steps, minutes }) {
     const state = { view: "toy", scenario: null, options: {}, extra: { "story.name": name } };
-    return el("li", { class: "card" }, el("h3", {}, el("a", { href: format(state),
+    return el("li", { class: "card" }, el("h4", {}, el("a", { href: format(state),
       on: { click: (/** @type {MouseEvent} */ event) => {
         if (event.ctrlKey || event.metaKey || event.shiftKey) return;
         event.preventDefault();
