@@ -5,15 +5,14 @@
 
 import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
-import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
+import { axisLimits } from "./axis.js";
+import { chartOptions, heightOf } from "./chart.js";
 import { curvesOf } from "./describe.js";
 import { colour, el, freshId } from "./dom.js";
 import { followPointer, Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
-import { drawShades } from "./shades.js";
-import { dataOf, extremesUntil, pathOf, resampled } from "./traces.js";
-import { short } from "./units.js";
+import { dataOf, resampled } from "./traces.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
@@ -25,7 +24,6 @@ import { short } from "./units.js";
  *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
  */
 
-const HEIGHT = 170;
 // While the clock is followed, so many natural periods of a run are shown, or all of one that is
 // little longer: they are more than this share of it.
 const SWINGS = 12;
@@ -33,8 +31,6 @@ const MOST = 0.75;
 // The curve stands still and turns like a page: scrolling would draw all charts again for each
 // picture. This share of a new page is what was seen before.
 const KEPT = 0.25;
-// Room above and below the curves, as a share of their range.
-const MARGIN = 0.1;
 // A motion that grows: so much of it is shown, and as many pictures pass until it is drawn again.
 const LAST = 15; // s
 const PICTURES = 2;
@@ -201,85 +197,12 @@ export class Curves {
       this.root.append(el("figure", { class: "panel" },
         el("figcaption", {}, el("strong", {}, label), legend), host));
       // Empty: `show` fills one chart after the other.
-      const plot = new UPlot(this.options(panel, all[i]), [[], ...all[i].map(() => [])], host);
+      const plot = new UPlot(chartOptions(this, panel, all[i]), [[], ...all[i].map(() => [])], host);
       plot.over.append(instant.head, ...instant.dots);
       followPointer(plot, this.clock);
       return { plot, instant, curves: all[i], host, panel };
     });
     this.resize();
-  }
-
-  /**
-   * @param {Panel} panel
-   * @param {Curve[]} curves
-   * @returns {UPlot.Options}
-   */
-  options(panel, curves) {
-    const paint = (/** @type {string} */ name) => () => this.paint(name);
-    const axis = {
-      stroke: paint("soft"),
-      grid: { stroke: paint("grid"), width: 1 },
-      ticks: { stroke: paint("grid"), width: 1, size: 4 },
-      font: "12px system-ui, sans-serif",
-    };
-    const right = curves.find((curve) => curve.axis === "right");
-    return {
-      width: Math.max(this.root.clientWidth, 100),
-      height: heightOf(panel),
-      legend: { show: false },
-      padding: [8, right ? 0 : 18, 0, 0],
-      scales: {
-        x: { time: false, auto: false },
-        y: { range: (u, low, high) => limits(...(this.follows && !this.motion?.grows
-          ? extremesUntil(u, low, high, this.span[1]) : /** @type {const} */ ([low, high]))) },
-        right: { range: (_, low, high) => limits(low, high) },
-      },
-      cursor: {
-        sync: { key: this.sync, setSeries: false },
-        drag: { x: true, y: false, setScale: true },
-        points: { show: false },
-        bind: {
-          // Without Shift a pointer moves the clock.
-          mousedown: (_, __, handle) => (e) => {
-            if (e.shiftKey) handle(e);
-            return null;
-          },
-          dblclick: () => () => {
-            this.zoom(0, this.motion?.end ?? 1);
-            return null;
-          },
-        },
-      },
-      axes: [
-        { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
-          marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
-            : short(m))) },
-        { ...axis, ...UPRIGHT },
-        ...(right ? [{ ...axis, ...UPRIGHT, scale: "right", side: 1,
-          stroke: paint(right.paint), grid: { show: false } }] : []),
-      ],
-      series: [{}, ...curves.map((curve) => ({
-        label: curve.label,
-        scale: curve.axis ?? "y",
-        stroke: paint(curve.paint),
-        width: 1.3,
-        dash: curve.dash,
-        points: { show: false },
-        paths: (/** @type {any} */ u, /** @type {number} */ k, /** @type {number} */ i0,
-          /** @type {number} */ i1) => pathOf(u, k, i0, i1, this.swing),
-      }))],
-      hooks: {
-        drawAxes: [(/** @type {any} */ u) => {
-          if (panel.shades && this.motion) drawShades(u, panel.shades(this.motion), (name) => this.paint(name));
-        }],
-        setSize: [() => this.onLayout()],
-        setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
-          const { min, max } = u.scales.x;
-          // uPlot reports every change at the end of the task, also those that came from here.
-          if (key === "x" && (min !== this.span[0] || max !== this.span[1])) this.zoom(min, max);
-        }],
-      },
-    };
   }
 
   /** Whether the whole run is shown. */
@@ -462,18 +385,4 @@ const nameOf = (label, curves) => `${label}: ${curves.map((curve) => curve.label
  */
 function labelOf({ label }, motion) {
   return typeof label === "string" ? label : label(motion);
-}
-
-/** @param {Panel} panel */
-function heightOf({ height = HEIGHT }) {
-  return typeof height === "number" ? height : height();
-}
-
-/**
- * Return the ends of an axis that holds two values.
- * @param {number} low
- * @param {number} high
- */
-function limits(low, high) {
-  return UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true);
 }

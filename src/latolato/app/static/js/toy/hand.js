@@ -1,6 +1,7 @@
 /** The hand that holds a toy: it moves in real time while pointers, keys and sensors change everything. */
 
 import { startKernels } from "../kernels/load.js";
+import { resolvedOf } from "../model/block.js";
 import { specify } from "../model/case.js";
 import { el } from "../shared/dom.js";
 import { followDrag } from "../shared/drag.js";
@@ -24,10 +25,10 @@ import { Toy } from "./toy.js";
 /** @typedef {import("../model/case.js").Case} Case */
 /**
  * What the view does for the hand: `request` returns the scenario and the options to run; `begun` shows
- * what a toy has begun with; `refuse` says why there is none; `keep` shows what was played, with the
+ * what a toy has begun with, in SI units; `refuse` says why there is none; `keep` shows what was played, with the
  * options of the run that it is, if it is one.
  * @typedef {{request: () => {scenario: string | null, options: Record<string, string>},
- *   begun: (each: Case) => void, refuse: (error: Error) => void,
+ *   begun: (options: Record<string, any>) => void, refuse: (error: Error) => void,
  *   keep: (block: import("../shared/block.js").Block, options: Record<string, string> | null) => void}} Owner
  */
 
@@ -203,7 +204,7 @@ export class Hand {
           : new Toy(kernels, each, cosine));
       }
       this.asked = each;
-      this.owner.begun(each);
+      this.owner.begun(resolvedOf(each));
       this.say(this.page.registry.drives[each.drive.kind].sinusoidal ? "" : t("handCosine"));
     } catch (error) {
       if (!(error instanceof Error)) throw error;

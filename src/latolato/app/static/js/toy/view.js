@@ -8,7 +8,6 @@ import { followKeys } from "../shared/keys.js";
 import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { openLink } from "../shared/links.js";
-import { resolvedOf } from "../model/block.js";
 import { LongRunError, Runner } from "../model/client.js";
 import { inPagesWords } from "../model/words.js";
 import { FIRST } from "../shared/state.js";
@@ -201,7 +200,7 @@ export class ToyView {
     const { Hand } = await import("./hand.js");
     const hand = new Hand(this.page, this.player, this.knobs, {
       request: () => this.request(),
-      begun: (each) => this.showHeld(each),
+      begun: (options) => this.showHeld(options),
       refuse: (error) => this.refuse(error),
       keep: (block, options) => this.keep(block, options),
     });
@@ -219,17 +218,16 @@ export class ToyView {
 
   /**
    * Show what a hand holds now.
-   * @param {import("../model/case.js").Case} each
+   * @param {Record<string, any>} options in SI units
    */
-  showHeld(each) {
+  showHeld(options) {
     const { scenario } = this.request();
     this.presets.show(scenario);
     this.answer.hidden = true;
     this.reset.classList.toggle("idle", !scenario || Object.keys(this.page.store.state.options).length === 0);
     this.form.build();
-    this.form.show(resolvedOf(each));
-    this.hanging.hidden = !this.page.registry.systems[each.system.kind].options.includes("suspension");
-    this.hang.value = each.system.suspension;
+    this.form.show(options);
+    this.showHanging(options);
     this.root.dataset.ready = "true";
   }
 
@@ -355,8 +353,7 @@ export class ToyView {
     }
     const isFirst = scenario === FIRST && Object.keys(store.state.options).every((name) => FREE.includes(name));
     this.knobs.explain(naturalFrequency(options), isFirst ? t("toyAnswer") : "");
-    this.hanging.hidden = !registry.systems[options.system].options.includes("suspension");
-    this.hang.value = options.suspension ?? "rod";
+    this.showHanging(options);
     for (const name of SLIPS) {
       const knob = this.knobs.all[name];
       if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
@@ -366,6 +363,15 @@ export class ToyView {
     for (const [name, knob] of Object.entries(this.knobs.all))
       knob.read(this.form.text(name), store.state.options[name] !== undefined);
     this.knobs.error(null);
+  }
+
+  /**
+   * Show on what the balls hang, where there is a choice.
+   * @param {Record<string, any>} options
+   */
+  showHanging({ system, suspension = "rod" }) {
+    this.hanging.hidden = !this.page.registry.systems[system].options.includes("suspension");
+    this.hang.value = suspension;
   }
 
   /**
