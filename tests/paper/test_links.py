@@ -31,7 +31,7 @@ def test_every_scenario_of_a_figure_has_its_link():
 @pytest.mark.parametrize("figure", [name for name in EVIDENCE if presets_of(name)])
 def test_a_preset_opens_as_a_run_or_as_a_map(figure):
     for name, link in zip(presets_of(figure), links_to_presets(figure), strict=True):
-        view = "map" if scenarios()[name].varied else "play"
+        view = "map" if scenarios()[name].varied else "toy"
         assert read(link.address) == (view, {"scenario": name})
         assert link.text.startswith("Open in Map: " if view == "map" else "Open in Toy: ")
 
@@ -59,7 +59,7 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(name):
         wanted = json.loads(str(text))
         view, options = read(link.address)
         found = RunRequest(None, options).to_scenario()
-        assert view == "play"
+        assert view == "toy"
         assert found.to_dict()["system"] == wanted["system"]
         assert found.to_dict()["drive"] == wanted["drive"]
         assert "gravity" not in options  # what is usual would only lengthen addresses
@@ -71,7 +71,7 @@ def test_every_run_behind_a_figure_opens_as_it_was_computed(name):
 def test_the_motion_that_was_filmed_has_its_link():
     [link] = links_to_runs(quick_data("fig07"))
     view, options = read(link.address)
-    assert view == "play"
+    assert view == "toy"
     scenario = RunRequest(None, options).to_scenario()
     wanted = float(quick_data("fig07")["damping_rendered"])
     assert scenario.system.damping == wanted

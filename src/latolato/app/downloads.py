@@ -60,7 +60,7 @@ def request_of(query: Mapping[str, str]) -> RunRequest:
 
     Examples
     --------
-    >>> request_of({"view": "play", "scenario": "fig02", "length": "1 m", "map.x": "damping"})
+    >>> request_of({"view": "toy", "scenario": "fig02", "length": "1 m", "map.x": "damping"})
     RunRequest(scenario='fig02', options={'length': '1 m'})
     """
     options = {n: v for n, v in query.items() if n not in _OF_PAGE and "." not in n}

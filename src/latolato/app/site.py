@@ -1,6 +1,6 @@
 """`latolato site`: the pages as files that any web space can serve, without a server that computes.
 
-Play, Live and Map compute in the page. What the server of `latolato app` answers once is written to
+Toy and Map compute in the page. What the server of `latolato app` answers once is written to
 a file: what there is (``registry.json``). The report on the paper is a page of its own.
 """
 

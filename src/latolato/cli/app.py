@@ -52,7 +52,7 @@ def app(
         float | None, typer.Option(help="Longest video for Experiment, in minutes. Default: 10.")
     ] = None,
 ) -> None:
-    """Open the application in the browser: play, maps, live, the report, experiments, analyses."""
+    """Open the application in the browser: the toy, maps, measurements, analyses, the report."""
     if report is None and (REPORT / "index.html").is_file():
         report = REPORT
     import_extra("latolato.app.serve", "app", "the application").serve(

@@ -22,7 +22,7 @@ def site(
     docs: Annotated[Path | None, typer.Option(help="Folder of the built documentation.")] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Write Play, Live, Map, the report and the documentation as a site for any web space."""
+    """Write Toy, Map, the report and the documentation as a site for any web space."""
     module = import_extra("latolato.app.site", "app", "the site")
     module.check_site(folder, report=report, docs=docs)
     if report is None:

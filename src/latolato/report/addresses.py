@@ -22,19 +22,19 @@ def address_of_preset(name: str, *, is_map: bool) -> str:
     >>> address_of_preset("fig05", is_map=True)
     '?view=map&scenario=fig05'
     """
-    return "?" + urlencode({"view": "map" if is_map else "play", "scenario": name})
+    return "?" + urlencode({"view": "map" if is_map else "toy", "scenario": name})
 
 
 def address_of_run(options: Mapping[str, Any]) -> str:
-    """Return the query that opens a run with these options [SI] in Play.
+    """Return the query that opens a run with these options [SI] in Toy.
 
     Examples
     --------
     >>> address_of_run({"system": "pendulum", "length": 0.245, "initial_angle": [0.1, -0.1]})
-    '?view=play&system=pendulum&length=0.245%20m&initial_angle=0.1%20rad%2C%20-0.1%20rad'
+    '?view=toy&system=pendulum&length=0.245%20m&initial_angle=0.1%20rad%2C%20-0.1%20rad'
     """
     texts = {name: _text_of(name, value) for name, value in options.items()}
-    return "?" + urlencode({"view": "play", **texts}, quote_via=quote)
+    return "?" + urlencode({"view": "toy", **texts}, quote_via=quote)
 
 
 def address_of_map(plan: Mapping[str, Any]) -> str | None:
