@@ -192,7 +192,10 @@ def native() -> None:
 
 def first_pictures(browser: Any, address: str) -> None:
     """Print how soon a visitor who was never here sees something."""
-    for view, what in (("toy&toy.hand=1", "first moving picture, cold"), ("toy", "first curve, cold")):
+    for view, what in (
+        ("toy&toy.hand=1", "first moving picture, cold"),
+        ("toy", "first curve, cold"),
+    ):
         shown = []
         for _ in range(COLD_STARTS):
             page = new_page(browser)

@@ -9,6 +9,10 @@ import pytest
 from browser_checks import serious_faults
 from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
 
+# Whether a ball has swung so far, in degrees.
+SWINGS = """(degrees) => window.latolato.views.toy.hand.motion.values("angle")
+  .some((angle) => angle > degrees * Math.PI / 180)"""
+
 
 def test_a_toy_that_fails_starts_again_with_its_controls_and_says_so(page):
     open_held(page)
@@ -129,14 +133,10 @@ def test_a_ball_follows_the_mouse_and_is_drawn_there(page, query, ball, degrees)
 def test_the_trick_of_fig12_can_be_done_by_hand(page):
     open_held(page)
     page.get_by_role("button", name="High", exact=False).click()
-    page.wait_for_function(
-        "() => window.latolato.views.toy.hand.motion.values('angle').some((a) => a > 15 * Math.PI / 180)", timeout=30_000
-    )
+    page.wait_for_function(SWINGS, arg=15, timeout=30_000)
     assert page.get_by_role("button", name="High").get_attribute("aria-pressed") == "true"
     page.keyboard.press("2")
-    page.wait_for_function(
-        "() => window.latolato.views.toy.hand.motion.values('angle').some((a) => a > 35 * Math.PI / 180)", timeout=30_000
-    )
+    page.wait_for_function(SWINGS, arg=35, timeout=30_000)
 
 
 def test_a_toy_that_is_not_seen_stands_still(page):
@@ -287,7 +287,8 @@ def test_the_legends_say_what_the_toy_does(page):
         (1, "[toy.energies.kinetic, toy.energies.potential]"),
     ):
         wanted = page.evaluate(
-            f"() => {{ const {{ toy, motion }} = window.latolato.views.toy.hand; return {values}; }}"
+            "() => { const { toy, motion } = window.latolato.views.toy.hand; "
+            f"return {values}; }}"
         )
         shown = page.locator("figure.panel").nth(figure).locator("output").all_inner_texts()[:2]
         assert [float(text) for text in shown] == pytest.approx(wanted, rel=1e-3, abs=1e-6)

@@ -154,7 +154,9 @@ def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
     page.wait_for_timeout(900)
     assert said(page) == "“Bounciness” is larger now."
     names = [text_of(node, "name") for node in accessible(page)]
-    assert any("angle [°]: right ball, left ball. The angles lie between -17" in name for name in names)
+    assert any(
+        "angle [°]: right ball, left ball. The angles lie between -17" in name for name in names
+    )
 
 
 def test_charts_say_what_they_show(page):
@@ -257,7 +259,7 @@ def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
     open_view(page, view, TOY)
     sound = page.locator(".stage-tools").get_by_label("Sound", exact=True)
     sound.check()
-    assert page.evaluate(f"() => window.latolato.views.toy.player.senses.sound.clacks")
+    assert page.evaluate("() => window.latolato.views.toy.player.senses.sound.clacks")
     for name in ("Hear the angle", "Describe"):
         assert not page.get_by_label(name).is_visible()
     # A reader hears what is said all the same, and who turned that on sees it.
@@ -338,7 +340,9 @@ def test_the_space_bar_pauses_a_held_toy_wherever_the_focus_is(page):
     page.keyboard.press("Space")
     assert page.evaluate("() => window.latolato.views.toy.player.clock.playing === false")
     page.keyboard.press("ArrowUp")  # scrolls there
-    assert page.evaluate("() => window.latolato.views.toy.hand.toy.controls.drive_amplitude") == 0.06
+    assert (
+        page.evaluate("() => window.latolato.views.toy.hand.toy.controls.drive_amplitude") == 0.06
+    )
     page.get_by_text("Listen and read").click()
     page.get_by_label("Describe").focus()
     page.keyboard.press("Space")

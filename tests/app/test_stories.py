@@ -502,7 +502,9 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
     foreign = {text for text in texts_of(FILES[name]) if said(text, language) != text}
     assert bool(foreign) == (language != "en")
     page.goto(f"/?view=toy&story.list=1&lang={language}")
-    link = page.locator(".story-cards").get_by_role("link", name=said(FILES[name]["title"], language))
+    link = page.locator(".story-cards").get_by_role(
+        "link", name=said(FILES[name]["title"], language)
+    )
     link.wait_for()
     tab_to(page, link)
     page.keyboard.press("Enter")

@@ -29,12 +29,16 @@ SEEN = """async () => {
 }"""
 
 
+# What the address says of a run, and of a toy in a hand.
+ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1"}
+
+
 def opened(page, query, view="toy"):
     """Return the compiled modules that a view loads until it shows its first motion."""
     loaded = []
     page.on("request", lambda request: loaded.append(request.url.rpartition("/")[2]))
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"/?view={dict(held='toy&toy.hand=1').get(view, view)}{query}")
+    page.goto(f"/?view={ADDRESS[view]}{query}")
     page.wait_for_selector(".view.toy:is([data-runs], [data-ready])", timeout=PATIENCE)
     return {name for name in loaded if name.endswith(".wasm")}
 
@@ -79,7 +83,9 @@ def test_strings_and_rods_are_chosen_in_the_form_and_take_their_fields_along(pag
 def test_a_hand_hangs_its_toy_on_strings(page):
     opened(page, "&scenario=toy", "held")
     page.get_by_label("Hung on a").select_option("string")
-    page.wait_for_function("() => window.latolato.views.toy.hand.toy?.system.suspension === 'string'")
+    page.wait_for_function(
+        "() => window.latolato.views.toy.hand.toy?.system.suspension === 'string'"
+    )
     assert "suspension=string" in page.url
 
 
@@ -87,7 +93,8 @@ def test_a_toy_in_a_hand_says_how_far_slack_balls_are_and_rings_them(page):
     page.goto("/?view=toy&toy.hand=1&scenario=toy_strings")
     page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for(timeout=PATIENCE)
     page.wait_for_function(
-        "() => window.latolato.views.toy.player.scene.flashes.flashes.some(({ ring }) => ring === 0.012)",
+        "() => window.latolato.views.toy.player.scene.flashes.flashes"
+        ".some(({ ring }) => ring === 0.012)",
         timeout=PATIENCE,
     )
 

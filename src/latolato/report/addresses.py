@@ -15,7 +15,7 @@ from latolato.sweeps.axes import DERIVED
 
 
 def address_of_preset(name: str, *, is_map: bool) -> str:
-    """Return the query that opens a shipped scenario: a run in Play, a sweep in Map.
+    """Return the query that opens a shipped scenario: a run in Toy, a sweep in Map.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-/** The list of stories and challenges, where none is told yet. */
+/** The list of stories and challenges, before one is chosen. */
 
 import { InputError } from "../model/rules.js";
 import { inLanguage } from "../model/words.js";
