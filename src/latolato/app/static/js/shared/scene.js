@@ -224,6 +224,8 @@ export class Scene {
       drawAngle(context, scale, this.held, motion, colours);
       return false;
     }
+    // The fastest ball of a motion that grows may be yet to come.
+    if (this.arrows && motion.grows) this.fastest = topSpeed(motion);
     if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
     return this.flashes.draw(context, scale, unit, colours.flash);
   }

@@ -408,6 +408,7 @@ export class ToyView {
 
   /** @param {any} about */
   showCode(about) {
+    this.lines.hidden = !about.python;
     this.code.replaceChildren(...codeBlocks([about.python, about.command].filter(Boolean)));
   }
 }
