@@ -3,7 +3,7 @@
 import { loadRegistry } from "./model/registry.js";
 import { beforePrint, el, tell } from "./shared/dom.js";
 import { keep, recall } from "./shared/habits.js";
-import { AddressStore, followUndoKeys, undoButtons } from "./shared/history.js";
+import { AddressStore } from "./shared/history.js";
 import { speakInPage } from "./shared/language.js";
 import { Messages } from "./shared/messages.js";
 import { readable, sayLeft } from "./shared/reading.js";
@@ -72,7 +72,6 @@ function startViews(page) {
   let current = null;
   let again = 0;
   const share = new Share(page.store, () => (current ? made[current] : {}));
-  const tools = [...undoButtons(page.store.steps), share.root];
   // Of views without a stage or a toolbar of their own.
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
@@ -130,7 +129,7 @@ function startViews(page) {
     const top = root.querySelector(".main") ?? root;
     (root.querySelector(".stage-messages") ?? top).prepend(page.messages.root);
     if (!root.querySelector(".stage-tools")) page.messages.root.after(ownLine);
-    root.querySelector(".stage-tools").append(...tools);
+    root.querySelector(".stage-tools").append(share.root);
     made[view].show();
     share.open(false);
     document.title = `${title} · latolato`;
@@ -194,7 +193,6 @@ const store = new AddressStore(window);
 // An address of the view that the report has replaced: it named a figure.
 const figure = store.state.extra["paper.figure"] ?? "";
 if (store.state.view === "paper") store.amend({ view: "report", extra: {} }, "preset");
-followUndoKeys(window, store.steps);
 // The first view's modules come while the server makes the registry.
 if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();

@@ -184,7 +184,6 @@ export const STRINGS = {
   copied: "Copied.",
   download: "Download",
   undo: "Undo",
-  redo: "Redo",
   share: "Share",
   shareLink: "Link to this view",
   shareCopy: "Copy the link",

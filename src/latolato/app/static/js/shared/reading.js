@@ -241,7 +241,7 @@ export function waysOn({ registry, store }, error) {
   return [
     ...(nearest ? [{ label: t("takeNearest", { value: nearest.shown }),
       act: () => store.option(nearest.name, nearest.text) }] : []),
-    ...(store.steps.canUndo ? [{ label: t("undo"), act: () => store.steps.go(-1) }] : []),
+    ...(store.canGoBack ? [{ label: t("undo"), act: () => history.back() }] : []),
     ...(hasPreset ? [{ label: t("resetToPreset"), act: () => store.set({ options: {} }, "preset") }] : []),
   ];
 }
@@ -272,6 +272,10 @@ export function sayLeft(page, left, about = "link") {
   } }] : []));
   messages.say(about, [t("leftOut"), ...left.map(({ text }) => text)].join(" "), { stays: true, actions });
   // Until something else is chosen.
-  const { step } = store.steps;
-  store.steps.subscribe(() => { if (store.steps.step !== step) messages.drop(about); });
+  const { step } = store;
+  const end = store.subscribe(() => {
+    if (store.step === step) return;
+    end();
+    messages.drop(about);
+  });
 }
