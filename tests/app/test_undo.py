@@ -131,7 +131,7 @@ def test_a_field_shows_what_is_undone(page):
 
 def test_a_refused_run_offers_the_way_back(page):
     open_play(page)
-    type_into(page, "ball radius", "40 cm")
+    page.evaluate("() => window.latolato.views.toy.page.store.option('radius', '40 cm')")
     page.locator(".message").get_by_role("button", name="Undo").click()
     wait_for_step(page, 0)
     page.locator(".message").wait_for(state="detached")
