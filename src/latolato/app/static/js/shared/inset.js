@@ -10,7 +10,7 @@ import { Player } from "./player.js";
 
 /** @typedef {import("./block.js").Block} Block */
 
-const SHEETS = ["vendor/uPlot.css", "app.css", "play.css", "stage.css", "senses.css", "inset.css"];
+const SHEETS = ["vendor/uPlot.css", "app.css", "toy.css", "stage.css", "senses.css", "inset.css"];
 // Text that is lighter than this, of 255, is written on dark.
 const LIGHT = 128;
 
