@@ -131,11 +131,10 @@ def test_a_pause_says_where_everything_is_and_then_is_silent(page):
     assert "clack" in said(page)
 
 
-def test_a_changed_parameter_is_compared_with_before(page):
+def test_a_changed_parameter_is_named(page):
     open_view(page, "toy", TOY)
     page.get_by_label("How far the hand moves, slider").fill("40")
-    wait_until_said(page, "Now the balls no longer clack above the hand")
-    assert said(page).startswith("“How far the hand moves” is smaller now.")
+    wait_until_said(page, "“How far the hand moves” is smaller now.")
     page.get_by_label("Begin with").select_option("kapitza")
     wait_until_said(page, "A ball hangs from a hand that moves 2 centimetres")
 
@@ -145,7 +144,6 @@ def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
     wait_until_said(page, "clack above the hand for the first time")
     page.keyboard.press("ArrowUp")
     wait_until_said(page, "“How far the hand moves” is larger now.")
-    wait_until_said(page, "The balls swing as high as before, up to 175 degrees.")
     # A key that changes nothing, at the end of what a toy takes, is no change.
     page.keyboard.press("Space")
     page.evaluate("() => window.latolato.views.toy.knobs.all.restitution.give(1)")

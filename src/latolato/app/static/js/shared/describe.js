@@ -1,5 +1,5 @@
 /**
- * Sentences about a motion, from its events: what happens, what changed, what is drawn.
+ * Sentences about a motion, from its events: what happens, where things are, what is drawn.
  *
  * Every function returns names of whole sentences of `strings.js` with the values of their gaps.
  */
@@ -12,12 +12,6 @@ import { short } from "./units.js";
 /** @typedef {import("./swings.js").Log} Log */
 /** @typedef {import("./swings.js").Event} Event */
 /** @typedef {{name: string, values: Record<string, string | number>}} Sentence */
-/**
- * What happens in a stretch of time: how often balls clack below and above the hand and turn full
- * circles, whether they rest at its end, how high the higher ball swings, each time [degrees].
- * @typedef {{below: number, above: number, turns: number, rests: "bottom" | "top" | null,
- *   heights: number[], highest: number}} Outline
- */
 
 // Heights that differ by a smaller share are the same.
 const SAME = 0.04;
@@ -99,20 +93,6 @@ const count = (events, kind) => events.filter((e) => e.kind === kind).length;
 function rateOf(events, kind) {
   const times = events.filter((e) => e.kind === kind).map(({ time }) => time);
   return ((times.length - 1) / (times[times.length - 1] - times[0])).toFixed(1);
-}
-
-/**
- * The outline of the events between two instants.
- * @param {Log} log
- * @param {number} from
- * @param {number} to
- * @returns {Outline}
- */
-export function outline(log, from, to) {
-  const events = log.between(from, to);
-  const heights = heightsOf(events);
-  return { below: count(events, "bottom"), above: count(events, "top"), turns: count(events, "turn"),
-    rests: restAt(log, to), heights, highest: Math.max(0, ...heights) };
 }
 
 /**
@@ -220,7 +200,9 @@ function newsOf(log, from, to) {
  */
 function summaryOf(log, from, to, since) {
   const events = log.between(from, to);
-  const { below, above, turns, rests, heights } = outline(log, from, to);
+  const [below, above, turns] = ["bottom", "top", "turn"].map((kind) => count(events, kind));
+  const rests = restAt(log, to);
+  const heights = heightsOf(events);
   const span = to - from;
   const who = subject(log);
   if (rests && !events.length) return sentence(`tellHang_${rests}`);
@@ -305,24 +287,6 @@ function newestOf(log, from, to) {
  * @param {number} other
  */
 const compared = (one, other) => (one > other ? "higher" : one < other ? "lower" : "same");
-
-/**
- * A sentence about the effect of a changed parameter.
- * @param {Log} log
- * @param {Outline} before
- * @param {Outline} now
- */
-export function changeOf(log, before, now) {
-  const who = subject(log);
-  if (now.above && !before.above) return sentence("nowAbove");
-  const [high, other] = [now.highest, before.highest].map(degrees);
-  if (before.above && !now.above) return sentence("nowNotAbove", { high });
-  if (now.turns && !before.turns) return sentence(`nowTurns_${who}`);
-  if (before.turns && !now.turns) return sentence(`nowNoTurns_${who}`);
-  if (now.rests && !before.rests) return sentence("nowRests");
-  if (before.rests && !now.rests) return sentence("nowParts", { high });
-  return sentence(`now_${who}_${compared(Number(high), Number(other))}`, { high, before: other });
-}
 
 /**
  * Return how a toy hangs and how its hand moves.

@@ -1,11 +1,10 @@
 /** When to say something about a motion: a sentence at a time, as fast as a person can follow. */
 
 import { t } from "../strings.js";
-import { changeOf, isNews, outline, placesOf, startOf, tellOf } from "./describe.js";
+import { isNews, placesOf, startOf, tellOf } from "./describe.js";
 import { el, freshId } from "./dom.js";
 
 /** @typedef {import("./describe.js").Sentence} Sentence */
-/** @typedef {import("./describe.js").Outline} Outline */
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./swings.js").Log} Log */
 /** @typedef {{motion: Motion, log: () => Log}} Source */
@@ -14,8 +13,6 @@ import { el, freshId } from "./dom.js";
 const GAP = 3000; // ms
 // A change is mentioned when nothing was changed for so long.
 const SETTLE = 700; // ms
-// A toy shows what a change does after so long; as much before it is compared with that.
-const REACTION = 5; // s of the toy
 // More parameters change at once only where another motion is chosen.
 const MOST_CHANGES = 2;
 
@@ -46,7 +43,7 @@ export class Narrator {
     this.last = null;
     /** What was just changed, from which value to which. @type {Record<string, [number, number]>} */
     this.turns = {};
-    /** What is compared with a change. @type {{source: Source, outline: Outline | null} | null} */
+    /** The options of the run before a change that is not yet mentioned. @type {Record<string, any> | null} */
     this.before = null;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
@@ -76,7 +73,7 @@ export class Narrator {
   }
 
   /**
-   * Follow a run of other parameters, and say what they changed.
+   * Follow a run of other parameters, and say which.
    * @param {Source} source
    */
   replace(source) {
@@ -84,7 +81,7 @@ export class Narrator {
       this.begin(source);
       return;
     }
-    this.before ??= { source: this.source, outline: null };
+    this.before ??= this.source.motion.about.options;
     this.source = source;
     this.last = null;
     this.describe(this.time);
@@ -92,21 +89,16 @@ export class Narrator {
     this.timer = setTimeout(() => this.tellChange(), SETTLE);
   }
 
-  /** Say what other parameters changed in the whole run. */
+  /** Say which parameter of the run is another one. */
   tellChange() {
     const { before, source } = this;
     this.before = null;
     if (!before || !source) return;
-    const [old, now] = [before.source, source].map(({ motion }) => motion.about.options);
-    const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(old[name]));
+    const now = source.motion.about.options;
+    const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(before[name]));
     if (!names.length) return;
-    if (names.length > MOST_CHANGES || now.system !== old.system) {
-      this.say([startOf(source.motion)]);
-      return;
-    }
-    const [was, is] = [before.source, source].map(({ motion, log }) => outline(log(), -1, motion.end));
-    this.say([...this.changed(names[0], old[names[0]], now[names[0]]),
-      changeOf(source.log(), was, is)]);
+    const isOther = names.length > MOST_CHANGES || now.system !== before.system;
+    this.say(isOther ? [startOf(source.motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
   }
 
   /**
@@ -122,7 +114,7 @@ export class Narrator {
   }
 
   /**
-   * Say that a toy on the move has another parameter from now on, and what comes of it later.
+   * Say that a toy on the move has another parameter from now on.
    * @param {string} name of an option
    * @param {number} before
    * @param {number} now
@@ -130,7 +122,6 @@ export class Narrator {
   turned(name, before, now) {
     const { source, time } = this;
     if (!source) return;
-    this.before ??= { source, outline: outline(source.log(), time - REACTION, time) };
     this.since = time;
     this.turns[name] = [this.turns[name]?.[0] ?? before, now];
     clearTimeout(this.timer);
@@ -162,13 +153,7 @@ export class Narrator {
 
   /** Say what happened since the last time, if that is worth saying. @param {Source} source */
   tell(source) {
-    const { time, before } = this;
-    if (before?.outline && time > this.since + REACTION) {
-      this.before = null;
-      const log = source.log();
-      this.say([changeOf(log, before.outline, outline(log, this.since, time))]);
-      return;
-    }
+    const { time } = this;
     const next = tellOf(source.log(), this.from, time, this.since);
     const isNew = next && isNews(next, this.last);
     this.saidAt = this.clock();
