@@ -637,7 +637,7 @@ def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
     picture.press("Enter")
     page.get_by_text("Drive speed, ω/ω₀: 2.004. This run").wait_for()
     page.wait_for_selector(".point[data-runs]", timeout=240_000)
-    page.get_by_role("link", name="Open in Play").click()
+    page.get_by_role("link", name="Open in Toy").click()
     page.wait_for_selector("[data-runs] .player", timeout=240_000)
     page.wait_for_function("() => window.latolato.views.toy?.player.motion")
     found = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")

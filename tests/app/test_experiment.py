@@ -186,7 +186,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     assert table.attrs["source"] == "swing.mp4"
     np.testing.assert_allclose(table["angle_1"], truth["angle_1"], atol=3e-3)
 
-    page.get_by_role("button", name="Open in Play").click()
+    page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     options = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     assert options["damping"] == pytest.approx(BALL.damping, rel=0.015)

@@ -169,7 +169,7 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
         page.get_by_role("link", name="Table (CSV)").click()
     assert download.value.suggested_filename == "Messung.track.csv"
     assert page.get_by_text("Video with overlay").count() == 0
-    page.get_by_role("button", name="Open in Play").click()
+    page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     options = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     assert options["length"] == pytest.approx(LENGTH, rel=2e-3)

@@ -96,7 +96,7 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
     page.get_by_text(f"A₀ = {1e3 * amplitude:.4g} mm").first.wait_for()
     page.locator(".point").get_by_role("button", name="Pause").wait_for()
     assert page.get_by_role("img", name="angle [°]").count() == 1
-    page.get_by_role("button", name="Open in Play").click()
+    page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
     page.wait_for_function("() => location.search.includes('view=play')")
     # The computed value is in metres; nobody chose that unit.
@@ -422,7 +422,7 @@ def test_every_sweep_of_the_paper_is_shown_and_its_points_play(page, name):
     box = page.locator("canvas.map").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
     page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
-    assert page.get_by_role("button", name="Open in Play").is_enabled()
+    assert page.get_by_role("button", name="Open in Toy").is_enabled()
 
 
 def test_energies_have_the_logarithmic_colours_of_the_report_unless_they_are_switched_off(page):

@@ -434,7 +434,7 @@ def test_the_space_bar_plays_and_does_not_scroll(page):
     assert page.evaluate(PLAYING)
     page.keyboard.press("Space")
     assert not page.evaluate(PLAYING)
-    page.get_by_role("link", name="Play", exact=True).focus()
+    page.get_by_role("link", name="Toy", exact=True).focus()
     page.keyboard.press("Space")
     assert page.evaluate(PLAYING)
     page.get_by_label("Instant", exact=True).focus()
@@ -540,7 +540,7 @@ def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
     second = start_server("--port", str(first.port))
     try:
         page.locator(".map-bar").first.wait_for()
-        page.get_by_role("link", name="Play", exact=True).click()
+        page.get_by_role("link", name="Toy", exact=True).click()
         page.get_by_label("Begin with").wait_for()
         assert errors == []
     finally:
