@@ -24,7 +24,7 @@ from notebooks import (
 
 # Keys that delete, add, cut, select and run cells in the notebooks' command modes.
 DANGEROUS = ("a", "x", "d", "d", "m", "ArrowDown", "Enter")
-PLACES = ("canvas.scene", "button.play", "select", ".scrub", ".chart", ".form input[type=text]")
+PLACES = ("canvas.scene", "button.play", "select", ".scrub", ".chart", ".knobs input[type=text]")
 
 
 def run_from(**start):
@@ -187,7 +187,7 @@ def test_a_marimo_application_shows_a_player_that_was_hidden_at_first(browser, r
 
 def check_fields(page):
     """Move a slider: the page computes the run that Python would, without a kernel."""
-    slider = page.get_by_label("coefficient of restitution, slider")
+    slider = page.get_by_label("Bounciness, slider")
     slider.focus()
     slider.press("ArrowLeft")
     page.get_by_text("restitution=0.89").wait_for(state="attached")

@@ -7,12 +7,11 @@ import { inPagesWords } from "./model/words.js";
 import { unpack } from "./shared/block.js";
 import { codeBlocks } from "./shared/code.js";
 import { el } from "./shared/dom.js";
-import { Form } from "./shared/form.js";
 import { Inset } from "./shared/inset.js";
+import { Knobs } from "./shared/knobs.js";
 import { speakTable } from "./shared/language.js";
-import { withLaws } from "./shared/laws.js";
+import { withOptions } from "./shared/links.js";
 import { withStart } from "./shared/start.js";
-import { Store } from "./shared/state.js";
 import { t, tr } from "./strings.js";
 
 /** @typedef {import("./model/registry.js").Registry} Registry */
@@ -34,7 +33,7 @@ export function isOwnKey({ key, ctrlKey, metaKey, altKey, shiftKey }) {
   return key.length === 1 || KEYS.includes(key);
 }
 
-/** Fields for the parameters of the run of a cell: the page computes what they ask for. */
+/** Knobs for the run of a cell: the page computes what they ask for. */
 class Controls {
   /**
    * @param {Inset} inset
@@ -47,37 +46,38 @@ class Controls {
     this.block = block;
     const preset = { title: "", question: "", description: "", figure: "", given: options, options, sweep: null };
     this.registry = { ...registry, scenarios: { [OWN]: preset } };
-    const fields = el("form", { class: "form", on: {
-      submit: (/** @type {Event} */ event) => event.preventDefault() } });
-    this.form = new Form(fields, registry, this.startStore());
+    /** What the knobs were given. @type {Record<string, string>} */
+    this.own = {};
+    this.knobs = new Knobs(registry, (name, text) => this.give(text ? { [name]: text } : {}));
     this.notes = el("p", { class: "notes", role: "status" });
     this.code = el("div", {});
     this.back = el("button", { type: "button", on: { click: () => this.reset() } }, t("cellBack"));
     this.parts = [
-      el("div", { class: "row" }, this.back, el("span", { class: "hint" }, t("cellHint"))), this.notes, fields,
+      el("div", { class: "row" }, this.back, el("span", { class: "hint" }, t("cellHint"))), this.notes, this.knobs.root,
       el("details", {}, el("summary", {}, t("code")), this.code)];
     inset.player.start.enable((degrees) => this.startAt(degrees));
-    this.show(block.about);
+    this.show();
   }
 
-  /** Return a store without changes. */
-  startStore() {
-    const store = new Store({ view: "", scenario: OWN, options: {}, extra: {} });
-    store.subscribe(() => void this.compute());
-    return store;
-  }
-
-  /**
-   * Say what the run on show has.
-   * @param {Record<string, any>} about
-   */
-  show({ options, warnings = [] }) {
-    const { registry, form } = this;
-    form.show(options);
+  /** Say what the run on show has. */
+  show() {
+    const { registry, own } = this;
+    const motion = /** @type {import("./shared/motion.js").Motion} */ (this.inset.player.motion);
+    const { options, warnings = [] } = motion.about;
+    this.knobs.showRun(motion, own, OWN);
     this.notes.textContent = warnings.map((/** @type {string} */ text) =>
       t("warning", { text: tr(text) })).join(" ");
     this.code.replaceChildren(...codeBlocks([pythonLines, commandLine].map((lines) => lines(registry, options))));
-    this.back.disabled = Object.keys(form.store.state.options).length === 0;
+    this.back.disabled = Object.keys(own).length === 0;
+  }
+
+  /**
+   * Ask for the run with other values.
+   * @param {Record<string, string>} changed
+   */
+  give(changed) {
+    this.own = withOptions(this.own, changed);
+    void this.compute();
   }
 
   /**
@@ -85,32 +85,28 @@ class Controls {
    * @param {number[]} degrees
    */
   startAt(degrees) {
-    const { store } = this.form;
     const shown = this.inset.player.motion?.about.options ?? {};
-    store.set({ options: withStart(store.state.options, shown, degrees) });
+    this.own = withStart(this.own, shown, degrees);
+    void this.compute();
   }
 
   /** Show the run of the cell again. */
   reset() {
-    this.form.store = this.startStore();
+    this.own = {};
     this.inset.runner?.stop();
     this.inset.show(this.block);
-    this.show(this.block.about);
+    this.show();
   }
 
-  /** Compute what the fields ask for, and show it. */
+  /** Compute what the knobs ask for, and show it. */
   async compute() {
-    const { form, registry } = this;
-    let { options } = form.store.state;
-    // What the cell's run had does not fit another system.
-    if (options.system) options = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
+    const { registry, own } = this;
     this.back.disabled = false;
-    form.build();
     try {
-      const block = await this.inset.compute({ options: optionsOf(registry, { scenario: OWN, options }) });
-      if (block) this.show(block.about);
+      if (await this.inset.compute({ options: optionsOf(registry, { scenario: OWN, options: own }) })) this.show();
     } catch (error) {
-      form.error(...inPagesWords(form.registryInWords, /** @type {Error} */ (error)));
+      const words = inPagesWords(this.knobs.inWords(), /** @type {Error} */ (error));
+      if (!this.knobs.error(...words)) this.inset.refuse(words[0]);
     }
   }
 }

@@ -4,7 +4,7 @@ import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { readEntry } from "./entry.js";
 import { Knob, symbolOf } from "./knob.js";
-import { heldOptions, naturalFrequency, START, textOf, withLaws } from "./laws.js";
+import { heldOptions, START, textIn, withLaws } from "./laws.js";
 import { localShort, short, shownUnit, toSi } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
@@ -103,15 +103,7 @@ export class Form {
    * @returns {string | null}
    */
   text(name) {
-    const text = this.store.state.options[name];
-    if (text !== undefined) return text;
-    const frequency = this.registry.ratios?.[name];
-    if (frequency) {
-      const ratio = this.resolved[frequency] / naturalFrequency(this.resolved);
-      return Number.isFinite(ratio) ? String(ratio) : null;
-    }
-    const value = this.resolved[name] ?? this.registry.options[name].default;
-    return value === undefined || value === null ? null : textOf(this.registry.options[name], value);
+    return textIn(this.registry, this.store.state.options, this.resolved, name);
   }
 
   /**

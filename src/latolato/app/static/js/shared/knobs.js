@@ -1,8 +1,9 @@
-/** The few large knobs of Play and Live: plain names, and how often it shakes in two ways. */
+/** The few large knobs of a toy: plain names, and how often it shakes in two ways. */
 
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Knob } from "./knob.js";
+import { naturalFrequency, textIn } from "./laws.js";
 import { short } from "./units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -25,6 +26,9 @@ const COUNT = 3;
 /** What an amplitude means: half of the way from end to end. @type {Record<string, string>} */
 const MEANINGS = { drive_amplitude: "upAndDown", vertical_amplitude: "upAndDown", horizontal_amplitude: "toEachSide" };
 const DIGITS = 4;
+// Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
+const FARTHEST = 10;
+const SLIPS = ["drive_amplitude", "drive_frequency"];
 
 /**
  * Return the options that tell most about a toy, the first ones first, three where there are so many.
@@ -73,6 +77,8 @@ export class Knobs {
     /** @type {Record<string, Knob>} */
     this.all = {};
     this.root = el("div", { class: "knobs" });
+    /** What the knobs on show are of. */
+    this.subject = "";
     /** What the natural frequency is. */
     this.natural = el("p", { class: "hint" });
   }
@@ -92,6 +98,34 @@ export class Knobs {
     note.after(ratio.note, this.natural);
     ratio.input.setAttribute("aria-label", ratio.option.label);
     this.all.frequency_ratio = ratio;
+  }
+
+  /**
+   * Show the knobs that tell most about a run.
+   * @param {import("./motion.js").Motion} motion
+   * @param {Record<string, string>} own options that were given
+   * @param {string} toy what the run is of: another one has sliders of its own
+   */
+  showRun({ about: { options }, balls: [{ length, mass }], low, high }, own, toy) {
+    const names = tellingOptions(this.registry, options);
+    const natural = naturalFrequency(options);
+    const subject = JSON.stringify([toy, options.system, options.drive, names]);
+    if (subject !== this.subject) {
+      this.subject = subject;
+      this.make(names);
+      this.allow(spansOf({ length, mass, naturalFrequency: natural, low: low ?? undefined, high: high ?? undefined,
+        values: options }));
+    }
+    this.explain(natural);
+    for (const name of SLIPS) {
+      const knob = this.all[name];
+      if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
+    }
+    const { drive_frequency: frequency, frequency_ratio: ratio } = this.all;
+    if (ratio) ratio.limits = [0, frequency.limits[1] / natural];
+    for (const [name, knob] of Object.entries(this.all))
+      knob.read(textIn(this.registry, own, options, name), own[name] !== undefined);
+    this.error(null);
   }
 
   /** @param {string} name */

@@ -103,6 +103,24 @@ export function textOf(option, value) {
   return typeof value === "number" ? `${value}${unit}` : String(value);
 }
 
+/**
+ * Return the text of an option as a field shows it: what was given, else what the run on show had; null for nothing.
+ * @param {any} registry
+ * @param {Record<string, string>} own options that were given
+ * @param {Record<string, any>} resolved what the last run had, in SI units
+ * @param {string} name
+ */
+export function textIn(registry, own, resolved, name) {
+  if (own[name] !== undefined) return own[name];
+  const frequency = registry.ratios?.[name];
+  if (frequency) {
+    const ratio = resolved[frequency] / naturalFrequency(resolved);
+    return Number.isFinite(ratio) ? String(ratio) : null;
+  }
+  const value = resolved[name] ?? registry.options[name].default;
+  return value === undefined || value === null ? null : textOf(registry.options[name], value);
+}
+
 // An option that says the same as another one: only one of them is given.
 /** @type {Record<string, string>} */
 const TWINS = { drive_frequency: "frequency_ratio", initial_angle: "initial_offset",

@@ -5,7 +5,7 @@ import { beforePrint, el, freshId } from "../shared/dom.js";
 import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
-import { Knobs, spansOf, tellingOptions } from "../shared/knobs.js";
+import { Knobs } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { openLink } from "../shared/links.js";
 import { LongRunError, Runner } from "../model/client.js";
@@ -16,7 +16,7 @@ import { Player } from "../shared/player.js";
 import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
 import { withStart } from "../shared/start.js";
-import { DEGREE, short } from "../shared/units.js";
+import { DEGREE } from "../shared/units.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
@@ -25,9 +25,6 @@ import { t, tr } from "../strings.js";
 const PATIENCE = 700; // ms
 // Where the address says that a hand holds the toy.
 const HELD = "toy.hand";
-// Beyond so many times what their sliders reach, these knobs refuse a slip of the keyboard.
-const FARTHEST = 10;
-const SLIPS = ["drive_amplitude", "drive_frequency"];
 // What may change without making another toy of the first one.
 const FREE = ["drive_frequency", "frequency_ratio"];
 // Where the question with which the page opens is answered at length.
@@ -54,7 +51,6 @@ export class ToyView {
     this.hand = null;
     this.hold = el("button", { type: "button", class: "hold", "aria-pressed": "false", title: t("holdHint"),
       on: { click: () => page.store.keep(HELD, HELD in page.store.state.extra ? null : "1") } }, t("hold"));
-    this.knobsFor = "";
     // Its place is kept while there is nothing to take back.
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
       page.store.set({ options: {} }, "preset") } }, t("reset"));
@@ -84,7 +80,8 @@ export class ToyView {
       event.preventDefault();
       page.store.keep("story.list", "1");
     } } }, t("stories"));
-    this.presets.told.append(this.highest, this.answer, " ", stories);
+    this.presets.told.append(this.highest, this.answer);
+    this.presets.field.append(el("p", { class: "stories-link" }, stories));
     this.player.clock.subscribe((time) => this.tellHighest(time));
     place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
@@ -192,7 +189,7 @@ export class ToyView {
     this.hand?.release();
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.knobs.keys = {};
-    this.knobsFor = "";
+    this.knobs.subject = "";
     void this.simulate();
   }
 
@@ -339,30 +336,13 @@ export class ToyView {
    * @param {Motion} motion
    * @param {string | null} scenario
    */
-  showKnobs({ about, balls, low, high }, scenario) {
-    const { registry, store } = this.page;
-    const { options } = about;
-    const names = tellingOptions(registry, options);
-    const subject = JSON.stringify([scenario, options.system, options.drive, names]);
-    if (subject !== this.knobsFor) {
-      this.knobsFor = subject;
-      this.knobs.make(names);
-      const [{ length, mass }] = balls;
-      this.knobs.allow(spansOf({ length, mass, naturalFrequency: naturalFrequency(options),
-        low: low ?? undefined, high: high ?? undefined, values: options }));
-    }
-    const isFirst = scenario === FIRST && Object.keys(store.state.options).every((name) => FREE.includes(name));
-    this.knobs.explain(naturalFrequency(options), isFirst ? t("toyAnswer") : "");
+  showKnobs(motion, scenario) {
+    const { options: own } = this.page.store.state;
+    const { options } = motion.about;
+    this.knobs.showRun(motion, own, scenario ?? "");
+    if (scenario === FIRST && Object.keys(own).every((name) => FREE.includes(name)))
+      this.knobs.explain(naturalFrequency(options), t("toyAnswer"));
     this.showHanging(options);
-    for (const name of SLIPS) {
-      const knob = this.knobs.all[name];
-      if (knob?.span) knob.limits = [0, Number(short(FARTHEST * knob.span[1], 2))];
-    }
-    const { drive_frequency: frequency, frequency_ratio: ratio } = this.knobs.all;
-    if (ratio) ratio.limits = [0, frequency.limits[1] / naturalFrequency(options)];
-    for (const [name, knob] of Object.entries(this.knobs.all))
-      knob.read(this.form.text(name), store.state.options[name] !== undefined);
-    this.knobs.error(null);
   }
 
   /**
