@@ -76,3 +76,27 @@ def test_what_was_kept_can_be_pinned_and_taken_again(page):
     wait_for_toy(page, "toy?.time > 0.3")
     page.get_by_role("button", name="Hold it yourself").click()
     page.wait_for_function(f"() => !{PLAYER}.clock.lead && {PLAYER}.pinned?.about.by_hand")
+
+
+def test_a_second_thing_that_is_kept_takes_the_place_of_the_first(page):
+    open_held(page)
+    keep(page, key="p", seconds=1)
+    page.get_by_text("A hand took part").wait_for()
+    page.get_by_role("button", name="Hold it yourself").click()
+    wait_for_toy(page, "toy?.time > 0.3")
+    page.get_by_role("button", name="Keep the last minute").click()
+    page.get_by_text("It is a run of its own parameters").wait_for()
+    page.wait_for_function(f"() => {PLAYER}.motion && !{PLAYER}.motion.about.by_hand")
+
+
+def test_a_run_that_is_refused_leaves_no_hand_on_the_stage(page):
+    open_held(page)
+    page.evaluate(
+        """() => {
+          const { page: { store } } = window.latolato.views.toy;
+          const { "toy.hand": _, ...extra } = store.state.extra;
+          store.set({ options: { ...store.state.options, radius: "90 cm" }, extra });
+        }"""
+    )
+    page.locator(".message.bad").wait_for()
+    assert not page.get_by_role("button", name="Push").is_visible()

@@ -105,7 +105,7 @@ export class Player {
   }
 
   /**
-   * Show a motion that goes on by itself, as somebody holds the toy; `show` ends that.
+   * Show a motion that goes on by itself, as somebody holds the toy, until it is let go.
    * @param {any} motion that grows
    * @param {(now: number) => number} lead moves it on to a picture, and returns its instant
    * @param {number} loudest speed of a clack, as loud as it gets [rad/s]
@@ -125,17 +125,19 @@ export class Player {
     this.move(clock.time);
   }
 
+  /** Leave the stage to the next run, which begins at its start. */
+  letGo() {
+    this.root.classList.remove("held");
+    [this.clock.lead, this.clock.time] = [null, 0];
+    this.motion = this.senses.narrator.source = null;
+    this.scene.pinned = this.pinned;
+  }
+
   /**
    * Show a run, and keep the instant if it has it.
    * @param {Motion} motion
    */
   show(motion) {
-    if (this.clock.lead) {
-      this.root.classList.remove("held");
-      [this.clock.lead, this.clock.time] = [null, 0];
-      this.senses.narrator.source = null;
-      this.scene.pinned = this.pinned;
-    }
     this.motion = motion;
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;

@@ -170,6 +170,7 @@ export class ToyView {
     const { clock } = this.player;
     const isPressed = document.activeElement === this.hold;
     this.runner.stop();
+    this.kept = null;
     this.note("");
     this.hold.setAttribute("aria-pressed", "true");
     this.hand ??= await this.makeHand();
@@ -187,6 +188,8 @@ export class ToyView {
   letGo() {
     this.hold.setAttribute("aria-pressed", "false");
     this.hand?.release();
+    this.player.letGo();
+    this.listen();
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.knobs.keys = {};
     this.knobs.subject = "";
@@ -308,7 +311,6 @@ export class ToyView {
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1, kept);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
-      this.listen();
       this.begin();
     } catch (error) {
       if (error instanceof DOMException && error.name === "AbortError") return;
