@@ -252,7 +252,7 @@ def test_no_table_makes_a_page_stumble(names, rows, page):
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
-    """A stored run, as Live and Play store it, and where to put spoiled ones."""
+    """A stored run, as pages store it, and where to put spoiled ones."""
     path = tmp_path_factory.mktemp("stored") / "run.csv"
     ll.save(ll.load_scenario("zeno").simulate(duration=0.05), path)
     return path.read_bytes(), path

@@ -61,7 +61,7 @@ def request_of(name):
             "y": {"name": "initial_angle", "low": ANGLES[0], "high": ANGLES[1]}}  # fmt: skip
     jams = name == "crank_slider"
     return {
-        "link": f"?{urlencode({'view': 'play', **texts})}",
+        "link": f"?{urlencode({'view': 'toy', **texts})}",
         "map": {"scenario": None, "options": options, **axes, "observable": "final_angle",
                 "width": 2, "height": 2, "duration": RUN["duration"], "transient": 0.0},
         "refused": options | {"drive_amplitude": 0.2} if jams else None,

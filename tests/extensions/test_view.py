@@ -26,7 +26,7 @@ LINES = {
         "const VIEWS = {\n",
         '  hello: async () => (await import("./hello/view.js")).HelloView,\n',
     ),
-    "strings.js": ('  view_live: "Live",\n', '  view_hello: "Hello",\n'),
+    "strings.js": ('  view_toy: "Toy",\n', '  view_hello: "Hello",\n'),
 }
 
 
@@ -57,6 +57,6 @@ def test_it_is_linked_and_shown_and_left(with_view):
     links = with_view.get_by_role("navigation", name="Views").get_by_role("link")
     assert "Hello" in links.all_inner_texts()
     assert with_view.title() == "Hello · latolato"
-    links.filter(has_text="Play").click()
-    with_view.get_by_role("heading", level=1, name="Play").wait_for()
+    links.filter(has_text="Toy").click()
+    with_view.get_by_role("heading", level=1, name="Toy").wait_for()
     assert with_view.evaluate("() => window.latolato.views.hello.shown") is False
