@@ -12,7 +12,7 @@ const [{ questionOf }, { pointsOf }] = await Promise.all(
   ["question", "plan"].map((name) => load(`map/${name}`)));
 const { computeMap, countSteps, moduleOf } = await load("kernels/map");
 const { loadKernels, loadLayout } = await load("kernels/load");
-const { cosineOf } = await load("live/drive");
+const { cosineOf } = await load("toy/drive");
 const registry = await loadRegistry();
 const layout = await loadLayout();
 
@@ -29,7 +29,7 @@ async function mapOf(request) {
 
 /** Return the run that a link leads to, and what comes of it. */
 async function answered({ link, map, refused }) {
-  const { state, left } = readable(registry, parse(link), ["play"]);
+  const { state, left } = readable(registry, parse(link), ["toy"]);
   const each = await specify(registry, { scenario: state.scenario, options: state.options });
   const { arrays, about } = blockOf(run(each));
   const error = refused && await specify(registry, { options: refused }).catch(({ message }) => message);
