@@ -83,7 +83,7 @@ def test_every_cell_has_its_colour_where_the_axes_say_with_the_small_values_belo
     assert abs(place - border) <= 1.0
 
 
-def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
+def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_toy(page):
     open_map(page)
     frame = page.evaluate(PIXELS)
     inner, ratio = frame["frame"], frame["ratio"]
@@ -98,7 +98,7 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_play(page):
     assert page.get_by_role("img", name="angle [°]").count() == 1
     page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
-    page.wait_for_function("() => location.search.includes('view=play')")
+    page.wait_for_function("() => location.search.includes('view=toy')")
     # The computed value is in metres; nobody chose that unit.
     shown = page.get_by_label("driving amplitude A", exact=False).first
     assert float(shown.input_value()) == pytest.approx(1e3 * amplitude, rel=1e-5)

@@ -58,7 +58,7 @@ export function readable(registry, state, views) {
   const options = readableOptions(registry, { ...state, scenario }, left);
   const extra = Object.fromEntries(Object.entries(state.extra).filter(([name]) => {
     const [owner, ...part] = name.split(".");
-    const isKnown = PARTS[owner]?.includes(part.join(".")) ?? views.includes(owner);
+    const isKnown = Object.hasOwn(PARTS, owner) ? PARTS[owner].includes(part.join(".")) : views.includes(owner);
     if (!isKnown) left.push({ text: t("unknownParameter", { name: cut(name) }) });
     return isKnown;
   }));
