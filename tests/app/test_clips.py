@@ -325,7 +325,6 @@ def test_uploads_are_limited_in_size_number_and_sum(clip):
         assert page.upload(b"small").status_code == 413
         assert page.upload(b"").status_code in (413, 422)
         with page.client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as other:
-            other.send_json({"hello": True})
             assert "1 pages with videos are open" in other.receive_json()["error"]
         first = next(iter(store.desks.values())).clips
         key = next(iter(first))
@@ -471,7 +470,6 @@ def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path
     home = server.address.rstrip("/")
     address = server.address.replace("http", "ws") + "ws/experiment"
     with connect(f"{address}/desk", origin=home) as desk, connect(address, origin=home) as socket:
-        desk.send('{"hello": true}')
         key = json.loads(desk.recv())["desk"]
         socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
         while not (result := workers(server.process.pid)):

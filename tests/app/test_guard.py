@@ -144,7 +144,7 @@ def test_the_address_of_the_socket_is_known(arrived, host, status):
     async def at_the_socket(scope, receive, send):
         await guard({**scope, "server": arrived}, receive, send)
 
-    guard = Guard(app, frozenset(), None, COOKIE, 10.0)
+    guard = Guard(app, frozenset(), None, COOKIE)
     client = TestClient(at_the_socket, base_url=HOME)
     assert client.get("/", headers={"host": host}).status_code == status
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
-from contextlib import suppress
 
-import anyio
 from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse
@@ -45,7 +43,7 @@ class Guard:
     ``Host`` must be one of the server's names or the address at which the connection arrived: a
     foreign page that points its own name at this address is refused. The request must not come from
     a page of another site, and must carry the token if there is one: in the address once, in a
-    cookie from then on. A WebSocket must send its first frame soon.
+    cookie from then on.
 
     Parameters
     ----------
@@ -57,8 +55,6 @@ class Guard:
         The secret that every request must carry.
     cookie : str
         Name of the cookie that keeps the token.
-    first_frame_time : float
-        Longest wait for the first frame of a WebSocket [s].
     """
 
     def __init__(
@@ -67,13 +63,11 @@ class Guard:
         names: frozenset[str],
         token: str | None,
         cookie: str,
-        first_frame_time: float,
     ) -> None:
         self._app = app
         self._names = names
         self._token = token
         self._cookie = cookie
-        self._first_frame_time = first_frame_time
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or hand on, one request."""
@@ -87,7 +81,7 @@ class Guard:
             await _refuse(fault, scope, receive, send)
             return
         if scope["type"] == "websocket":
-            await self._app(scope, self._impatient(receive, send), send)
+            await self._app(scope, receive, send)
             return
 
         async def answer(message: Message) -> None:
@@ -132,26 +126,6 @@ class Guard:
         if token is None:
             return False
         return any(hmac.compare_digest(text.encode(), token.encode()) for text in texts)
-
-    def _impatient(self, receive: Receive, send: Send) -> Receive:
-        """A receiver of a WebSocket's messages that closes one whose first frame is late."""
-        is_silent = True
-
-        async def first() -> Message:
-            nonlocal is_silent
-            if not is_silent:
-                return await receive()
-            with anyio.move_on_after(self._first_frame_time):
-                message = await receive()
-                is_silent = message["type"] == "websocket.connect"
-                return message
-            is_silent = False
-            fault = f"no frame came within {self._first_frame_time:g} s"
-            with suppress(OSError):  # the page may be gone already
-                await send({"type": "websocket.close", "code": _POLICY_VIOLATION, "reason": fault})
-            return {"type": "websocket.disconnect", "code": _POLICY_VIOLATION}
-
-        return first
 
 
 def _addresses(request: HTTPConnection) -> tuple[str, ...]:

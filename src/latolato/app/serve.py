@@ -16,7 +16,6 @@ from urllib.parse import urlencode
 import uvicorn
 
 from latolato.app import kernels_folder
-from latolato.app.connections import make_protocol
 from latolato.app.experiment.store import Allowance
 from latolato.app.guard import TOKEN
 from latolato.app.scratch import scratch_folder
@@ -127,7 +126,6 @@ def make_server(settings: Settings) -> uvicorn.Server:
     """Return the server of the application, which runs on a socket that listens."""
     config = uvicorn.Config(
         make_app(settings),
-        http=make_protocol(settings.connections),
         log_level="warning",
         access_log=False,
         ws_max_size=1_000_000,

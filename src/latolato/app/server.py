@@ -16,7 +16,6 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 
 from latolato.app.answers import answered, json_of, refusal
-from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
 from latolato.app.guard import Guard
 from latolato.app.pages import Report, page_file, static
@@ -47,8 +46,6 @@ class Settings:
         What uploaded videos may take.
     stored : mapping
         Stored maps that pages may open, by name.
-    connections : ConnectionLimits
-        What connections may take.
     """
 
     host: str = "127.0.0.1"
@@ -58,7 +55,6 @@ class Settings:
     report: Path | None = None
     clips: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
-    connections: ConnectionLimits = field(default_factory=ConnectionLimits)
 
     @property
     def known_hosts(self) -> frozenset[str]:
@@ -104,7 +100,6 @@ def make_app(settings: Settings) -> Starlette:
                 token=settings.token,
                 # Browsers send a cookie to every port of a host.
                 cookie=f"latolato_token_{settings.port}",
-                first_frame_time=settings.connections.first_frame_time,
             )
         ],
         exception_handlers={HTTPException: _refused},
@@ -116,7 +111,6 @@ def make_app(settings: Settings) -> Starlette:
     app.state.clips = Store(settings.clips)
     app.state.clip_jobs = settings.clips.workers
     app.state.stored = dict(settings.stored)
-    app.state.body_time = settings.connections.body_time
     return app
 
 

@@ -1,10 +1,10 @@
 """Videos and tables of an experiment: upload, work with progress, results; gone with their page.
 
-A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
-receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
-stands in the header ``X-Name``), and asks for work at ``/ws/experiment`` (see `latolato.app.jobs`)
-by ``{"desk": KEY, "do": "track", "clip": KEY, ...}``. When the desk's socket closes, running work
-is killed and every file of that page is removed.
+A page opens the WebSocket ``/ws/experiment/desk`` and keeps it open. It receives its key,
+uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name stands in the header
+``X-Name``), and asks for work at ``/ws/experiment`` (see `latolato.app.jobs`) by ``{"desk": KEY,
+"do": "track", "clip": KEY, ...}``. When the desk's socket closes, running work is killed and every
+file of that page is removed.
 """
 
 from __future__ import annotations
