@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,22 +24,15 @@ from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
 
-# Addresses that stand for all of this machine's.
-ANY_ADDRESS = ("0.0.0.0", "::")
-
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the server listens and who may use it.
+    """Where the server listens and what it serves.
 
     Attributes
     ----------
     host, port
-        The address.
-    token : str, optional
-        The secret that every request must carry; needed for any address but this machine's own.
-    names : sequence of str
-        Further names by which browsers may call the server, with or without a port.
+        The address, one of this machine alone.
     report : Path, optional
         Folder of a reproduction report, which is served beside the pages.
     clips : Allowance
@@ -50,36 +43,22 @@ class Settings:
 
     host: str = "127.0.0.1"
     port: int = 8000
-    token: str | None = None
-    names: Sequence[str] = ()
     report: Path | None = None
     clips: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
 
     @property
     def known_hosts(self) -> frozenset[str]:
-        """Values of ``Host`` that name this server, beside the address of the socket.
-
-        A name without a port stands for this port and, for a proxy before this server, for none.
-        """
-        own = {"127.0.0.1", "localhost", "[::1]"}
-        if self.host not in ANY_ADDRESS:
-            own.add(f"[{self.host}]" if ":" in self.host else self.host)
-        hosts = {f"{host}:{self.port}" for host in own} | (own if self.port == 80 else set())
-        for name in self.names:
-            hosts |= {name} if has_port(name) else {name, f"{name}:{self.port}"}
-        return frozenset(host.lower() for host in hosts)
+        """Values of ``Host`` that name this server."""
+        hosts = {"127.0.0.1", "localhost", "[::1]", bracketed(self.host)}
+        return frozenset(f"{host}:{self.port}" for host in hosts) | (
+            hosts if self.port == 80 else frozenset()
+        )
 
 
-def has_port(name: str) -> bool:
-    """Return whether a host is named with its port.
-
-    Examples
-    --------
-    >>> has_port("lab.example:9000"), has_port("lab.example"), has_port("[fd00::1]")
-    (True, False, False)
-    """
-    return ":" in name.rpartition("]")[2]
+def bracketed(host: str) -> str:
+    """Return a host as it stands in an address."""
+    return f"[{host}]" if ":" in host else host
 
 
 def make_app(settings: Settings) -> Starlette:
@@ -93,15 +72,7 @@ def make_app(settings: Settings) -> Starlette:
             *([Mount("/report", Report(directory=settings.report))] if settings.report else []),
             Route("/{path:path}", static),
         ],
-        middleware=[
-            Middleware(
-                Guard,
-                names=settings.known_hosts,
-                token=settings.token,
-                # Browsers send a cookie to every port of a host.
-                cookie=f"latolato_token_{settings.port}",
-            )
-        ],
+        middleware=[Middleware(Guard, names=settings.known_hosts)],
         exception_handlers={HTTPException: _refused},
         lifespan=_lifespan,
     )
