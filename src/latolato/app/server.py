@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -36,7 +37,7 @@ class Settings:
     report : Path, optional
         Folder of a reproduction report, which is served beside the pages.
     clips : Allowance
-        What uploaded videos may take.
+        How large and long uploaded videos may be.
     stored : mapping
         Stored maps that pages may open, by name.
     """
@@ -80,7 +81,8 @@ def make_app(settings: Settings) -> Starlette:
     app.state.has_report = settings.report is not None
     app.state.jobs = Workers()
     app.state.clips = Store(settings.clips)
-    app.state.clip_jobs = settings.clips.workers
+    # A person watches these and cancels them: they may take as long as a video needs.
+    app.state.clip_jobs = Workers(once=True, seconds=math.inf)
     app.state.stored = dict(settings.stored)
     return app
 

@@ -33,9 +33,7 @@ export class Desk {
     const socket = new WebSocket(socketAddress("ws/experiment/desk"));
     this.socket = socket;
     socket.addEventListener("message", ({ data }) => {
-      const hello = JSON.parse(data);
-      if (!hello.desk) return;
-      this.hello = hello;
+      this.hello = JSON.parse(data);
       this.epoch += 1;
       this.changed(true);
     });
