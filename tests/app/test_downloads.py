@@ -93,7 +93,7 @@ def test_nothing_stays_on_disk(client, tmp_path, monkeypatch):
 
 
 def test_parts_of_the_address_that_belong_to_views_are_no_options():
-    asked = request_of({"view": "map", "token": "x", "length": "1 m", "map.x": "damping"})
+    asked = request_of({"view": "map", "length": "1 m", "map.x": "damping"})
     assert asked == RunRequest(None, {"length": "1 m"})
 
 

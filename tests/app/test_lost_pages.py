@@ -7,7 +7,6 @@ import time
 import pytest
 from starlette.testclient import TestClient
 
-from latolato.app.experiment.store import Allowance
 from latolato.app.server import Settings, make_app
 
 HOME = "http://127.0.0.1:8000"
@@ -105,9 +104,7 @@ def test_a_page_that_is_lost_before_its_refusal_is_no_fault(app, path, frame):
         pass
 
 
-@pytest.mark.parametrize("most", [0, 4])
-def test_a_desk_of_clips_whose_page_is_lost_at_once_is_no_fault(most):
-    app = make_app(Settings(clips=Allowance(desks=most)))
+def test_a_desk_of_clips_whose_page_is_lost_at_once_is_no_fault(app):
     for _ in lose(Losing(app, 0), "/ws/experiment/desk", None):
         pass
     assert not app.state.clips.desks

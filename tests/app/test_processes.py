@@ -8,10 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import anyio
 import pytest
 
-from latolato.app.processes import EndedError, JobError, LateError, Limits, Workers
+from latolato.app.processes import EndedError, JobError, LateError, Workers
 
 UNKNOWN = {"do": "dance", "path": "/clip", "name": "swing.mp4"}
-LIMITS = Limits(memory=8e9, cpu_time=100.0)
 
 
 def in_loop(function):
@@ -20,10 +19,10 @@ def in_loop(function):
         pool.submit(anyio.run, function).result()
 
 
-@pytest.mark.parametrize("limits, kept", [(None, 1), (LIMITS, 0)])
-def test_a_process_without_limits_is_kept_for_the_next_job(tmp_path, limits, kept):
+@pytest.mark.parametrize("once, kept", [(False, 1), (True, 0)])
+def test_a_process_is_kept_for_the_next_job_unless_it_is_for_one(tmp_path, once, kept):
     async def run():
-        workers = Workers(1, limits)
+        workers = Workers(1, once)
         numbers = []
         for _ in range(2):
             heard = []
@@ -41,7 +40,7 @@ def test_a_process_without_limits_is_kept_for_the_next_job(tmp_path, limits, kep
 
 def test_a_process_that_ends_in_its_job_tells_how(tmp_path):
     async def run():
-        workers = Workers(1, LIMITS)
+        workers = Workers(1, once=True)
 
         def hear(message):
             (worker,) = workers.busy

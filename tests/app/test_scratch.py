@@ -41,7 +41,6 @@ def test_what_a_killed_server_left_is_removed_by_the_next(tmp_path, monkeypatch)
     home = killed.address.rstrip("/")
     address = killed.address.replace("http", "ws") + "ws/experiment"
     with connect(f"{address}/desk", origin=home) as desk, connect(address, origin=home) as socket:
-        desk.send('{"hello": true}')
         key = json.loads(desk.recv())["desk"]
         socket.send(json.dumps({"desk": key, "do": "example", "kind": "toy"}))
         assert json.loads(socket.recv())["state"] == "waiting"

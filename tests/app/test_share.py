@@ -42,7 +42,7 @@ def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
 
 def test_the_link_is_copied(page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    open_menu(page, "view=toy&scenario=toy&token=secret")
+    open_menu(page, "view=toy&scenario=toy")
     field = page.get_by_role("textbox", name="Bounciness")
     field.fill("0.8")
     field.press("Enter")

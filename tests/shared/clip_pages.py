@@ -19,7 +19,6 @@ class Page:
 
     def __init__(self, client, socket):
         self.client, self.socket = client, socket
-        socket.send_json({"hello": True})
         self.desk = socket.receive_json()["desk"]
 
     def upload(self, content, name="swing.mp4", desk=None):

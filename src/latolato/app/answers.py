@@ -51,18 +51,13 @@ async def json_of(request: Request) -> Any:
     Raises
     ------
     HTTPException
-        If it is too long, too slow or no JSON.
+        If it is too long or no JSON.
     """
     body = bytearray()
-    seconds = request.app.state.body_time
-    try:
-        with anyio.fail_after(seconds):
-            async for part in request.stream():
-                body += part
-                if len(body) > MOST_BODY:
-                    raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
-    except TimeoutError:
-        raise HTTPException(408, f"a request must arrive within {seconds:g} s") from None
+    async for part in request.stream():
+        body += part
+        if len(body) > MOST_BODY:
+            raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
     try:
         return json.loads(body)
     except (ValueError, RecursionError):

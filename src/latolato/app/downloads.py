@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 TYPES = {"nc": "application/x-netcdf", "png": "image/png", "svg": "image/svg+xml"}
 # Names of the address that are no options of a run.
-_OF_PAGE = ("view", "token", "scenario")
+_OF_PAGE = ("view", "scenario")
 # Frames of an animation: three minutes, made in a minute or two.
 MOST_FRAMES = 5400
 FPS = 30.0

@@ -1,4 +1,4 @@
-"""Worker processes: started, limited, fed with jobs, ended when nobody waits for the answer.
+"""Worker processes: started, fed with jobs, ended when nobody waits for the answer.
 
 Each process runs `latolato.app.worker`, which says what is written to it and what it answers.
 """
@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -57,48 +57,26 @@ class LateError(JobError):
         self.seconds = seconds
 
 
-@dataclass(frozen=True)
-class Limits:
-    """What one process may take, for all that it does.
-
-    Attributes
-    ----------
-    memory : float
-        Address space [bytes].
-    cpu_time : float
-        Processor time [s].
-    file_size : float
-        Size of the largest file that it writes [bytes].
-    files : int
-        Files that are open at the same time.
-    """
-
-    memory: float
-    cpu_time: float
-    file_size: float = 1e9
-    files: int = 256
-
-
 class Worker:
     """A process that does one job after the other.
 
     Parameters
     ----------
-    limits : Limits, optional
-        What it may take. A process with limits is for one job: it imports nothing before that is
-        there, and what it prints is not shown.
+    once : bool
+        Whether it is for one job only, such as one that reads a foreign file, whose decoder may
+        crash: it imports nothing before that job is there, and what it prints is not shown.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.limits = limits
+    def __init__(self, *, once: bool = False) -> None:
+        self.once = once
         self.process = subprocess.Popen(
             [
                 *(sys.executable, "-m", "latolato.app.worker"),
-                *([] if limits is None else [json.dumps(asdict(limits))]),
+                *(["once"] if once else []),
             ],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=None if limits is None else subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL if once else None,
             encoding="utf-8",
             # Signals of the terminal are for the server, whose end closes the process' input.
             start_new_session=True,
@@ -137,7 +115,7 @@ class Worker:
     @property
     def can_go_on(self) -> bool:
         """Whether it can take one more job."""
-        return self.limits is None and not self.is_busy and self.process.poll() is None
+        return not self.once and not self.is_busy and self.process.poll() is None
 
     def kill(self) -> None:
         """End the process, whatever it does."""
@@ -151,20 +129,20 @@ class Worker:
 
 @dataclass
 class Workers:
-    """Processes of one server, all with the same limits; for one event loop.
+    """Processes of one server; for one event loop.
 
     Attributes
     ----------
     most : int
         How many jobs run at the same time; others wait.
-    limits : Limits, optional
-        What each process may take. Without limits, one that is idle is kept for the next job.
+    once : bool
+        Whether each job gets a process of its own; otherwise one that is idle is kept for the next.
     seconds : float
         Longest time of a job from its turn to its answer [s].
     """
 
     most: int = 2
-    limits: Limits | None = None
+    once: bool = False
     seconds: float = 900.0
     idle: list[Worker] = field(default_factory=list)
     busy: set[Worker] = field(default_factory=set)
@@ -226,12 +204,12 @@ class Workers:
             if worker.can_go_on:
                 return worker
             worker.kill()
-        return Worker(self.limits)
+        return Worker(once=self.once)
 
     def warm(self) -> None:
         """Start a process for the job that will soon be there."""
         if not self.is_closed and not self.idle and not self.busy:
-            self.idle.append(Worker(self.limits))
+            self.idle.append(Worker(once=self.once))
 
     def close(self) -> None:
         """End all of them."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Mapping, Sequence
+import math
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +17,6 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 
 from latolato.app.answers import answered, json_of, refusal
-from latolato.app.connections import ConnectionLimits
 from latolato.app.experiment.store import Allowance, Store
 from latolato.app.guard import Guard
 from latolato.app.pages import Report, page_file, static
@@ -25,65 +25,41 @@ from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
 
-# Addresses that stand for all of this machine's.
-ANY_ADDRESS = ("0.0.0.0", "::")
-
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the server listens and who may use it.
+    """Where the server listens and what it serves.
 
     Attributes
     ----------
     host, port
-        The address.
-    token : str, optional
-        The secret that every request must carry; needed for any address but this machine's own.
-    names : sequence of str
-        Further names by which browsers may call the server, with or without a port.
+        The address, one of this machine alone.
     report : Path, optional
         Folder of a reproduction report, which is served beside the pages.
     clips : Allowance
-        What uploaded videos may take.
+        How large and long uploaded videos may be.
     stored : mapping
         Stored maps that pages may open, by name.
-    connections : ConnectionLimits
-        What connections may take.
     """
 
     host: str = "127.0.0.1"
     port: int = 8000
-    token: str | None = None
-    names: Sequence[str] = ()
     report: Path | None = None
     clips: Allowance = field(default_factory=Allowance)
     stored: Mapping[str, Path] = field(default_factory=dict)
-    connections: ConnectionLimits = field(default_factory=ConnectionLimits)
 
     @property
     def known_hosts(self) -> frozenset[str]:
-        """Values of ``Host`` that name this server, beside the address of the socket.
-
-        A name without a port stands for this port and, for a proxy before this server, for none.
-        """
-        own = {"127.0.0.1", "localhost", "[::1]"}
-        if self.host not in ANY_ADDRESS:
-            own.add(f"[{self.host}]" if ":" in self.host else self.host)
-        hosts = {f"{host}:{self.port}" for host in own} | (own if self.port == 80 else set())
-        for name in self.names:
-            hosts |= {name} if has_port(name) else {name, f"{name}:{self.port}"}
-        return frozenset(host.lower() for host in hosts)
+        """Values of ``Host`` that name this server."""
+        hosts = {"127.0.0.1", "localhost", "[::1]", bracketed(self.host)}
+        return frozenset(f"{host}:{self.port}" for host in hosts) | (
+            hosts if self.port == 80 else frozenset()
+        )
 
 
-def has_port(name: str) -> bool:
-    """Return whether a host is named with its port.
-
-    Examples
-    --------
-    >>> has_port("lab.example:9000"), has_port("lab.example"), has_port("[fd00::1]")
-    (True, False, False)
-    """
-    return ":" in name.rpartition("]")[2]
+def bracketed(host: str) -> str:
+    """Return a host as it stands in an address."""
+    return f"[{host}]" if ":" in host else host
 
 
 def make_app(settings: Settings) -> Starlette:
@@ -97,16 +73,7 @@ def make_app(settings: Settings) -> Starlette:
             *([Mount("/report", Report(directory=settings.report))] if settings.report else []),
             Route("/{path:path}", static),
         ],
-        middleware=[
-            Middleware(
-                Guard,
-                names=settings.known_hosts,
-                token=settings.token,
-                # Browsers send a cookie to every port of a host.
-                cookie=f"latolato_token_{settings.port}",
-                first_frame_time=settings.connections.first_frame_time,
-            )
-        ],
+        middleware=[Middleware(Guard, names=settings.known_hosts)],
         exception_handlers={HTTPException: _refused},
         lifespan=_lifespan,
     )
@@ -114,9 +81,9 @@ def make_app(settings: Settings) -> Starlette:
     app.state.has_report = settings.report is not None
     app.state.jobs = Workers()
     app.state.clips = Store(settings.clips)
-    app.state.clip_jobs = settings.clips.workers
+    # A person watches these and cancels them: they may take as long as a video needs.
+    app.state.clip_jobs = Workers(once=True, seconds=math.inf)
     app.state.stored = dict(settings.stored)
-    app.state.body_time = settings.connections.body_time
     return app
 
 

@@ -6,9 +6,7 @@ folder. Answers are lines of JSON as well: ``{"ready": true}`` once, then for ea
 or ``{"error": text, "parameter": name}``. The process ends when its input does, in the middle of a
 job too: whoever wanted the answer is gone.
 
-A process that gets limits as its argument, ``{"memory": bytes, "cpu_time": s, "file_size": bytes,
-"files": number}``, keeps them and imports nothing before its job is there. Limits are for all that
-it does: it is for one job.
+A process with the argument ``once`` is for one job, and imports nothing before that is there.
 """
 
 from __future__ import annotations
@@ -42,8 +40,6 @@ JOBS = {
 # Imported before a job is there, so that it begins at once.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")
 _NICENESS = 5
-# Between the signal that ends a process for its processor time and the one that kills it [s].
-_SPARED = 10
 
 Tell = Callable[[Mapping[str, Any]], None]
 
@@ -73,39 +69,10 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
         tell({"done": {**result, "warnings": list(dict.fromkeys(texts))}})
 
 
-def limit(limits: Mapping[str, float]) -> None:
-    """Limit memory, time and files of this process."""
-    try:
-        import resource
-    except ModuleNotFoundError:  # Windows has wall time only
-        return
-    for name, most in (
-        ("RLIMIT_AS", limits["memory"]),
-        ("RLIMIT_CPU", limits["cpu_time"]),
-        ("RLIMIT_FSIZE", limits["file_size"]),
-        ("RLIMIT_NOFILE", limits["files"]),
-        ("RLIMIT_CORE", 0),
-    ):
-        kind = getattr(resource, name, None)
-        if kind is None:
-            continue
-        _, hard = resource.getrlimit(kind)
-        soft = int(most) if hard == resource.RLIM_INFINITY else min(int(most), hard)
-        # Beyond the hard limit of time the reason is lost.
-        final = soft + _SPARED if name == "RLIMIT_CPU" else soft
-        try:
-            resource.setrlimit(kind, (soft, final if hard == resource.RLIM_INFINITY else hard))
-        except (ValueError, OSError):  # macOS refuses some
-            continue
-
-
 def main() -> None:
     """Do jobs until the input ends."""
     # Ctrl-C in the terminal is meant for the server, whose end closes our input.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    limits = json.loads(sys.argv[1]) if len(sys.argv) > 1 else None
-    if limits is not None:
-        limit(limits)
     if hasattr(os, "nice"):
         os.nice(_NICENESS)  # live pages go first
     os.environ["MPLBACKEND"] = "Agg"
@@ -124,8 +91,9 @@ def main() -> None:
         os._exit(0)
 
     threading.Thread(target=read, daemon=True).start()
-    for name in _HEAVY if limits is None else ():
-        importlib.import_module(name)
+    if "once" not in sys.argv[1:]:
+        for name in _HEAVY:
+            importlib.import_module(name)
     tell({"ready": True})
     while True:
         run(json.loads(jobs.get()), tell)

@@ -12,7 +12,7 @@ from latolato.core.errors import import_extra
 
 
 def app(
-    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="Address of this machine to listen on.")] = "127.0.0.1",
     port: Annotated[
         int | None,
         typer.Option(
@@ -20,19 +20,6 @@ def app(
         ),
     ] = None,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
-    allow_others: Annotated[
-        bool,
-        typer.Option("--allow-others", help="Let in other machines that have the access token."),
-    ] = False,
-    names: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--name",
-            metavar="HOST",
-            help="Another name, or name:port, of this server for others; may be given "
-            "several times.",
-        ),
-    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(help="Folder of `latolato reproduce`. Default: latolato-report, if present."),
@@ -59,8 +46,6 @@ def app(
         host,
         port,
         browser=browser,
-        allow_others=allow_others,
-        names=names or (),
         report=report,
         stored=opened or (),
         video_megabytes=video_megabytes,

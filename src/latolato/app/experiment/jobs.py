@@ -1,4 +1,4 @@
-"""Work on clips: what a page may ask for, and what the job `clip` does in its limited process."""
+"""Work on clips: what a page may ask for, and what the job `clip` does in its own process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_choice
 
@@ -56,8 +55,6 @@ def prepare(request: Any, store: Store) -> Job:
         raise InputError("a request must be an object")
     desk = store.desk(request.get("desk"))
     do = checked_choice("do", request.get("do"), tuple(_BLOCKS))
-    if len(desk.running) >= store.allowance.waiting:
-        raise TooLargeError(f"{len(desk.running)} jobs are waiting already")
     work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
     if do == "example":
         work["kind"] = checked_choice("kind", request.get("kind"), EXAMPLES)
@@ -103,15 +100,11 @@ def prepare(request: Any, store: Store) -> Job:
 @contextmanager
 def _place(desk: Desk, clip: Clip) -> Iterator[Path]:
     """Lend the folder of a clip to a job; explain an early end of its process."""
-    from latolato.app.processes import EndedError, JobError, LateError
+    from latolato.app.processes import EndedError, JobError
 
     try:
         with desk.work_on(clip) as folder:
             yield folder
-    except LateError as error:
-        raise JobError(
-            f"work on {clip.name} took more than {error.seconds:g} s: cut the file"
-        ) from None
     except EndedError as error:
         raise JobError(_reason(error.code, clip)) from None
 
@@ -137,12 +130,8 @@ def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
 
 def _reason(code: int, clip: Clip) -> str:
     """Return why a process ended without an answer."""
-    if code == -getattr(signal, "SIGXCPU", 24):
-        return f"work on {clip.name} took too much processor time: cut the file or scale it down"
     if code == -getattr(signal, "SIGKILL", 9):
-        return f"work on {clip.name} took too much memory or time: cut the file or scale it down"
-    if code == -getattr(signal, "SIGXFSZ", 25):
-        return f"the result for {clip.name} is too large: cut the file or scale it down"
+        return f"work on {clip.name} took too much memory: cut the file or scale it down"
     if code < 0:
         return f"reading {clip.name} crashed the decoder: is the file complete? Convert it to MP4"
     return f"work on {clip.name} ended without an answer: is the file complete?"
@@ -160,12 +149,12 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
 
     job = {**request, "folder": str(folder), "path": str(folder / UPLOAD)}
     try:
-        # Here: with little memory it fails, which is reported as any other failure.
+        # Here: a failure is reported as any other.
         from latolato.app.experiment.work import WORK
 
         return {"result": WORK[job["do"]](job, lambda stage, share: progress(share, stage))}
     except MemoryError:
-        raise InputError("this file needs more memory than is allowed: make it smaller") from None
+        raise InputError("this file needs more memory than there is: make it smaller") from None
     except (InputError, OSError) as error:
         parameter = error.parameter if isinstance(error, InputError) else None
         raise InputError(one_line(error, job), parameter=parameter) from None

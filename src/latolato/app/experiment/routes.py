@@ -1,10 +1,10 @@
 """Videos and tables of an experiment: upload, work with progress, results; gone with their page.
 
-A page opens the WebSocket ``/ws/experiment/desk``, sends ``{"hello": true}`` and keeps it open. It
-receives its key, uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name
-stands in the header ``X-Name``), and asks for work at ``/ws/experiment`` (see `latolato.app.jobs`)
-by ``{"desk": KEY, "do": "track", "clip": KEY, ...}``. When the desk's socket closes, running work
-is killed and every file of that page is removed.
+A page opens the WebSocket ``/ws/experiment/desk`` and keeps it open. It receives its key,
+uploads with ``POST /api/experiment?desk=KEY`` (the body is the file, its name stands in the header
+``X-Name``), and asks for work at ``/ws/experiment`` (see `latolato.app.jobs`) by ``{"desk": KEY,
+"do": "track", "clip": KEY, ...}``. When the desk's socket closes, running work is killed and every
+file of that page is removed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ from latolato.app.answers import answered, json_of, refusal, status_of
 from latolato.app.experiment.jobs import prepare, trial_rows
 from latolato.app.experiment.store import COPY, FILES, Clip, Desk, Store
 from latolato.app.jobs import GONE, serve_job
-from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 
 
@@ -50,15 +49,13 @@ async def _upload(request: Request) -> Response:
     except InputError as error:
         return refusal(status_of(error), error)
     try:
-        with anyio.fail_after(store.allowance.upload_time), clip.upload.open("xb") as file:
+        with clip.upload.open("xb") as file:
             await _received(request, store, desk, clip, file)
         if clip.size == 0:
             raise InputError(f"{clip.name} is empty")
         clip.is_whole = True
     except InputError as error:
         return refusal(status_of(error), error)
-    except TimeoutError:
-        return refusal(408, InputError(f"the upload of {clip.name} stalled"))
     except (ClientDisconnect, OSError) as error:
         why = f"the upload of {clip.name} was interrupted: {type(error).__name__}"
         return refusal(400, InputError(why))
@@ -70,12 +67,7 @@ async def _upload(request: Request) -> Response:
 
 async def _received(request: Request, store: Store, desk: Desk, clip: Clip, file: BinaryIO) -> None:
     """Write the body of a request to a file, as it comes."""
-    parts = request.stream()
-    while True:
-        with anyio.fail_after(store.allowance.stall):
-            part = await anext(parts, b"")
-        if not part:
-            return
+    async for part in request.stream():
         if clip.key not in desk.clips:
             raise InputError("the page has closed")
         store.check_size(clip, clip.size + len(part))
@@ -154,12 +146,7 @@ async def _desk(websocket: WebSocket) -> None:
     store: Store = websocket.app.state.clips
     await websocket.accept()
     with suppress(*GONE):
-        try:
-            desk = store.open_desk()
-        except TooLargeError as error:
-            await websocket.send_json({"error": str(error)})
-            await websocket.close(1013)
-            return
+        desk = store.open_desk()
         try:
             await websocket.send_json(await anyio.to_thread.run_sync(_hello, store, desk))
             while (await websocket.receive())["type"] != "websocket.disconnect":

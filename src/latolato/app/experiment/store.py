@@ -1,4 +1,4 @@
-"""Uploaded videos and tables on the server: few, of limited size, removed with their page."""
+"""Uploaded videos and tables on the server: of limited size, removed with their page."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import shutil
 import tempfile
 import unicodedata
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,6 @@ from urllib.parse import unquote
 
 import anyio
 
-from latolato.app.processes import Limits as ProcessLimits
-from latolato.app.processes import Workers
 from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.experiment.video import Limits
@@ -39,43 +37,22 @@ COPY = "copy.mp4"
 
 @dataclass(frozen=True, kw_only=True)
 class Allowance:
-    """Limits of uploads and of the work on them.
+    """Limits of uploads.
 
     Attributes
     ----------
-    upload, stored : int
-        Size of one file, and of all on the server together [bytes].
-    clips, desk_clips, desks : int
-        Number of clips on the server, of one page, and of pages with clips.
+    upload : int
+        Size of one file [bytes].
     duration : float
         Longest clip [s].
     pixels, frames : int
         Largest frame, and most frames.
-    memory : float
-        Address space of the process that reads a clip [bytes].
-    cpu_time, wall_time : float
-        Longest work on a clip [s].
-    stall, upload_time : float
-        Longest pause of an upload, and longest upload [s].
-    jobs, waiting : int
-        Clips that are worked on at the same time, and jobs of one page that may wait.
     """
 
     upload: int = 500_000_000
-    stored: int = 3_000_000_000
-    clips: int = 40
-    desk_clips: int = 16
-    desks: int = 50
     duration: float = 600.0
     pixels: int = 3840 * 2160
     frames: int = 40_000
-    memory: float = 6e9
-    cpu_time: float = 1800.0
-    wall_time: float = 1800.0
-    stall: float = 30.0
-    upload_time: float = 900.0
-    jobs: int = 2
-    waiting: int = 32
 
     @classmethod
     def of(cls, megabytes: float | None = None, minutes: float | None = None) -> Allowance:
@@ -98,33 +75,13 @@ class Allowance:
                 raise InputError("must be positive", parameter=name, value=value)
         size = usual.upload if megabytes is None else 1e6 * megabytes
         length = usual.duration if minutes is None else 60.0 * minutes
-        larger, longer = max(1.0, size / usual.upload), max(1.0, length / usual.duration)
-        return replace(
-            usual,
-            upload=int(size),
-            stored=int(usual.stored * larger),
-            upload_time=usual.upload_time * larger,
-            duration=length,
-            frames=int(usual.frames * longer),
-            cpu_time=usual.cpu_time * longer,
-            wall_time=usual.wall_time * longer,
-        )
+        longer = max(1.0, length / usual.duration)
+        return replace(usual, upload=int(size), duration=length, frames=int(usual.frames * longer))
 
     @property
     def limits(self) -> Limits:
-        """What the reader refuses by itself; half of the memory is for what is learned."""
-        return Limits(
-            duration=self.duration,
-            pixels=self.pixels,
-            frames=self.frames,
-            memory=0.5 * self.memory,
-        )
-
-    @property
-    def workers(self) -> Workers:
-        """New processes that keep to this."""
-        limits = ProcessLimits(memory=self.memory, cpu_time=self.cpu_time)
-        return Workers(self.jobs, limits, self.wall_time)
+        """What the reader refuses by itself."""
+        return Limits(duration=self.duration, pixels=self.pixels, frames=self.frames)
 
 
 @dataclass
@@ -140,7 +97,7 @@ class Clip:
     name : str
         What the user calls it, for people only.
     size : int
-        Bytes received, and later of all that was made of them.
+        Bytes received.
     is_whole : bool
         Whether it is complete: uploaded, or painted.
     about : dict
@@ -161,11 +118,6 @@ class Clip:
     def upload(self) -> Path:
         """Where the upload lies."""
         return self.folder / UPLOAD
-
-    def weigh(self) -> None:
-        """Count what lies in the folder."""
-        with suppress(OSError):
-            self.size = sum(path.stat().st_size for path in self.folder.iterdir())
 
     def file(self, name: str) -> Path | None:
         """The path of one of `FILES`, None if it is none of them or does not exist."""
@@ -206,9 +158,7 @@ class Desk:
                 yield clip.folder
             finally:
                 self.running.discard(scope)
-                if clip.is_whole and clip.key in self.clips:
-                    clip.weigh()
-                else:
+                if not clip.is_whole or clip.key not in self.clips:
                     self.remove(clip)
         if scope.cancelled_caught:
             raise InputError(f"the page of {clip.name} has closed")
@@ -250,17 +200,7 @@ class Store:
             self._folder = None
 
     def open_desk(self) -> Desk:
-        """Return a place for the clips of a page.
-
-        Raises
-        ------
-        TooLargeError
-            If as many pages as may be are open.
-        """
-        if len(self.desks) >= self.allowance.desks:
-            raise TooLargeError(
-                f"{self.allowance.desks} pages with videos are open: close one of them"
-            )
+        """Return a place for the clips of a page."""
         desk = Desk(self, secrets.token_urlsafe(12))
         self.desks[desk.key] = desk
         return desk
@@ -287,13 +227,8 @@ class Store:
         Raises
         ------
         TooLargeError
-            If there are too many, or `size` bytes [as announced] are too much.
+            If `size` bytes [as announced] are too much.
         """
-        most = self.allowance
-        if len(desk.clips) >= most.desk_clips:
-            raise TooLargeError(f"{most.desk_clips} files are open: remove one of them first")
-        if sum(len(d.clips) for d in self.desks.values()) >= most.clips:
-            raise TooLargeError(f"the server holds {most.clips} files: try again later")
         key = secrets.token_urlsafe(12)
         clip = Clip(key, self.folder / key, display_name(name))
         self.check_size(clip, size)
@@ -315,9 +250,6 @@ class Store:
                 f"{clip.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
                 "cut it, or start the application with --video-megabytes"
             )
-        others = sum(f.size for d in self.desks.values() for f in d.clips.values() if f is not clip)
-        if others + size > most.stored:
-            raise TooLargeError("the server holds too many files: remove some, or try again later")
 
 
 def display_name(text: str) -> str:

@@ -32,12 +32,8 @@ export class Desk {
   connect() {
     const socket = new WebSocket(socketAddress("ws/experiment/desk"));
     this.socket = socket;
-    // The server closes a socket that sends nothing.
-    socket.addEventListener("open", () => socket.send(JSON.stringify({ hello: true })));
     socket.addEventListener("message", ({ data }) => {
-      const hello = JSON.parse(data);
-      if (!hello.desk) return;
-      this.hello = hello;
+      this.hello = JSON.parse(data);
       this.epoch += 1;
       this.changed(true);
     });

@@ -21,7 +21,7 @@ export const FIRST = "toy";
 const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { "toy.hand": "1" } },
   story: { view: "toy", extra: { "story.list": "1" } }, experiment: { view: "measure" } };
 // "embed" stands in addresses of older versions, which showed a view without the bar.
-const KEPT = ["view", "scenario", "token", "embed", "format", "lang"];
+const KEPT = ["view", "scenario", "embed", "format", "lang"];
 
 /**
  * Return the state that an address holds.
