@@ -5,10 +5,7 @@ import test from "node:test";
 import { newest } from "../../../src/latolato/app/static/js/shared/api.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/shared/band.js";
 import { format, parse } from "../../../src/latolato/app/static/js/shared/state.js";
-import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/shared/units.js";
-
-const DEGREE = Math.PI / 180;
-const UNITS = [{ name: "deg", size: DEGREE }, { name: "rad", size: 1 }];
+import { short, symbolParts } from "../../../src/latolato/app/static/js/shared/units.js";
 
 test("an address is read back as it was written", () => {
   const state = {
@@ -20,14 +17,6 @@ test("an address is read back as it was written", () => {
 
 test("the token stays out of the address", () => {
   assert.ok(!format(parse("?token=secret&view=play")).includes("secret"));
-});
-
-test("quantities are read with their unit", () => {
-  assert.ok(Math.abs(toSi("20 deg", UNITS) - 20 * DEGREE) < 1e-15);
-  assert.ok(Math.abs(toSi("−20 °", UNITS) + 20 * DEGREE) < 1e-15);
-  assert.equal(toSi("0.3", UNITS), 0.3);
-  assert.equal(toSi("3 m", UNITS), null);
-  assert.equal(toSi("much", UNITS), null);
 });
 
 test("numbers are short but exact enough", () => {

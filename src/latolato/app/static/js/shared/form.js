@@ -2,10 +2,10 @@
 
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { readEntry } from "./entry.js";
+import { readEntry, readQuantity } from "./entry.js";
 import { Knob, symbolOf } from "./knob.js";
 import { heldOptions, START, textIn, withLaws } from "./laws.js";
-import { localShort, short, shownUnit, toSi } from "./units.js";
+import { localShort, short, shownUnit } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./laws.js").Option} Option */
@@ -333,7 +333,7 @@ export class Form {
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
             const { values: [value], problem } = readEntry(input.value,
-              { usual: unit(k), units: options[k].units, unit: options[k].unit, registry: this.registry,
+              { registry: this.registry, usual: unit(k), unit: options[k].unit,
                 example: localShort(columns[k][i] / unit(k).size) });
             input.setAttribute("aria-invalid", String(problem !== null));
             if (problem !== null) {
@@ -355,8 +355,8 @@ export class Form {
     };
     names.forEach((name, k) => this.fields.set(name, {
       read: (text) => {
-        const units = [...options[k].units, { name: options[k].unit, size: 1 }];
-        columns[k] = (text ?? "").split(",").filter(Boolean).map((/** @type {string} */ part) => toSi(part, units) ?? NaN);
+        columns[k] = (text ?? "").split(",").filter(Boolean).map((/** @type {string} */ part) =>
+          readQuantity(this.registry, part, options[k].unit).value);
         draw();
       },
       error: (text) => {

@@ -1,8 +1,9 @@
 /** The scores of challenges, as `latolato.app.stories` computes them: less is better. */
 
-import { optionsOf, toSi } from "../model/options.js";
+import { optionsOf } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
+import { toSi } from "../model/units.js";
 import { quantity } from "./numbers.js";
 
 /** @typedef {import("./check.js").Table} Table */
