@@ -76,7 +76,7 @@ class Controls {
    * @param {Record<string, string>} changed
    */
   give(changed) {
-    this.own = withOptions(this.own, changed);
+    this.own = withOptions(this.registry, this.own, changed);
     void this.compute();
   }
 

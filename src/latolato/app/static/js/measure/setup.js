@@ -77,7 +77,7 @@ export class Setup {
       },
     });
     const { units, prefixes } = page.registry;
-    this.form = new Form(el("div", {}), { units, prefixes, options: fields }, own);
+    this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: fields }, own);
     this.isReady = false;
     const id = freshId();
     this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },

@@ -81,16 +81,27 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
   if (Object.keys(input).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
     input.drive ??= "harmonic";
   kept = withoutForeign(registry, kept, input);
-  for (const group of registry.alternatives) {
-    const isReplaced = group.some((name) => name in input);
-    if (isReplaced) kept = without(kept, (name) => group.includes(name));
-  }
-  return { ...kept, ...input };
+  return { ...withoutAlternatives(registry, kept, Object.keys(input)), ...input };
 }
 
 /**
- * @param {Record<string, any>} values
+ * Return options without those that cannot be given beside these, such as a frequency beside its ratio.
+ * @template T
+ * @param {Pick<Registry, "alternatives">} registry
+ * @param {Record<string, T>} options
+ * @param {string[]} names
+ * @returns {Record<string, T>}
+ */
+export function withoutAlternatives({ alternatives }, options, names) {
+  const replaced = alternatives.filter((group) => group.some((name) => names.includes(name))).flat();
+  return without(options, (name) => replaced.includes(name) && !names.includes(name));
+}
+
+/**
+ * @template T
+ * @param {Record<string, T>} values
  * @param {(name: string) => boolean} isLeftOut
+ * @returns {Record<string, T>}
  */
 function without(values, isLeftOut) {
   return Object.fromEntries(Object.entries(values).filter(([name]) => !isLeftOut(name)));

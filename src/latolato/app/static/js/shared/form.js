@@ -1,5 +1,6 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
+import { withoutAlternatives } from "../model/options.js";
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { readEntry, readQuantity } from "./entry.js";
@@ -116,15 +117,15 @@ export class Form {
   }
 
   /**
-   * Set some options, and take back those that say the same in another way.
+   * Set some options, null takes one back, and take back those that cannot be given beside them.
    * @param {Record<string, string | null>} changed
    */
   giveAll(changed) {
-    const groups = (this.registry.alternatives ?? []).filter((/** @type {string[]} */ group) =>
-      group.some((name) => name in changed));
-    const others = groups.flat().filter((/** @type {string} */ name) => !(name in changed));
-    const kept = Object.entries({ ...this.store.state.options, ...changed })
-      .filter(([name, value]) => !others.includes(name) && value !== null);
+    const { options } = this.store.state;
+    // An empty field takes back what it showed, which an alternative may have said.
+    const names = Object.keys(changed).filter((name) => changed[name] !== null || !(name in options));
+    const kept = Object.entries({ ...withoutAlternatives(this.registry, options, names), ...changed })
+      .filter(([, value]) => value !== null);
     this.set(/** @type {Record<string, string>} */ (Object.fromEntries(kept)));
   }
 
