@@ -1,4 +1,4 @@
-/** The scores of challenges, as `latolato.app.stories` computes them: less is better. */
+/** The scores of challenges: less is better. */
 
 import { optionsOf } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
