@@ -2,8 +2,8 @@
 
 import { checkedNumber, InputError } from "../model/rules.js";
 import { splitQuantity, toSi } from "../model/units.js";
-import { inPagesWords } from "../model/words.js";
 import { local, t, tr } from "../strings.js";
+import { inPagesWords } from "./refusals.js";
 import { shownUnit } from "./units.js";
 import { capitalised } from "./words.js";
 
