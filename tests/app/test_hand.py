@@ -344,7 +344,7 @@ def test_a_toy_that_is_let_go_is_the_run_of_the_address_again(page):
     page.wait_for_function("() => location.search.includes('restitution=0.91')")
     page.get_by_role("button", name="Hold it yourself").click()
     page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.restitution === 0.91"
+        "() => window.latolato.views.toy.player.motion?.about.options.restitution === 0.91"
     )
     assert page.get_by_role("checkbox", name="Loop").is_visible()
     assert not page.get_by_role("button", name="Push").is_visible()

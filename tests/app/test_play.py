@@ -572,6 +572,18 @@ def test_a_decimal_comma_is_read_where_one_number_belongs(page):
     page.wait_for_function("() => location.search.includes('drive_amplitude=60.5+mm')")
 
 
+def test_a_knob_reads_the_damping_that_a_toy_in_a_hand_writes(page):
+    open_play(page, "&scenario=fig02&damping=0.00274%20kg%20m%2Fs")
+    knob = page.get_by_role("textbox", name="Friction")
+    assert knob.input_value() == "0.00274"
+    slider = page.get_by_role("slider", name="Friction")
+    assert slider.get_attribute("aria-valuetext") == "0.00274 kg·m/s"
+    knob.fill("2.5 g m/s")
+    knob.press("Enter")
+    page.wait_for_function("() => location.search.includes('damping=2.5+g+m%2Fs')")
+    page.locator('[aria-label^="Friction"][aria-valuetext="0.0025 kg·m/s"]').wait_for()
+
+
 def test_each_field_says_what_is_wrong_with_it_whatever_others_hold(page):
     open_play(page)
     fields = [page.get_by_role("textbox", name=name) for name in ("How far", "Bounciness")]

@@ -61,7 +61,7 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
         assert options(page)["view"] == views[step]
     assert page.url == start
     page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.restitution !== 0.8"
+        "() => window.latolato.views.toy.player.motion?.about.options.restitution !== 0.8"
     )
     for step in (1, 2, 3, 4, 5, 6, 7):
         page.go_forward()
@@ -89,7 +89,7 @@ def test_back_is_undo_also_right_after_a_change(page):
     page.go_forward()
     wait_for_options(page, drive_amplitude="28 mm")
     page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.drive_amplitude === 0.028"
+        "() => window.latolato.views.toy.player.motion?.about.options.drive_amplitude === 0.028"
     )
 
 

@@ -2,12 +2,12 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
-import { shake } from "../../src/latolato/app/static/js/kernels/begin.js";
+import { begin, shake } from "../../src/latolato/app/static/js/kernels/begin.js";
 import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
 import { computeMap } from "../../src/latolato/app/static/js/kernels/map.js";
 import { normals } from "../../src/latolato/app/static/js/kernels/noise.js";
 import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
-import { integrate, observe, simulate } from "../../src/latolato/app/static/js/kernels/run.js";
+import { integrate, observe } from "../../src/latolato/app/static/js/kernels/run.js";
 
 const [modules, folder] = process.argv.slice(2);
 const layout = JSON.parse(readFileSync(join(modules, "layout.json"), "utf8"));
@@ -41,6 +41,29 @@ function give(name, bytes) {
 }
 
 const bytesOf = (numbers) => new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
+
+/**
+ * The run of some parameters, with its record. It is repeated with half the step as long as the energy
+ * ledger closes worse than the tolerance allows, some times at most; `closes` says whether it did at last.
+ */
+function simulate(kernels, parameters, inputs, how) {
+  const { most_halvings, most_steps_to_repeat } = kernels.layout;
+  let step = Number(parameters.step ?? 0);
+  for (let halvings = 0; ; halvings += 1) {
+    const { run, problem } = begin(kernels, { ...parameters, step }, inputs.segments);
+    if (problem) throw new Error(problem.name);
+    const end = integrate(kernels, { ...inputs, run }, how);
+    const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
+    const closes = kernels.get(run, "state.ledger_error") <= allowed;
+    const steps = kernels.get(run, "state.total_steps");
+    if (closes || how.engine === "clamp" || end.status !== "complete"
+      || halvings === most_halvings || steps > most_steps_to_repeat) {
+      return { ...end, run, halvings, closes };
+    }
+    step = 0.5 * kernels.get(run, "settings.step");
+    kernels.release(run);
+  }
+}
 
 function run(kernels, memory, { how, seen, parameters }) {
   if (parameters) memory.segments = shake(kernels, parameters.kind, parameters.drive);

@@ -67,9 +67,13 @@ _COMMON = {
 
 _TEXT = re.compile(
     r"\s*(?P<number>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|nan|inf(?:inity)?))"
-    r"\s*(?P<unit>[a-zA-Zµμ°%/(][\w µμ°%/*^().+\-²³]*)?\s*",
+    r"\s*(?P<unit>(?:1/)?[a-zA-Zµμ°%/(][\w µμ°%/*^().+\-²³ᐟ·]*)?\s*",
     re.IGNORECASE,
 )
+
+
+# Powers and products as pages and pictures write them.
+_SHOWN = {"³ᐟ²": "^(3/2)", "²": "^2", "³": "^3", "·": "*"}
 
 
 @lru_cache(maxsize=1)
@@ -130,7 +134,8 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     if match is None:
         raise _refusal(name, value, "", unit)
     number, written = float(match["number"]), (match["unit"] or "").strip()
-    if written.replace(" ", "*") in ("", unit):
+    plain = _plain_unit(written)
+    if plain.replace(" ", "*") in ("", unit):
         return number
     if (written, unit) in _COMMON:
         return float(Decimal(match["number"]) * _COMMON[written, unit])
@@ -138,7 +143,7 @@ def to_si(name: str, value: Any, unit: str) -> Any:
 
     registry = _registry()
     try:
-        source = registry.parse_units(written.replace("²", "^2").replace("³", "^3"))
+        source = registry.parse_units(plain)
         target = registry.parse_units("" if unit == "1" else unit)
         return float(registry.Quantity(Decimal(match["number"]), source).to(target).magnitude)
     except (
@@ -150,6 +155,19 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         ValueError,
     ):
         raise _refusal(name, value, written, unit) from None
+
+
+def _plain_unit(written: str) -> str:
+    """Return a unit in the letters of SI units such as "m/s^2".
+
+    Examples
+    --------
+    >>> _plain_unit("kg·m/s²")
+    'kg*m/s^2'
+    """
+    for shown, plain in _SHOWN.items():
+        written = written.replace(shown, plain)
+    return written
 
 
 def _refusal(name: str, value: str, written: str, unit: str) -> InputError:

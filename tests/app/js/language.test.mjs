@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { InputError } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inPagesWords } from "../../../src/latolato/app/static/js/model/words.js";
+import { inPagesWords } from "../../../src/latolato/app/static/js/shared/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/shared/reading.js";
 import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js";
 import { setLanguage, STRINGS, t, tr } from "../../../src/latolato/app/static/js/strings.js";

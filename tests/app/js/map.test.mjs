@@ -70,13 +70,19 @@ test("along a logarithmic axis a map moves and grows by factors", () => {
 });
 
 test("levels are read with their units", () => {
-  const units = [{ name: "deg", size: 2 }, { name: "rad", size: 1 }];
-  assert.deepEqual(levelsOf("10, 5;7", units), [10, 14, 20]);
-  assert.deepEqual(levelsOf("1, 3 rad", units), [1, 3]);
-  assert.deepEqual(levelsOf("1 rad, 3 deg", units), [1, 6]);
-  assert.deepEqual(levelsOf("", units), []);
-  assert.equal(levelsOf("1, many", units), null);
-  assert.equal(levelsOf("3 kg", units), null);
+  const registry = { units: { J: [1, { J: 1 }], kg: [1, { kg: 1 }] }, prefixes: { k: 1000, m: 0.001 } };
+  const shown = { unit: "J", units: [{ name: "mJ", size: 0.001 }, { name: "J", size: 1 }] };
+  const read = (/** @type {string} */ text) => levelsOf(registry, text, shown);
+  assert.deepEqual(read("10, 5;7"), [0.005, 0.007, 0.01]);
+  assert.deepEqual(read("1, 3 J"), [1, 3]);
+  assert.deepEqual(read("1 J, 3 mJ"), [0.003, 1]);
+  assert.deepEqual(read("0.5, 1, 2 kJ"), [500, 1000, 2000]);
+  assert.deepEqual(read(" "), []);
+  assert.equal(read("1,,3"), null);
+  assert.equal(read("1, many"), null);
+  assert.equal(read("3 kg"), null);
+  assert.equal(read("nan"), null);
+  assert.deepEqual(levelsOf(registry, "3, 1", { unit: "weird", units: [] }), [1, 3]);
 });
 
 test("the value of a line stands upright along it where it is straight", () => {
@@ -108,12 +114,6 @@ test("symbols become one line of text", () => {
   assert.equal(plainSymbol("\\omega/\\omega_0"), "ω/ω₀");
   assert.equal(plainSymbol("\\langle E\\rangle"), "⟨E⟩");
   assert.equal(plainSymbol("\\theta_{max}"), "θ_max");
-});
-
-test("a list of levels with a hole is none", () => {
-  assert.equal(levelsOf("45,,90", []), null);
-  assert.deepEqual(levelsOf("45, 90", []), [45, 90]);
-  assert.deepEqual(levelsOf(" ", []), []);
 });
 
 test("an axis is changed from what the address says, not from what was on show", () => {

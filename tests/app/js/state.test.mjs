@@ -4,11 +4,11 @@ import test from "node:test";
 
 import { newest } from "../../../src/latolato/app/static/js/shared/api.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/shared/band.js";
+import { Form } from "../../../src/latolato/app/static/js/shared/form.js";
+import { heldOptions } from "../../../src/latolato/app/static/js/shared/laws.js";
+import { withOptions } from "../../../src/latolato/app/static/js/shared/links.js";
 import { format, parse } from "../../../src/latolato/app/static/js/shared/state.js";
-import { short, symbolParts, toSi } from "../../../src/latolato/app/static/js/shared/units.js";
-
-const DEGREE = Math.PI / 180;
-const UNITS = [{ name: "deg", size: DEGREE }, { name: "rad", size: 1 }];
+import { short, symbolParts } from "../../../src/latolato/app/static/js/shared/units.js";
 
 test("an address is read back as it was written", () => {
   const state = {
@@ -16,14 +16,6 @@ test("an address is read back as it was written", () => {
     extra: { "map.x": "frequency_ratio", "map.title": "a&b=c?#ü" },
   };
   assert.deepEqual(parse(format(state)), state);
-});
-
-test("quantities are read with their unit", () => {
-  assert.ok(Math.abs(toSi("20 deg", UNITS) - 20 * DEGREE) < 1e-15);
-  assert.ok(Math.abs(toSi("−20 °", UNITS) + 20 * DEGREE) < 1e-15);
-  assert.equal(toSi("0.3", UNITS), 0.3);
-  assert.equal(toSi("3 m", UNITS), null);
-  assert.equal(toSi("much", UNITS), null);
 });
 
 test("numbers are short but exact enough", () => {
@@ -73,4 +65,46 @@ test("of many requests only the first and the newest are made", async () => {
   release[1]();
   await new Promise((resolve) => setTimeout(resolve, 5));
   assert.deepEqual(done, [1, 4]);
+});
+
+const ALTERNATIVES = [["drive_frequency", "frequency_ratio"], ["initial_angle", "initial_offset"],
+  ["samples", "times"], ["duration", "times"]];
+
+test("an option takes the place of what cannot be given beside it, and of nothing else", () => {
+  const put = (/** @type {any} */ options, /** @type {any} */ changed) =>
+    withOptions({ alternatives: ALTERNATIVES }, options, changed);
+  const run = { samples: "100", duration: "9 s" };
+  assert.deepEqual(put({ times: "0, 1 s" }, { samples: "100" }), { samples: "100" });
+  assert.deepEqual(put({ times: "0, 1 s" }, { duration: "9 s" }), { duration: "9 s" });
+  assert.deepEqual(put(run, { samples: "50" }), { samples: "50", duration: "9 s" });
+  assert.deepEqual(put({ ...run, mass: "1 kg" }, { times: "0, 1 s" }), { times: "0, 1 s", mass: "1 kg" });
+  assert.deepEqual(put({ drive_frequency: "2 Hz" }, { frequency_ratio: "2" }), { frequency_ratio: "2" });
+});
+
+test("an empty field takes back what it showed", () => {
+  const give = (/** @type {any} */ options, /** @type {any} */ changed) => {
+    let after;
+    Form.prototype.giveAll.call({ registry: { alternatives: ALTERNATIVES }, store: { state: { options } },
+      set: (/** @type {any} */ chosen) => { after = chosen; } }, changed);
+    return after;
+  };
+  const all = { times: "0, 1 s", samples: "100", duration: "9 s" };
+  assert.deepEqual(give({ frequency_ratio: "2", mass: "1 kg" }, { drive_frequency: null }), { mass: "1 kg" });
+  assert.deepEqual(give(all, { times: null }), { samples: "100", duration: "9 s" });
+  assert.deepEqual(give(all, { samples: "50" }), { samples: "50", duration: "9 s" });
+});
+
+test("what a run had is kept for another law unless an option says it in another way", () => {
+  const registry = { alternatives: ALTERNATIVES, systems: { pendulum: { options: ["mass"] } },
+    drives: { harmonic: { options: ["drive_frequency"] } },
+    options: Object.fromEntries(["mass", "drive_frequency", "initial_angle", "duration"].map((name) =>
+      [name, { unit: "1", units: [] }])) };
+  const kinds = { system: "pendulum", drive: "harmonic" };
+  const held = (/** @type {any} */ own) =>
+    heldOptions(registry, own, { mass: 2, drive_frequency: 10, initial_angle: 0.3, duration: 9 }, kinds, kinds);
+  const rest = { mass: "2", drive_frequency: "10" };
+  assert.deepEqual(held({ initial_offset: "1" }), { ...rest, duration: "9", initial_offset: "1" });
+  assert.deepEqual(held({ times: "0, 1" }), { ...rest, initial_angle: "0.3", times: "0, 1" });
+  assert.deepEqual(held({ frequency_ratio: "2" }),
+    { mass: "2", initial_angle: "0.3", duration: "9", frequency_ratio: "2" });
 });

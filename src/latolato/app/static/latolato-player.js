@@ -12,9 +12,9 @@
  */
 
 import { loadRegistry } from "./js/model/registry.js";
-import { inLanguage } from "./js/model/words.js";
 import { Inset } from "./js/shared/inset.js";
 import { firstOf, speak } from "./js/shared/language.js";
+import { inLanguage } from "./js/shared/refusals.js";
 import { withStart } from "./js/shared/start.js";
 import { ENGLISH } from "./js/strings.js";
 

@@ -3,7 +3,6 @@
 import { commandLine, pythonLines } from "./model/lines.js";
 import { optionsOf } from "./model/options.js";
 import { loadRegistry } from "./model/registry.js";
-import { inPagesWords } from "./model/words.js";
 import { unpack } from "./shared/block.js";
 import { codeBlocks } from "./shared/code.js";
 import { el } from "./shared/dom.js";
@@ -11,6 +10,7 @@ import { Inset } from "./shared/inset.js";
 import { Knobs } from "./shared/knobs.js";
 import { speakTable } from "./shared/language.js";
 import { withOptions } from "./shared/links.js";
+import { inPagesWords } from "./shared/refusals.js";
 import { withStart } from "./shared/start.js";
 import { t, tr } from "./strings.js";
 
@@ -76,7 +76,7 @@ class Controls {
    * @param {Record<string, string>} changed
    */
   give(changed) {
-    this.own = withOptions(this.own, changed);
+    this.own = withOptions(this.registry, this.own, changed);
     void this.compute();
   }
 

@@ -1,8 +1,8 @@
 /** The fields of one analysis: what the server says about its options, filled to take seconds. */
 
 import { el, freshId } from "../shared/dom.js";
-import { problemWith, readEntry, withPoints } from "../shared/entry.js";
-import { short, shownUnit, toSi } from "../shared/units.js";
+import { problemWith, readEntry, readQuantity, withPoints } from "../shared/entry.js";
+import { short, shownUnit } from "../shared/units.js";
 import { inWords, NAMES } from "../shared/words.js";
 import { ENGLISH, localList, t } from "../strings.js";
 
@@ -110,13 +110,13 @@ export class AnalysisForm {
       : field.kind === "bool" ? { false: t("no"), true: t("yes") } : field.choices;
     const units = field.units ?? about.parameters[varied ?? ""]?.units ?? [];
     const unit = shownUnit(units[0]?.name ?? "");
-    const placeholder = shownIn(field.default, units) || t(field.required ? "fromScenario" : "automatic");
+    const placeholder = shownIn(this.registry, field.default, units) || t(field.required ? "fromScenario" : "automatic");
     const input = Object.keys(choices).length
       ? el("select", { id, "aria-describedby": hintId }, ...Object.entries(choices)
         .map(([key, label]) => el("option", { value: key }, label)))
       : el("input", { id, type: "text", autocomplete: "off", spellcheck: "false", placeholder,
         "aria-describedby": `${hintId} ${errorId}` });
-    input.value = shownIn(value, units) || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
+    input.value = shownIn(this.registry, value, units) || (field.default.toLowerCase() in choices ? field.default.toLowerCase()
       : Object.keys(choices)[0] ?? "");
     // An address may name what is no choice; the server says so.
     if (value && input instanceof HTMLSelectElement && input.value !== value)
@@ -150,7 +150,7 @@ export class AnalysisForm {
     this.error(null);
     if (problem !== null) return false;
     this.taken[name] = text;
-    input.value = shownIn(text, this.units[name]);
+    input.value = shownIn(this.registry, text, this.units[name]);
     return true;
   }
 
@@ -186,8 +186,8 @@ export class AnalysisForm {
     const count = parts.splice(2);
     // The limits of a diagram have no usual value; an empty field stands for one elsewhere.
     const mayBeEmpty = !LIMITS.includes(name);
-    const entries = parts.map((part) => readEntry(part, { usual, units, unit: field.unit || usual.name,
-      registry: this.registry, isList, mayBeEmpty, example: shownIn(this.begun[name] ?? "", units) }));
+    const entries = parts.map((part) => readEntry(part, { registry: this.registry, usual,
+      unit: siOf(units), isList, mayBeEmpty, example: shownIn(this.registry, this.begun[name] ?? "", units) }));
     const unfit = (/** @type {number} */ value) =>
       problemWith(name, /** @type {any} */ (field), { label: field.label, unit: usual }, value);
     const texts = usual.size === 1 ? parts.map((part) => withPoints(part, isList)) : entries.map(({ text }) => text);
@@ -228,19 +228,25 @@ export class AnalysisForm {
   }
 }
 
+/** The SI unit among these. @param {Unit[]} units */
+function siOf(units) {
+  return units.find(({ size }) => size === 1)?.name ?? "1";
+}
+
 /**
  * Return a text as its field shows it: numbers in the first of its units.
+ * @param {import("../model/registry.js").Registry} registry
  * @param {string} text
  * @param {Unit[]} units
  */
-function shownIn(text, units) {
+function shownIn(registry, text, units) {
   const [{ size } = { size: 1 }] = units;
   if (size === 1) return text;
   const parts = text.split(":");
   const count = parts.splice(2);
   const shown = (/** @type {string} */ part) => {
-    const value = toSi(part, units);
-    return value === null ? part.trim() : short(value / size);
+    const { value } = readQuantity(registry, part, siOf(units));
+    return Number.isNaN(value) ? part.trim() : short(value / size);
   };
   return [...parts.map((part) => localList(part.split(",").map(shown))), ...count.map((part) => part.trim())].join(" : ");
 }

@@ -2,9 +2,9 @@
 
 import { el } from "../shared/dom.js";
 import { openLink } from "../shared/links.js";
-import { Runner } from "../model/client.js";
 import { Motion } from "../shared/motion.js";
 import { Preview } from "../shared/preview.js";
+import { Runner } from "../shared/runner.js";
 import { t } from "../strings.js";
 
 /** @typedef {{scenario: string | null, options: Record<string, string>}} RunRequest */

@@ -324,7 +324,7 @@ export class AnalyseView {
     const called = this.own.words;
     const answer = new Answer(block, this.forms[question.analysis], (text) => inWords(text, called), (values, words) =>
       void this.point.show({ scenario: question.scenario,
-        options: withOptions(question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
+        options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
         : t("pointSaidStart", { values: words })));
     answer.after.append(this.point.root);
     showFinding(this.finding, block.about.verdict, true);

@@ -1,6 +1,5 @@
 /** Runs of one ball and of two from their prepared beginning, as `latolato.numerics.integrate`. */
 
-import { begin } from "./begin.js";
 import { WORD } from "./memory.js";
 
 /**
@@ -93,36 +92,6 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
     if (reached >= duration) return ended("complete");
     if (contacts >= contact_limit) return ended("stopped");
     room = Math.min(Math.max(room, 2 * written), MOST_ROOM);
-  }
-}
-
-/**
- * The run of some parameters, with its record; `latolato.simulate` does the same.
- *
- * It is repeated with half the step as long as the energy ledger closes worse than the tolerance
- * allows, some times at most; `closes` says whether it did at last.
- * @param {Kernels} kernels
- * @param {Record<string, number | number[]>} parameters of the case, see `begin`
- * @param {Omit<Prepared, "run">} inputs
- * @param {{balls: number, duration: number, contact_limit: number, engine?: string}} how
- * @returns {Run & {run: Held, halvings: number, closes: boolean}}
- */
-export function simulate(kernels, parameters, inputs, how) {
-  const { most_halvings, most_steps_to_repeat } = kernels.layout;
-  let step = Number(parameters.step ?? 0);
-  for (let halvings = 0; ; halvings += 1) {
-    const { run, problem } = begin(kernels, { ...parameters, step }, inputs.segments);
-    if (problem) throw new Error(problem.name);
-    const end = integrate(kernels, { ...inputs, run }, how);
-    const allowed = kernels.exports.allowed(run.at, parameters.tolerance);
-    const closes = kernels.get(run, "state.ledger_error") <= allowed;
-    const steps = kernels.get(run, "state.total_steps");
-    if (closes || how.engine === "clamp" || end.status !== "complete"
-      || halvings === most_halvings || steps > most_steps_to_repeat) {
-      return { ...end, run, halvings, closes };
-    }
-    step = 0.5 * kernels.get(run, "settings.step");
-    kernels.release(run);
   }
 }
 

@@ -27,7 +27,7 @@ export class MapControls {
     this.stored = [];
     const set = (/** @type {Record<string, any>} */ values) => this.keep(values);
     const number = (/** @type {string} */ name, /** @type {string} */ key, hint = "") =>
-      new QuantityField(t(name), (v) => set({ [key]: v }), { hint: hint ? t(hint) : "" });
+      new QuantityField(registry, t(name), (v) => set({ [key]: v }), { hint: hint ? t(hint) : "" });
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
     this.x = choice(t("mapX"), (v) => set(turned(this.now(), "x", v)));
@@ -39,7 +39,7 @@ export class MapControls {
     };
     this.logs = { x: log("x", "mapLogX"), y: log("y", "mapLogY") };
     const end = (/** @type {string} */ name, /** @type {"x" | "y"} */ which,
-      /** @type {"low" | "high"} */ side) => new QuantityField(t(name), (value) =>
+      /** @type {"low" | "high"} */ side) => new QuantityField(registry, t(name), (value) =>
       set(ended(this.now(), which, side, value)));
     this.ends = { xlow: end("mapFrom", "x", "low"), xhigh: end("mapTo", "x", "high"),
       ylow: end("mapFrom", "y", "low"), yhigh: end("mapTo", "y", "high") };
@@ -56,14 +56,14 @@ export class MapControls {
     this.transient = number("mapTransient", "transient", "mapTransientHint");
     this.scale = choice(t("mapScale"), (v) => set({ scale: v }));
     this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : 0, low: null, high: null }));
-    this.low = new QuantityField(t("mapLow"), (v) => this.limit("low", v),
+    this.low = new QuantityField(registry, t("mapLow"), (v) => this.limit("low", v),
       { mayBeEmpty: true });
-    this.high = new QuantityField(t("mapHigh"), (v) => this.limit("high", v),
+    this.high = new QuantityField(registry, t("mapHigh"), (v) => this.limit("high", v),
       { mayBeEmpty: true });
     /** @type {[number, number]} values of the darkest and the brightest colour on show */
     this.limits = [0, 1];
     this.log.box.setAttribute("aria-label", t("mapLogColours"));
-    this.over = new OverControls(set, trials);
+    this.over = new OverControls(registry, set, trials);
     this.top = el("div", { class: "source" }, this.source.root,
       el("p", { class: "hint" }, t("mapIntro")), this.about);
     this.root = el("div", { class: "form" },
@@ -192,15 +192,15 @@ export class MapControls {
     this.y.show(axes, choices.y.name);
     const { axes: known } = this.registry;
     for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
-      const { units } = known[choices[which].name];
-      this.ends[`${which}low`].show(choices[which].low, units);
-      this.ends[`${which}high`].show(choices[which].high, units);
+      const axis = known[choices[which].name];
+      this.ends[`${which}low`].show(choices[which].low, axis);
+      this.ends[`${which}high`].show(choices[which].high, axis);
       this.logs[which].box.checked = choices[which].log;
     }
     this.observable.show(choices.variables.map((/** @type {any} */ v) => ({ value: v.name,
       text: v.label, title: v.description,
       group: t(v.together ? "mapTogether" : "mapAlone") })), choices.observable);
-    const seconds = [{ name: "s", size: 1 }, { name: "min", size: 60 }];
+    const seconds = { unit: "s", units: [{ name: "s", size: 1 }, { name: "min", size: 60 }] };
     this.duration.show(choices.duration, seconds);
     this.transient.show(choices.transient, seconds);
     this.parts(true);
@@ -262,8 +262,8 @@ export class MapControls {
     this.scale.show(SCALES.map((name) => ({ value: name, text: name })), look.scale);
     this.log.box.checked = look.log;
     this.limits = look.limits;
-    this.low.show(look.limits[0], variable.units, "map.low" in extra);
-    this.high.show(look.limits[1], variable.units, "map.high" in extra);
+    this.low.show(look.limits[0], variable, "map.low" in extra);
+    this.high.show(look.limits[1], variable, "map.high" in extra);
     const classes = variable.classes.length > 0;
     for (const part of [this.scale.root, this.log.root, this.low.root, this.high.root])
       part.hidden = classes;

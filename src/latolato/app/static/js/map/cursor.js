@@ -1,11 +1,11 @@
 /** The cross on a map: where it is, what is known there, and the run of its point. */
 
-import { Runner } from "../model/client.js";
-import { inPagesWords } from "../model/words.js";
 import { el } from "../shared/dom.js";
 import { textsOf } from "../shared/links.js";
 import { Motion } from "../shared/motion.js";
 import { Preview } from "../shared/preview.js";
+import { inPagesWords } from "../shared/refusals.js";
+import { Runner } from "../shared/runner.js";
 import { t } from "../strings.js";
 import { cellText, withName } from "./tell.js";
 

@@ -4,7 +4,7 @@ import { el, freshId } from "../shared/dom.js";
 import { readEntry } from "../shared/entry.js";
 import { localShort, shownUnit } from "../shared/units.js";
 
-/** @typedef {{name: string, size: number}} Unit */
+/** @typedef {{unit: string, units: {name: string, size: number}[]}} Shown the SI unit and those on show */
 
 /**
  * Return the line below a field that says what is wrong with it; null takes it away.
@@ -25,16 +25,18 @@ export function problemOf(input) {
 /** A number field that shows one unit and reads any that is known. */
 export class QuantityField {
   /**
+   * @param {import("../model/registry.js").Registry} registry
    * @param {string} label
    * @param {(value: number | null) => void} change called with SI units, null for an empty field
    * @param {{hint?: string, mayBeEmpty?: boolean}} [how] `mayBeEmpty` is for one that without a number
    *   shows in grey what it stands for
    */
-  constructor(label, change, { hint = "", mayBeEmpty = false } = {}) {
+  constructor(registry, label, change, { hint = "", mayBeEmpty = false } = {}) {
     const id = freshId();
+    this.registry = registry;
     this.mayBeEmpty = mayBeEmpty;
-    /** @type {Unit[]} */
-    this.units = [];
+    /** What it shows. @type {Shown} */
+    this.quantity = { unit: "1", units: [] };
     this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       spellcheck: "false", on: { change: () => this.read(change) } });
     this.unit = el("span", { class: "unit" });
@@ -51,15 +53,16 @@ export class QuantityField {
    * Show a value in SI units; `chosen` says whether it was chosen or stands for the usual one.
    * What could not be read stays, with what is wrong with it, until there is another value.
    * @param {number | null} value
-   * @param {Unit[]} units
+   * @param {Shown} quantity
    * @param {boolean} [chosen]
    */
-  show(value, units, chosen = true) {
+  show(value, quantity, chosen = true) {
+    const { units } = quantity;
     const now = JSON.stringify([value, units[0]?.name]);
     if (!this.problem.line.hidden && now === this.seen) return;
     this.seen = now;
     this.isNew = this.isRefused = false;
-    this.units = units;
+    this.quantity = quantity;
     this.unit.textContent = shownUnit(units[0]?.name ?? "");
     const text = value === null ? "" : localShort(value / (units[0]?.size ?? 1), 4);
     this.example = text;
@@ -71,9 +74,9 @@ export class QuantityField {
 
   /** @param {(value: number | null) => void} change */
   read(change) {
-    const { units, mayBeEmpty, example } = this;
+    const { registry, quantity: { unit, units }, mayBeEmpty, example } = this;
     const { values: [value = null], problem } = readEntry(this.input.value,
-      { usual: units[0] ?? { name: "", size: 1 }, units, mayBeEmpty, example });
+      { registry, usual: units[0] ?? { name: "", size: 1 }, unit, mayBeEmpty, example });
     this.problem.say(problem);
     this.isRefused = false;
     if (problem !== null) return;

@@ -1,7 +1,7 @@
 /** What is drawn over a map: curves of theory, trials, contour lines. */
 
 import { InputError } from "../model/rules.js";
-import { inPagesWords } from "../model/words.js";
+import { inPagesWords } from "../shared/refusals.js";
 import { lookOf } from "./colours.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { OF_COLOURS } from "./overcontrols.js";

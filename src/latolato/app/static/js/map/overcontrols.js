@@ -1,8 +1,9 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
 
+import { splitQuantity } from "../model/units.js";
 import { el, freshId } from "../shared/dom.js";
-import { withPoints } from "../shared/entry.js";
-import { parseQuantity, short, shownUnit, toSi } from "../shared/units.js";
+import { readQuantity, withPoints } from "../shared/entry.js";
+import { short, shownUnit } from "../shared/units.js";
 import { localList, t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { choice, problemOf, tick } from "./fields.js";
@@ -10,19 +11,22 @@ import { MOST_LEVELS } from "./levels.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-/** @typedef {import("../shared/units.js").Unit} Unit */
+/** @typedef {import("../model/registry.js").Registry} Registry */
+/** @typedef {import("./fields.js").Shown} Shown */
 
 /** Stands in the address for contour lines of what has the colours. */
 export const OF_COLOURS = "colours";
 
 export class OverControls {
   /**
+   * @param {Registry} registry
    * @param {(values: Record<string, any>) => void} keep keeps values in the address
    * @param {(text: string | null) => void} trials called with the text of a trial table
    */
-  constructor(keep, trials) {
-    /** @type {Unit[]} */
-    this.units = [];
+  constructor(registry, keep, trials) {
+    this.registry = registry;
+    /** What contour lines are drawn of. @type {Shown} */
+    this.quantity = { unit: "1", units: [] };
     this.contours = choice(t("mapContours"), (v) => {
       this.problem.say(null);
       keep({ contours: v || null, levels: null });
@@ -54,7 +58,7 @@ export class OverControls {
   /** @param {(values: Record<string, any>) => void} keep */
   read(keep) {
     const text = this.levels.value.trim();
-    const levels = levelsOf(text, this.units);
+    const levels = levelsOf(this.registry, text, this.quantity);
     const many = levels !== null && levels.length > MOST_LEVELS;
     this.problem.say(!levels ? t("noLevels", { text, example: localList(["10", "20", "50"]) })
       : many ? t("tooManyLevels", { most: MOST_LEVELS, count: levels.length }) : null);
@@ -84,7 +88,7 @@ export class OverControls {
 
   /** @param {string} levels numbers in SI units */
   text(levels) {
-    const size = this.units[0]?.size ?? 1;
+    const size = this.quantity.units[0]?.size ?? 1;
     return localList(levels.split(",").map((v) => short(Number(v) / size, 6)));
   }
 
@@ -100,7 +104,7 @@ export class OverControls {
       this.contourNote.textContent = "";
       return;
     }
-    this.units = variable.units;
+    this.quantity = variable;
     this.unit.textContent = shownUnit(variable.units[0]?.name ?? "");
     this.levels.setAttribute("aria-label", t("mapLevelsOf", { what: axisLabel(variable) }));
     const values = localList((drawn?.levels ?? []).map((v) => short(v / sizeOf(variable), 4)));
@@ -142,19 +146,17 @@ export class OverControls {
  * Return the numbers of a text such as "0.5, 1, 2 kJ" in SI units, increasing, none of an empty
  * text; null if a part is no number.
  * A unit at the end is that of all numbers without one of their own.
+ * @param {Pick<Registry, "units" | "prefixes">} registry
  * @param {string} text
- * @param {Unit[]} units
+ * @param {Shown} quantity
  * @returns {number[] | null}
  */
-export function levelsOf(text, units) {
+export function levelsOf(registry, text, { unit, units }) {
   const parts = text.trim() ? withPoints(text, true).split(",").map((part) => part.trim()) : [];
-  const last = parseQuantity(parts[parts.length - 1] ?? "")?.unit ?? "";
-  const usual = last || (units[0]?.name ?? "");
-  const levels = parts.map((part) => {
-    const parsed = parseQuantity(part);
-    if (!parsed) return null;
-    return parsed.unit || !usual ? toSi(part, units) : toSi(`${parsed.number} ${usual}`, units);
-  });
-  if (levels.some((v) => v === null || !Number.isFinite(v))) return null;
-  return [...new Set(/** @type {number[]} */ (levels))].sort((a, b) => a - b);
+  const unitOf = (/** @type {string | undefined} */ part) => splitQuantity(part ?? "")?.unit;
+  const usual = unitOf(parts.at(-1)) || units[0]?.name || "1";
+  const levels = parts.map((part) => readQuantity(registry,
+    unitOf(part) === "" && usual !== "1" ? `${part} ${usual}` : part, unit).value);
+  if (levels.some(Number.isNaN)) return null;
+  return [...new Set(levels)].sort((a, b) => a - b);
 }

@@ -1,7 +1,7 @@
 /** Trials of an experiment from the text of a trial table: `latolato.experiment.trial_table`. */
 
-import { toSi } from "../model/options.js";
 import { InputError } from "../model/rules.js";
+import { toSi } from "../model/units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./theory.js").Placing} Placing */

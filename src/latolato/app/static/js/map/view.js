@@ -1,7 +1,6 @@
 /** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
 
 import { InputError } from "../model/rules.js";
-import { inPagesWords } from "../model/words.js";
 import { askJson } from "../shared/api.js";
 import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
@@ -9,6 +8,7 @@ import { Form } from "../shared/form.js";
 import { followKeys, KeyList } from "../shared/keys.js";
 import { spanText } from "../shared/left.js";
 import { leaveOut, sentence, waysOn } from "../shared/reading.js";
+import { inPagesWords } from "../shared/refusals.js";
 import { t } from "../strings.js";
 import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE, withMapNamed } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";

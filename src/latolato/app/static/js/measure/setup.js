@@ -1,10 +1,11 @@
 /** The description of a video or a table: scale, masses, camera, directions, how many balls. */
 
 import { el, freshId } from "../shared/dom.js";
+import { readQuantity } from "../shared/entry.js";
 import { Form } from "../shared/form.js";
 import { SOON, spanText } from "../shared/left.js";
 import { cut, leaveOut } from "../shared/reading.js";
-import { short, toSi } from "../shared/units.js";
+import { short } from "../shared/units.js";
 import { inWords, withLabels } from "../shared/words.js";
 import { t } from "../strings.js";
 import { isSeen } from "./session.js";
@@ -75,7 +76,8 @@ export class Setup {
         on.changed();
       },
     });
-    this.form = new Form(el("div", {}), { options: fields }, own);
+    const { units, prefixes } = page.registry;
+    this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: fields }, own);
     this.isReady = false;
     const id = freshId();
     this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },
@@ -246,20 +248,19 @@ export class Setup {
 
   /** Tell a text that is no quantity beside its field; nothing is tracked until it is mended. */
   tellWrong() {
-    const wrong = Object.keys(this.values).find((name) => this.number(name) === null) ?? null;
+    const wrong = Object.keys(this.values).find((name) => Number.isNaN(this.number(name))) ?? null;
     this.error(wrong === null ? null : t("noNumber", { text: this.values[wrong] }), wrong);
     const isRefused = [...this.form.fields.values()].some((field) => field.isRefused?.());
     this.track.disabled = !this.isReady || wrong !== null || isRefused;
   }
 
   /**
-   * Return a quantity in SI units, null if it is not said.
+   * Return a quantity in SI units, null for one that is not given and NaN for a text that is none.
    * @param {string} name
    */
   number(name) {
     const text = this.values[name];
-    const { units, unit } = this.fields[name];
-    return text === undefined ? null : toSi(text, [...units, { name: unit, size: 1 }]);
+    return text === undefined ? null : readQuantity(this.form.registry, text, this.fields[name].unit).value;
   }
 
   /**

@@ -386,7 +386,7 @@ export class MeasureView {
     this.handles.ratio = length && radius ? radius / length : 0;
     const isDisc = this.session?.clip?.shape !== "template";
     this.handles.patch = isDisc ? null
-      : { half: (this.setup?.number("patch") ?? 0) / 2, ...this.session.desk.hello?.template };
+      : { half: (this.setup?.number("patch") || 0) / 2, ...this.session.desk.hello?.template };
     this.screen.draw();
   }
 

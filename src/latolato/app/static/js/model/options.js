@@ -2,122 +2,11 @@
 
 import { foreign } from "./laws.js";
 import { checkedNumber, InputError, literal, suggest } from "./rules.js";
+import { toSi } from "./units.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("./registry.js").Option} Option */
 /** @typedef {{scenario?: string | null, options?: Record<string, any>}} Request */
-
-const NUMBER =
-  /^\s*([-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?))\s*(\D.*?)?\s*$/i;
-
-/**
- * Return a quantity as a number in SI units; what is no text is returned as it is.
- * @param {Registry} registry
- * @param {string} name
- * @param {any} value
- * @param {string} unit
- */
-export function toSi(registry, name, value, unit) {
-  if (typeof value !== "string") return value;
-  const match = NUMBER.exec(value.replace("\u2212", "-"));
-  const unitText = (match?.[2] ?? "").trim();
-  const number = match ? numberOf(match[1]) : NaN;
-  if (match && (unitText === "" || unitText.replaceAll(" ", "*") === unit)) return number;
-  const [size, powers] = unitOf(registry, unitText) ?? [NaN, {}];
-  const [unitSize, known] = unitOf(registry, unit === "1" ? "" : unit) ?? [NaN, {}];
-  if (!match || !areAlike(powers, known) || Number.isNaN(size / unitSize)) throw notInUnits(registry, name, value, unitText, unit);
-  return Number.isFinite(number) ? times(match[1], String(size / unitSize)) : number * (size / unitSize);
-}
-
-/**
- * Return the product of two decimal numbers, rounded once.
- * @param {string} one
- * @param {string} other
- */
-function times(one, other) {
-  let [digits, places] = [1n, 0];
-  for (const text of [one, other]) {
-    const [number, power = "0"] = text.toLowerCase().split("e");
-    const [whole, fraction = ""] = number.replace("+", "").split(".");
-    digits *= BigInt(whole.replace("-", "") + fraction);
-    places += Number(power) - fraction.length;
-  }
-  return Number(`${one.startsWith("-") ? "-" : ""}${digits}e${places}`);
-}
-
-/** @param {string} text as Python writes numbers */
-function numberOf(text) {
-  return Number(text.toLowerCase().replace(/inf.*/, "Infinity"));
-}
-
-/**
- * Return the size of a unit such as "g*m/s" and its powers of SI units, null if it is not known.
- * @param {Registry} registry
- * @param {string} text
- * @returns {[number, Record<string, number>] | null}
- */
-function unitOf({ units, prefixes }, text) {
-  let size = 1;
-  /** @type {Record<string, number>} */
-  const powers = {};
-  const plain = text.replaceAll("²", "^2").replaceAll("³", "^3").replaceAll("**", "^");
-  const parts = plain.matchAll(/\s*([*/]?)\s*([a-zA-Z_µμ°%]\w*|1)(?:\^(-?\d+))?/g);
-  let end = 0;
-  for (const part of parts) {
-    const [whole, sign, name, power = "1"] = part;
-    if (part.index !== end) return null;
-    end += whole.length;
-    if (name === "1") continue;
-    const read = [name, name.replace(/s$/, "")] // "seconds" is one too
-      .flatMap((one) => ["", ...Object.keys(prefixes)].map((prefix) => ({ one, prefix })))
-      .find((each) => each.one.startsWith(each.prefix)
-        && Object.hasOwn(units, each.one.slice(each.prefix.length)));
-    if (!read) return null;
-    const { one, prefix } = read;
-    const [own, bases] = units[one.slice(prefix.length)];
-    const times = (sign === "/" ? -1 : 1) * Number(power);
-    size *= ((prefixes[prefix] ?? 1) * own) ** times;
-    for (const [base, each] of Object.entries(bases)) powers[base] = (powers[base] ?? 0) + times * each;
-  }
-  return end === plain.length ? [size, powers] : null;
-}
-
-/**
- * @param {Registry} registry
- * @param {string} parameter
- * @param {string} value
- * @param {string} written the unit in it
- * @param {string} unit
- */
-function notInUnits(registry, parameter, value, written, unit) {
-  const rule = unit === "1" ? "as a plain number" : `in ${unit} (or a unit that converts to it)`;
-  const meant = written && unit !== "1" ? inOtherLetters(registry, written, unit) : undefined;
-  return new InputError(`must be given ${rule}`,
-    { parameter, value, ...(meant ? { wayOut: `did you mean '${meant}'?` } : {}) });
-}
-
-/**
- * Return the unit that differs in capitals only and converts to `unit`, undefined if there is none.
- * @param {Registry} registry
- * @param {string} written
- * @param {string} unit
- */
-function inOtherLetters(registry, written, unit) {
-  const [, known] = unitOf(registry, unit) ?? [NaN, {}];
-  return Object.keys(registry.units)
-    .flatMap((name) => ["", ...Object.keys(registry.prefixes)].map((prefix) => prefix + name))
-    .filter((meant) => meant.toLowerCase() === written.toLowerCase())
-    .find((meant) => areAlike(unitOf(registry, meant)?.[1] ?? {}, known));
-}
-
-/**
- * Return whether two units are of the same powers of SI units, so that one converts to the other.
- * @param {Record<string, number>} one
- * @param {Record<string, number>} other
- */
-function areAlike(one, other) {
-  return Object.keys({ ...one, ...other }).every((base) => (one[base] ?? 0) === (other[base] ?? 0));
-}
 
 /**
  * Return several quantities as numbers in SI units.
@@ -192,16 +81,27 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
   if (Object.keys(input).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
     input.drive ??= "harmonic";
   kept = withoutForeign(registry, kept, input);
-  for (const group of registry.alternatives) {
-    const isReplaced = group.some((name) => name in input);
-    if (isReplaced) kept = without(kept, (name) => group.includes(name));
-  }
-  return { ...kept, ...input };
+  return { ...withoutAlternatives(registry, kept, Object.keys(input)), ...input };
 }
 
 /**
- * @param {Record<string, any>} values
+ * Return options without those that cannot be given beside these, such as a frequency beside its ratio.
+ * @template T
+ * @param {Pick<Registry, "alternatives">} registry
+ * @param {Record<string, T>} options
+ * @param {string[]} names
+ * @returns {Record<string, T>}
+ */
+export function withoutAlternatives({ alternatives }, options, names) {
+  const replaced = alternatives.filter((group) => group.some((name) => names.includes(name))).flat();
+  return without(options, (name) => replaced.includes(name) && !names.includes(name));
+}
+
+/**
+ * @template T
+ * @param {Record<string, T>} values
  * @param {(name: string) => boolean} isLeftOut
+ * @returns {Record<string, T>}
  */
 function without(values, isLeftOut) {
   return Object.fromEntries(Object.entries(values).filter(([name]) => !isLeftOut(name)));

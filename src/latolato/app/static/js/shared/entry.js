@@ -1,20 +1,21 @@
 /** What people type into fields: one number, or several, each with a unit or without. */
 
-import { toSi as inSi } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
-import { inPagesWords } from "../model/words.js";
+import { splitQuantity, toSi } from "../model/units.js";
 import { local, t, tr } from "../strings.js";
-import { parseQuantity, shownUnit, toSi } from "./units.js";
+import { inPagesWords } from "./refusals.js";
+import { shownUnit } from "./units.js";
 import { capitalised } from "./words.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./laws.js").Option} Option */
 /** @typedef {import("./units.js").Unit} Unit */
 /**
- * What a field takes: numbers in `usual` where they name no unit, or in one of `units`; `shown` is a
- * phrase for the usual one, such as "per second", `unit` the SI unit. `isList` says whether several numbers may be given, `mayBeEmpty` whether
- * none need be; `example` is the text of a number that would do.
- * @typedef {{usual: Unit, units: Unit[], shown?: string, unit?: string, registry?: Registry,
+ * What a field takes: numbers in `usual` where they name no unit, or in another unit that converts to
+ * the SI unit `unit`; `shown` is a phrase for the usual one, such as "per second". `isList` says whether
+ * several numbers may be given, `mayBeEmpty` whether none need be; `example` is the text of a number
+ * that would do.
+ * @typedef {{registry: Pick<Registry, "units" | "prefixes">, usual: Unit, unit: string, shown?: string,
  *   isList?: boolean, mayBeEmpty?: boolean, example?: string}} Takes
  *
  * What was read: values in SI units and their text, with units and decimal points, or what is wrong.
@@ -51,32 +52,33 @@ export function readEntry(typed, takes) {
   }
   const pointed = withPoints(typed, isList);
   const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim());
-  const isPlain = parts.every((part) => parseQuantity(part)?.unit === "");
-  const read = parts.map((part) => (isPlain ? { value: Number(part) * usual.size } : quantityOf(part, takes)));
-  const values = read.map(({ value }) => value);
-  const k = values.findIndex((value) => !Number.isFinite(value));
+  const isPlain = parts.every((part) => splitQuantity(part)?.unit === "");
   const unit = usual.name === "1" ? "" : usual.name;
+  const texts = parts.map((part) => (isPlain ? `${part} ${unit}`.trim() : part));
+  const read = texts.map((text) => readQuantity(takes.registry, text, takes.unit));
+  const values = read.map(({ value }) => value);
+  const k = values.findIndex(Number.isNaN);
   if (k >= 0) {
     const [text, shown] = [isList ? local(parts[k]) : typed.trim(), shownUnit(unit)];
     const problem = takes.shown ? t("noNumberOf", { text, unit: takes.shown })
       : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown });
     return wrong([problem, read[k].wayOut].filter(Boolean).join(" "));
   }
-  return { values, problem: null,
-    text: parts.map((part) => (isPlain ? `${part} ${unit}`.trim() : part)).join(", ") };
+  return { values, problem: null, text: texts.join(", ") };
 }
 
 /**
- * Return a quantity in SI units, NaN for a text that is none, then with a sentence about what may be meant.
+ * Return a quantity in SI units, NaN for a text that is none and for one without end, then with a
+ * sentence about what may be meant.
+ * @param {Pick<Registry, "units" | "prefixes">} registry
  * @param {string} text
- * @param {Takes} takes
+ * @param {string} unit the SI unit
  * @returns {{value: number, wayOut?: string}}
  */
-function quantityOf(text, { units, unit, registry }) {
-  const known = toSi(text, units);
-  if (known !== null || !registry?.units || !unit) return { value: known ?? NaN };
+export function readQuantity(registry, text, unit) {
   try {
-    return { value: Number(inSi(registry, "", text, unit)) };
+    const value = toSi(registry, "", text, unit);
+    return { value: Number.isFinite(value) ? value : NaN };
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
     const { wayOut } = error.about;

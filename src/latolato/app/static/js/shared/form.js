@@ -1,11 +1,12 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
+import { withoutAlternatives } from "../model/options.js";
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { readEntry } from "./entry.js";
+import { readEntry, readQuantity } from "./entry.js";
 import { Knob, symbolOf } from "./knob.js";
 import { heldOptions, START, textIn, withLaws } from "./laws.js";
-import { localShort, short, shownUnit, toSi } from "./units.js";
+import { localShort, short, shownUnit } from "./units.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./laws.js").Option} Option */
@@ -116,15 +117,15 @@ export class Form {
   }
 
   /**
-   * Set some options, and take back those that say the same in another way.
+   * Set some options, null takes one back, and take back those that cannot be given beside them.
    * @param {Record<string, string | null>} changed
    */
   giveAll(changed) {
-    const groups = (this.registry.alternatives ?? []).filter((/** @type {string[]} */ group) =>
-      group.some((name) => name in changed));
-    const others = groups.flat().filter((/** @type {string} */ name) => !(name in changed));
-    const kept = Object.entries({ ...this.store.state.options, ...changed })
-      .filter(([name, value]) => !others.includes(name) && value !== null);
+    const { options } = this.store.state;
+    // An empty field takes back what it showed, which an alternative may have said.
+    const names = Object.keys(changed).filter((name) => changed[name] !== null || !(name in options));
+    const kept = Object.entries({ ...withoutAlternatives(this.registry, options, names), ...changed })
+      .filter(([, value]) => value !== null);
     this.set(/** @type {Record<string, string>} */ (Object.fromEntries(kept)));
   }
 
@@ -333,7 +334,7 @@ export class Form {
           on: { change: (/** @type {Event} */ e) => {
             const input = /** @type {HTMLInputElement} */ (e.target);
             const { values: [value], problem } = readEntry(input.value,
-              { usual: unit(k), units: options[k].units, unit: options[k].unit, registry: this.registry,
+              { registry: this.registry, usual: unit(k), unit: options[k].unit,
                 example: localShort(columns[k][i] / unit(k).size) });
             input.setAttribute("aria-invalid", String(problem !== null));
             if (problem !== null) {
@@ -355,8 +356,8 @@ export class Form {
     };
     names.forEach((name, k) => this.fields.set(name, {
       read: (text) => {
-        const units = [...options[k].units, { name: options[k].unit, size: 1 }];
-        columns[k] = (text ?? "").split(",").filter(Boolean).map((/** @type {string} */ part) => toSi(part, units) ?? NaN);
+        columns[k] = (text ?? "").split(",").filter(Boolean).map((/** @type {string} */ part) =>
+          readQuantity(this.registry, part, options[k].unit).value);
         draw();
       },
       error: (text) => {

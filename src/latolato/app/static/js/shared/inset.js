@@ -1,12 +1,12 @@
 /** A player in another page, such as a notebook: its root, its style, and the theme around it. */
 
 import { contentOf } from "../kernels/content.js";
-import { LongRunError, Runner } from "../model/client.js";
 import { loadRegistry } from "../model/registry.js";
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { Motion } from "./motion.js";
 import { Player } from "./player.js";
+import { LongRunError, Runner } from "./runner.js";
 
 /** @typedef {import("./block.js").Block} Block */
 

@@ -1,10 +1,11 @@
 /** A number that is slid or typed: a field with its unit and, where it has a span, a slider. */
 
+import { splitQuantity } from "../model/units.js";
 import { localList, t } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { problemWith, readEntry } from "./entry.js";
+import { problemWith, readEntry, readQuantity } from "./entry.js";
 import { unitHabits } from "./habits.js";
-import { localShort, parseQuantity, short, shownUnit, symbolParts, toSi } from "./units.js";
+import { localShort, short, shownUnit, symbolParts } from "./units.js";
 
 /** @typedef {import("./laws.js").Option} Option */
 /** @typedef {import("./units.js").Unit} Unit */
@@ -27,7 +28,7 @@ export class Knob {
    * @param {string} name of the option
    * @param {Option} option
    * @param {{take: Take, label?: string, unit?: Unit & {shown: string}, keys?: string[],
-   *   digits?: number, meaning?: string, isList?: boolean, mayBeEmpty?: boolean, registry?: Registry,
+   *   digits?: number, meaning?: string, isList?: boolean, mayBeEmpty?: boolean, registry: Pick<Registry, "units" | "prefixes">,
    *   unitChosen?: () => void}} how `unit` is the only one, with what it is called; `isList` whether
    *   several numbers may be given, `mayBeEmpty` whether none need be; `meaning` is a text that
    *   says the value in other words
@@ -119,7 +120,8 @@ export class Knob {
    * @param {string} text
    */
   valueOf(text) {
-    return toSi(text, [...this.option.units, { name: this.option.unit, size: 1 }]);
+    const { value } = readQuantity(this.registry, text, this.option.unit);
+    return Number.isNaN(value) ? null : value;
   }
 
   /** The unit on show, by the name that people read. @returns {Unit} */
@@ -164,9 +166,9 @@ export class Knob {
       return;
     }
     const { units } = this.option;
-    const { number = NaN, unit = "" } = parseQuantity(text) ?? {};
+    const { number = "", unit = "" } = splitQuantity(text) ?? {};
     // A number of more digits than are shown was computed: nobody chose its unit.
-    const isTyped = Number(short(number, this.digits)) === number;
+    const isTyped = Number(short(Number(number), this.digits)) === Number(number);
     if (isFirst && !this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
     this.value = text.includes(",") ? null : this.valueOf(text);
@@ -225,15 +227,15 @@ export class Knob {
   type() {
     this.isDraft = false;
     const { option, isList, mayBeEmpty, registry, unit } = this;
-    const { values, text, problem } = readEntry(this.input.value, { usual: unit, shown: this.only?.shown, isList, mayBeEmpty,
-      units: [...option.units, { name: option.unit, size: 1 }], unit: option.unit, registry,
+    const { values, text, problem } = readEntry(this.input.value, { registry, usual: unit, unit: option.unit,
+      shown: this.only?.shown, isList, mayBeEmpty,
       example: this.value === null ? "" : this.wordsOf(this.value) });
     const wrong = problem ?? values.map((each) => this.problemWith(each)).find((each) => each) ?? null;
     const value = values.length === 1 ? values[0] : null;
     if (wrong === null && (value === null || this.reaches(value))) {
       this.taken = text;
       this.forget();
-      const { unit: typed = "" } = parseQuantity(text) ?? {};
+      const { unit: typed = "" } = splitQuantity(text) ?? {};
       this.chosen = option.units.find(({ name }) => [name, shownUnit(name)].includes(typed))?.name ?? this.chosen;
       if (this.units) this.units.value = this.unit.name;
       // A comma has become a point, or what this language writes.

@@ -1,5 +1,6 @@
 /** Options that belong to systems and drives, and what is kept where these change. */
 
+import { withoutAlternatives } from "../model/options.js";
 import { short } from "./units.js";
 
 /** @typedef {{label: string, symbol: string, description: string, unit: string,
@@ -38,7 +39,7 @@ export function withLaws(registry, options, resolved, system, drive) {
   const laws = new Set([
     ...Object.values(registry.systems).flatMap((/** @type {any} */ law) => law.options),
     ...Object.values(registry.drives).flatMap((/** @type {any} */ law) => law.options),
-    "frequency_ratio", "frequency_ratios", "frequency_ratio_final"]);
+    ...Object.keys(registry.ratios)]);
   /** @type {Record<string, string>} */
   const result = { ...Object.fromEntries(Object.entries(options).filter(([name]) =>
     known.includes(name) || !laws.has(name))), system, drive };
@@ -121,11 +122,6 @@ export function textIn(registry, own, resolved, name) {
   return value === undefined || value === null ? null : textOf(registry.options[name], value);
 }
 
-// An option that says the same as another one: only one of them is given.
-/** @type {Record<string, string>} */
-const TWINS = { drive_frequency: "frequency_ratio", initial_angle: "initial_offset",
-  initial_offset: "initial_angle" };
-
 /**
  * Return the options given, and beside them what the run on show had of what other laws know: the
  * values of a scenario do not come along by themselves.
@@ -144,11 +140,11 @@ export function heldOptions(registry, own, resolved, before, { system, drive }) 
   for (const name of [...optionsFor(registry, system, drive), "tolerance",
     ...(touching ? ["duration"] : START)]) {
     const value = resolved[name];
-    if (value === undefined || value === null || TWINS[name] in own) continue;
+    if (value === undefined || value === null) continue;
     const option = registry.options[name];
     const unit = option.units[0] ?? { name: option.unit, size: 1 };
     result[name] = typeof value === "number" && unit.name !== "1"
       ? `${short(value / unit.size, 12)} ${unit.name}`.trim() : textOf(option, value);
   }
-  return { ...result, ...own };
+  return { ...withoutAlternatives(registry, result, Object.keys(own)), ...own };
 }

@@ -1,5 +1,6 @@
 /** Links that lead to another view with other parameters. */
 
+import { withoutAlternatives } from "../model/options.js";
 import { el } from "./dom.js";
 import { textOf } from "./laws.js";
 import { format } from "./state.js";
@@ -55,18 +56,13 @@ export function textsOf(registry, values) {
     [name, textOf(registry.options[name], value)]));
 }
 
-// An option that says the same as another one takes its place.
-const ALTERNATIVES = [["frequency_ratio", "drive_frequency"], ["initial_angle", "initial_offset"]];
-
 /**
- * Return options with some of them set, and what these replace left out.
+ * Return options with some of them set, and without what cannot be given beside these.
+ * @param {any} registry
  * @param {Record<string, string>} options
  * @param {Record<string, string>} changed
  * @returns {Record<string, string>}
  */
-export function withOptions(options, changed) {
-  const gone = ALTERNATIVES.flatMap((names) =>
-    names.some((name) => name in changed) ? names : []);
-  const kept = Object.entries(options).filter(([name]) => !gone.includes(name));
-  return { ...Object.fromEntries(kept), ...changed };
+export function withOptions(registry, options, changed) {
+  return { ...withoutAlternatives(registry, options, Object.keys(changed)), ...changed };
 }

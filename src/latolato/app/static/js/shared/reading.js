@@ -2,9 +2,9 @@
 
 import { valueOf } from "../model/options.js";
 import { checkedNumber, InputError, noList } from "../model/rules.js";
-import { inPagesWords } from "../model/words.js";
 import { t } from "../strings.js";
 import { withLaws } from "./laws.js";
+import { inPagesWords } from "./refusals.js";
 import { FIRST } from "./state.js";
 import { short, shownUnit } from "./units.js";
 

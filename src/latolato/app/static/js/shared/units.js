@@ -82,30 +82,6 @@ function superscript(power) {
   return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
 }
 
-/**
- * Return number and unit of a text such as "24.5 cm"; the unit may be missing.
- * @param {string} text
- * @returns {{number: number, unit: string} | null}
- */
-export function parseQuantity(text) {
-  const match = /^\s*([-+−]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*?)\s*$/i.exec(text);
-  return match ? { number: Number(match[1].replace("−", "-")), unit: match[2] } : null;
-}
-
-/**
- * Return a quantity in SI units, or null if the unit is not among these.
- * @param {string} text
- * @param {Unit[]} units
- * @returns {number | null}
- */
-export function toSi(text, units) {
-  const quantity = parseQuantity(text);
-  if (!quantity) return null;
-  if (quantity.unit === "") return quantity.number;
-  const unit = units.find(({ name }) => [name, shownUnit(name)].includes(quantity.unit));
-  return unit ? quantity.number * unit.size : null;
-}
-
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
   Theta: "Θ", pi: "π", sigma: "σ", Delta: "Δ", alpha: "α", lambda: "λ", mu: "μ", zeta: "ζ",
   varepsilon: "ε", epsilon: "ε", langle: "⟨", rangle: "⟩" };

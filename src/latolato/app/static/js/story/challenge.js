@@ -1,6 +1,6 @@
 /** A challenge: a task, and the score of what the reader found. */
 
-import { toSi } from "../model/options.js";
+import { toSi } from "../model/units.js";
 import { InputError } from "../model/rules.js";
 import { el } from "../shared/dom.js";
 import { Knob } from "../shared/knob.js";

@@ -1,7 +1,8 @@
 /** What is wrong with a story, in one sentence. */
 
-import { optionsOf, toSi } from "../model/options.js";
+import { optionsOf } from "../model/options.js";
 import { InputError, suggest } from "../model/rules.js";
+import { toSi } from "../model/units.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {Record<string, any>} Table */

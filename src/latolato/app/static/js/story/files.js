@@ -2,8 +2,8 @@
 
 import { loadJson } from "../kernels/load.js";
 import { InputError } from "../model/rules.js";
-import { inLanguage } from "../model/words.js";
 import { stopped } from "../shared/reading.js";
+import { inLanguage } from "../shared/refusals.js";
 import { t } from "../strings.js";
 import { check } from "./check.js";
 

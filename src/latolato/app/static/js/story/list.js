@@ -1,9 +1,9 @@
 /** The list of stories and challenges, before one is chosen. */
 
 import { InputError } from "../model/rules.js";
-import { inLanguage } from "../model/words.js";
 import { Offline } from "../shared/api.js";
 import { el } from "../shared/dom.js";
+import { inLanguage } from "../shared/refusals.js";
 import { format } from "../shared/state.js";
 import { t, tr } from "../strings.js";
 import { load, loadAll } from "./files.js";

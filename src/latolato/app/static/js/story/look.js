@@ -41,7 +41,7 @@ export function runOnShow(registry, { view, scenario, options, extra }) {
   if (view === "map") {
     const [x, y] = (extra["map.at"] ?? "").split(",");
     if (!y || !extra["map.x"] || !extra["map.y"]) return null;
-    chosen = withOptions(chosen, { [extra["map.x"]]: x, [extra["map.y"]]: y });
+    chosen = withOptions(registry, chosen, { [extra["map.x"]]: x, [extra["map.y"]]: y });
   }
   return { scenario, options: chosen };
 }

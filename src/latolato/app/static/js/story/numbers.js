@@ -1,4 +1,4 @@
-/** Numbers of stories, made of a run as `latolato.app.stories` makes them. */
+/** Numbers of stories, made of a run. */
 
 import { loadKernels } from "../kernels/load.js";
 import { computeMap, moduleOf } from "../kernels/map.js";

@@ -1,11 +1,11 @@
 /** The panel of a story beside the view that it shows: it follows the address, and changes it. */
 
-import { LongRunError, Runner } from "../model/client.js";
 import { InputError } from "../model/rules.js";
-import { inLanguage } from "../model/words.js";
 import { el, tell } from "../shared/dom.js";
 import { openLink, openState } from "../shared/links.js";
 import { cut, sayLeft } from "../shared/reading.js";
+import { inLanguage } from "../shared/refusals.js";
+import { LongRunError, Runner } from "../shared/runner.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
 import { load, loadSchema } from "./files.js";

@@ -1,8 +1,10 @@
-/** The scores of challenges, as `latolato.app.stories` computes them: less is better. */
+/** The scores of challenges: less is better. */
 
-import { optionsOf, toSi } from "../model/options.js";
+import { optionsOf } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
+import { toSi } from "../model/units.js";
+import { withOptions } from "../shared/links.js";
 import { quantity } from "./numbers.js";
 
 /** @typedef {import("./check.js").Table} Table */
@@ -21,9 +23,7 @@ const MOST_AMPLITUDE = 1;
  */
 export function requestOf(registry, { look, task }, options) {
   const free = Object.fromEntries(Object.entries(options).filter(([name]) => task.free.includes(name)));
-  const gone = registry.alternatives.filter((group) => group.some((name) => name in free)).flat();
-  const own = Object.entries(look.options ?? {}).filter(([name]) => !gone.includes(name));
-  return { scenario: look.preset, options: { ...Object.fromEntries(own), ...free } };
+  return { scenario: look.preset, options: withOptions(registry, look.options ?? {}, free) };
 }
 
 /**

@@ -1,6 +1,6 @@
 /** One step of a story: look, predict, try, explanation, one number. */
 
-import { toSi } from "../model/options.js";
+import { toSi } from "../model/units.js";
 import { el, freshId } from "../shared/dom.js";
 import { t, tr } from "../strings.js";
 import { limitsOf } from "./check.js";

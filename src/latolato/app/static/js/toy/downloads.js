@@ -1,9 +1,9 @@
 /** The menu from which the run on show is stored: numbers, picture, animation, scenario. */
 
+import { columnsTable, contactsTable, tomlOf } from "../model/files.js";
 import { el, freshId, tell } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
-import { Runner } from "../model/client.js";
-import { columnsTable, contactsTable, tomlOf } from "../model/files.js";
+import { Runner } from "../shared/runner.js";
 import { format } from "../shared/state.js";
 import { t } from "../strings.js";
 

@@ -2,22 +2,22 @@
 
 import { codeBlocks } from "../shared/code.js";
 import { beforePrint, el, freshId } from "../shared/dom.js";
-import { Downloads } from "./downloads.js";
 import { Form } from "../shared/form.js";
 import { followKeys } from "../shared/keys.js";
 import { Knobs } from "../shared/knobs.js";
 import { naturalFrequency, withLaws } from "../shared/laws.js";
 import { openLink } from "../shared/links.js";
-import { LongRunError, Runner } from "../model/client.js";
-import { inPagesWords } from "../model/words.js";
-import { FIRST } from "../shared/state.js";
 import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
-import { sentence, waysOn } from "../shared/reading.js";
 import { presetField } from "../shared/presets.js";
+import { sentence, waysOn } from "../shared/reading.js";
+import { inPagesWords } from "../shared/refusals.js";
+import { LongRunError, Runner } from "../shared/runner.js";
 import { withStart } from "../shared/start.js";
+import { FIRST } from "../shared/state.js";
 import { DEGREE } from "../shared/units.js";
 import { t, tr } from "../strings.js";
+import { Downloads } from "./downloads.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 

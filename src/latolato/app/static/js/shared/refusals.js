@@ -1,8 +1,8 @@
 /** Errors in the words of the pages. */
 
-import { short, shownUnit } from "../shared/units.js";
+import { InputError } from "../model/rules.js";
 import { local, tr } from "../strings.js";
-import { InputError } from "./rules.js";
+import { short, shownUnit } from "./units.js";
 
 /**
  * Return the text of an error in the language of the page; it calls parameters by their names.
@@ -28,7 +28,7 @@ function numberOf(text) {
 
 /**
  * Return an error in plain words, with its numbers in the unit in which the page shows its option.
- * @param {import("./registry.js").Option} option
+ * @param {import("../model/registry.js").Option} option
  * @param {InputError} error
  */
 function inPlainWords({ unit, units = [] }, error) {
@@ -62,7 +62,7 @@ function inPlainWords({ unit, units = [] }, error) {
 /**
  * Return the text of an error, and the option that it is about: the text calls it by its label, and has
  * numbers in the unit on the screen.
- * @param {import("./registry.js").Registry} registry
+ * @param {import("../model/registry.js").Registry} registry
  * @param {Error} error
  * @returns {[string, string | null]}
  */

@@ -1,15 +1,15 @@
 /** Runs for the page, computed in a worker, or in the page itself where workers are refused. */
 
-import { askBlock } from "../shared/api.js";
-import { tell } from "../shared/dom.js";
+import { commandLine, pythonLines } from "../model/lines.js";
+import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
-import { commandLine, pythonLines } from "./lines.js";
-import { InputError } from "./rules.js";
+import { askBlock } from "./api.js";
+import { tell } from "./dom.js";
 
-/** @typedef {import("./options.js").Request} Request */
-/** @typedef {import("./answer.js").Question} Question */
-/** @typedef {import("./answer.js").Answer} Answer */
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("../model/options.js").Request} Request */
+/** @typedef {import("../model/answer.js").Question} Question */
+/** @typedef {import("../model/answer.js").Answer} Answer */
+/** @typedef {import("./block.js").Block} Block */
 /**
  * A question, and who waits for the answer.
  * @typedef {{question: Question, isRepeated: boolean, resolve: (block: Block) => void,
@@ -40,7 +40,7 @@ class Inline {
 
   /** @param {Question} question */
   async postMessage(question) {
-    const { answer } = await import("./answer.js");
+    const { answer } = await import("../model/answer.js");
     this.receive(await answer(question));
   }
 
@@ -52,7 +52,7 @@ class Inline {
  * shows runs on its way; of those that wait, the newest only.
  */
 export class Runner {
-  /** @param {import("./registry.js").Registry} registry */
+  /** @param {import("../model/registry.js").Registry} registry */
   constructor(registry) {
     this.registry = registry;
     /** @type {Worker | Inline | null} */
@@ -76,7 +76,7 @@ export class Runner {
   startWorker() {
     let worker;
     try {
-      worker = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+      worker = new Worker(new URL("../model/worker.js", import.meta.url), { type: "module" });
     } catch {
       return this.startInline(); // refused by the page's policy or by the browser
     }
