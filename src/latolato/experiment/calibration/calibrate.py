@@ -173,6 +173,7 @@ def calibrate(
             f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
             "include that"
         )
+    honest = np.hypot(honest, hinge.sway / hinge.arm)
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2 or tilt.angle):
