@@ -165,10 +165,19 @@ def test_a_ball_outside_the_region_is_not_seen(swing, tmp_path):
     [
         ((10, 10, 5, 50), "region must be left, top, right and bottom in pixels"),
         ((10, 10, 50), "region must be left, top, right and bottom in pixels"),
-        ((0, 0, 400, 239), r"corner of the region at \(400, 239\) lies outside the frame"),
         ((0, 0, 100, 100), "lies outside the region from"),
     ],
 )
 def test_a_region_that_is_none_is_refused(swing, region, match):
     with pytest.raises(InputError, match=match):
         ll.track(swing.path, pivot=swing.pivot, balls=swing.balls, region=region)
+
+
+def test_a_region_may_be_larger_than_the_picture_but_not_beside_it(swing):
+    table = ll.track(
+        swing.path, pivot=swing.pivot, balls=swing.balls, length=swing.length,
+        region=(-10, 0, 320, 240),
+    )  # fmt: skip
+    _assert_true(table, swing)
+    with pytest.raises(InputError, match=r"region from \(320, 0\) to \(400, 90\) lies outside"):
+        ll.track(swing.path, region=(320, 0, 400, 90))
