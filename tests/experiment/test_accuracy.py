@@ -163,6 +163,7 @@ FILMS: dict[str, Limits] = {
     "held": Limits(0.44, ok=0.72, ratio=(0.3, 2.0), former=1.164),
     "knocked": Limits(0.63, ratio=(0.4, 2.0), former=1.017),
     "askew": Limits(0.51, ratio=(0.05, 2.0), former=2.703),
+    "swaying": Limits(0.26, ratio=(0.2, 2.0)),
     "tilted two": Limits(0.74, ok=0.97, ratio=(0.2, 2.0), former=1.199),
 }  # fmt: skip
 

@@ -1,6 +1,7 @@
 """What cannot be tracked: one line that says why, exit code 2, and nothing written."""
 
 import dataclasses
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -56,6 +57,17 @@ def test_a_truncated_video_is_refused(swing, tmp_path, capsys):
     assert "cut" in refused(capsys, tmp_path, cut, *swing.options)
     cut.write_bytes(whole[:200])
     assert "cut off" in refused(capsys, tmp_path, cut, *swing.options)
+
+
+def test_a_damaged_video_is_refused_with_the_frame(swing, tmp_path, capsys):
+    damaged = bytearray(swing.path.read_bytes())
+    middle = len(damaged) // 2
+    damaged[middle : middle + 600] = bytes(255 - k % 256 for k in range(600))
+    path = tmp_path / "damaged.mp4"
+    path.write_bytes(damaged)
+    told = refused(capsys, tmp_path, path, *swing.options)
+    assert re.search(r"the file is damaged: frame \d+ cannot be decoded", told)
+    assert "--end" in told
 
 
 def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp_path):
@@ -125,9 +137,14 @@ def test_frames_that_are_too_large_are_refused(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "limit,text", [("pixels=1000", "pixels"), ("frames=5", "frames"), ("memory=1e5", "memory"),
-                   ("duration=0.1 s", "0.1 s")]
-)  # fmt: skip
+    "limit,text",
+    [
+        ("pixels=1000", "at most 1000 pixels"),
+        ("frames=5", "at most 5 frames"),
+        ("memory=1e5", "bytes of memory, at most 100000 bytes"),
+        ("duration=0.1 s", "at most 0.1 s"),
+    ],
+)
 def test_limits_are_options(tmp_path, capsys, limit, text):
     path = encoded(tmp_path / "grey.mp4", GREY)
     said = refused(capsys, tmp_path, path, *CLICKS, "--limit", limit)
@@ -142,7 +159,7 @@ def test_limits_hold_while_decoding_where_the_container_says_nothing(tmp_path):
     with pytest.raises(ValueError, match=r"6 frames are there, at most 5 .*limit of its frames"):
         list(video.frames())
     video = dataclasses.replace(video, limits=Limits(duration=0.2))
-    with pytest.raises(ValueError, match=r"at most 0\.2 s are read.*limit of its duration"):
+    with pytest.raises(ValueError, match=r"at most 0\.2 s are allowed.*limit of its duration"):
         list(video.frames())
 
 

@@ -165,10 +165,27 @@ def test_a_ball_outside_the_region_is_not_seen(swing, tmp_path):
     [
         ((10, 10, 5, 50), "region must be left, top, right and bottom in pixels"),
         ((10, 10, 50), "region must be left, top, right and bottom in pixels"),
-        ((0, 0, 400, 239), r"corner of the region at \(400, 239\) lies outside the frame"),
         ((0, 0, 100, 100), "lies outside the region from"),
     ],
 )
 def test_a_region_that_is_none_is_refused(swing, region, match):
     with pytest.raises(InputError, match=match):
         ll.track(swing.path, pivot=swing.pivot, balls=swing.balls, region=region)
+
+
+def test_a_region_may_be_larger_than_the_picture_but_not_beside_it(swing):
+    table = ll.track(
+        swing.path, pivot=swing.pivot, balls=swing.balls, length=swing.length,
+        region=(-10, 0, 320, 240),
+    )  # fmt: skip
+    _assert_true(table, swing)
+    with pytest.raises(InputError, match=r"region from \(320, 0\) to \(400, 90\) lies outside"):
+        ll.track(swing.path, region=(320, 0, 400, 90))
+
+
+def test_a_picture_that_stands_on_its_head_is_refused(swing, tmp_path):
+    path = _changed(swing, tmp_path / "turned.mp4", lambda k, each: each[::-1, ::-1].copy())
+    (u, v), balls = swing.pivot, [(319 - x, 239 - y) for x, y in swing.balls]
+    with pytest.raises(InputError, match="stands on its head") as caught:
+        ll.track(path, pivot=(319 - u, 239 - v), balls=balls, length=swing.length)
+    assert "ffmpeg" in caught.value.way_out

@@ -97,6 +97,16 @@ def test_a_ball_that_swings_about_another_pivot_is_refused_for_that(film):
 
 
 @quiet
+def test_clicks_on_the_rod_and_the_wrong_way_round_blame_no_pivot(film):
+    path, attrs = film("plain")
+    pivot, ball = (np.array(_place(attrs, name)) for name in ("pivot", "ball_1"))
+    for clicks in ((pivot, 0.5 * (pivot + ball)), (ball, pivot)):
+        with pytest.raises(InputError) as caught:
+            ll.track(path, pivot=clicks[0], balls=[clicks[1]], length=SWING.length)
+        assert re.search(r"middle of the ball|ball that swings, and not at", caught.value.way_out)
+
+
+@quiet
 @pytest.mark.parametrize("click", [(60, 60), (160, 120)])
 def test_a_click_on_a_textured_wall_is_not_followed(film, click):
     path, attrs = film("texture", background="texture")

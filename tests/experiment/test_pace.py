@@ -86,6 +86,12 @@ def test_a_clip_at_lifes_pace_gives_no_warning(run):
     assert warnings_of(motion, None) == []
 
 
+def test_no_slow_motion_is_suggested_that_no_camera_makes(run):
+    told = warnings_of(filmed(run, [(0.0, 1.0)]), 1e-9 * STIFFNESS)
+    assert "too fast for its length and gravity: correct the length" in told[0]
+    assert "slow motion" not in told[0]
+
+
 def test_a_length_that_is_somewhat_wrong_gives_no_warning(run):
     assert warnings_of(filmed(run, [(0.0, 1.0)]), 1.5 * STIFFNESS) == []
 

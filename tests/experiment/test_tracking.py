@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import films
 import latolato as ll
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -211,6 +213,21 @@ def test_a_rod_does_not_draw_a_large_picture_of_a_pivot_at_rest(tmp_path):
     # As far aside as a hand or a narrow arc may point.
     for aside in ((0.0, 0.0), (2.0, 0.0), (0.0, -1.0), (0.0, -2.6), (2.0, 3.0)):
         assert learn_pivot(frames, behind, pivot + aside, arm)[0].is_still, aside
+
+
+@pytest.mark.parametrize("block, error", [(14.0, 0.5e-3), (0.1, 0.1)], ids=["seen", "unseen"])
+def test_a_pivot_that_moves_to_the_side_is_followed_or_warned_of(block, error, tmp_path):
+    film = dataclasses.replace(films.films["swaying"], pivot_size=block, seconds=2.0)
+    path, truth = films.shoot(film, tmp_path / "film")
+    clicks = np.rint([truth.pivots[0], *truth.places[:, 0]]).tolist()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        table = track(path, pivot=clicks[0], balls=clicks[1:], length=truth.length)
+    off = table.angle_1.values - truth.angles[0]
+    assert np.sqrt(np.mean(off**2)) < error
+    assert np.mean(np.abs(off) < 2.0 * table.angle_sigma_1.values) > 0.95
+    is_warned = "the pivot may sway" in table.attrs.get("warnings", "")
+    assert is_warned == (block < 1.0)
 
 
 def test_gravity_is_found_although_one_turning_point_is_out_of_the_picture(tmp_path):

@@ -309,6 +309,14 @@ def test_what_is_no_circle_about_the_click_is_told_and_left(case):
     assert "lens, perspective or rolling shutter" in found.warnings[0]
 
 
+def test_a_pivot_that_sways_unseen_is_told_on_a_narrow_arc():
+    away, angles = _arc((0.0, 0.0), wide=0.3)
+    away[:, 0] += 6.0 * np.cos(np.linspace(0.0, 33.0, len(away)))
+    found = find_hinge(away, angles, noise=0.0)
+    assert "the pivot may sway by" in found.warnings[0]
+    assert found.sway == pytest.approx(6.0, rel=0.3)
+
+
 def test_a_narrow_arc_moves_the_hinge_across_and_little_along():
     found = find_hinge(*_arc((0.8, 2.0), wide=0.3), noise=0.0)
     assert found.offset[0] == pytest.approx(0.8, rel=0.05)

@@ -155,9 +155,10 @@ class Truth:
 
 @dataclass(frozen=True)
 class _Motion:
-    """Samples of what moves: time [s], pivot height [m], angle of each ball [rad] and its arm."""
+    """Samples of a motion: time [s], place of the pivot [m], each ball's angle [rad] and arm."""
 
     time: Any
+    across: Any
     height: Any
     angles: list[Any]
     arms: list[float]
@@ -168,10 +169,15 @@ class _Motion:
         film = self.film
         longest = max(system.length for system in film.systems)
         late = np.maximum(times - film.held, 0.0)
-        up = np.interp(late, self.time, self.height) * film.arm / longest
+        across, up = (
+            np.interp(late, self.time, each) * film.arm / longest
+            for each in (self.across, self.height)
+        )
         angles = np.array([np.interp(late, self.time, angle) for angle in self.angles])
         c, s = math.cos(film.roll), math.sin(film.roll)
-        pivots = np.array(film.centre) - np.stack([s * up, c * up], axis=-1)
+        pivots = np.array(film.centre) + np.stack(
+            [c * across - s * up, -s * across - c * up], axis=-1
+        )
         reach = np.array(self.arms).reshape(-1, *[1] * (angles.ndim - 1))
         across, down = math.cos(film.slant) * reach * np.sin(angles), reach * np.cos(angles)
         places = pivots + np.stack([c * across + s * down, c * down - s * across], axis=-1)
@@ -181,15 +187,17 @@ class _Motion:
 def _moving(film: Film) -> _Motion:
     """Run what is filmed, in dense samples."""
     times = np.arange(0.0, film.seconds + 0.1, DENSE)
-    angles, arms, height = [], [], np.zeros_like(times)
+    angles, arms, across, height = [], [], np.zeros_like(times), np.zeros_like(times)
     longest = max(system.length for system in film.systems)
     for system, start in zip(film.systems, film.starts, strict=True):
         run = ll.simulate(system, film.drive, times=times, duration=float(times[-1]), **start)
         height = run["pivot_height"].values
+        if film.drive is not None and film.drive.moves_across:
+            across = run["pivot_across"].values
         signs = (1.0, -1.0) if isinstance(system, ll.LatoLato) else (1.0,)
         angles += [sign * run["angle"].values for sign in signs]
         arms += [film.arm * system.length / longest] * len(signs)
-    return _Motion(times, height - height.mean(), angles, arms, film)
+    return _Motion(times, across - across.mean(), height - height.mean(), angles, arms, film)
 
 
 @numba.njit
@@ -473,15 +481,23 @@ def _two(ratio: float = 2.3, drive_amplitude: float = 0.03, *, arm: float, **oth
     )
 
 
+def _sideways(amplitude: float) -> Any:
+    """A drive that moves the pivot of a single pendulum to the side."""
+    return ll.PlanarHarmonic(
+        horizontal_amplitude=amplitude, vertical_amplitude=0.0,
+        drive_frequency=0.6 * _single().natural_frequency,
+    )  # fmt: skip
+
+
 def _one(*, is_driven: bool = True, **other: Any) -> Film:
     """One ball, driven or free."""
     system = _single()
     drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=1.95 * system.natural_frequency)
     settings = {
-        "starts": [{"initial_angle": 0.6}], "arm": 240.0, "radius": 16.0,
-        "centre": (320.0, 110.0), **other,
+        "drive": drive if is_driven else None, "starts": [{"initial_angle": 0.6}], "arm": 240.0,
+        "radius": 16.0, "centre": (320.0, 110.0), **other,
     }  # fmt: skip
-    return Film(systems=[system], drive=drive if is_driven else None, **settings)
+    return Film(systems=[system], **settings)
 
 
 _HD = {"size": (1280, 720), "rate": 30}
@@ -524,5 +540,6 @@ films: dict[str, Film] = {
     ),
     "knocked": _one(knock=(1.5, 5, -3), mottle=0.12, shadow=_CAST),
     "askew": _one(slant=0.6, mottle=0.06, codec="libvpx-vp9"),
+    "swaying": _one(drive=_sideways(0.02), starts=[{"initial_angle": 0.3}], mottle=0.05),
     "tilted two": _two(arm=210.0, roll=0.1, mottle=0.08, shadow=_CAST, codec="libvpx-vp9"),
 }  # fmt: skip

@@ -500,7 +500,11 @@ def _checked(setup: Setup, video: Video) -> Setup:
         named.append((f"correction of ball {ball} in frame {frame}", (u, v)))
     if setup.region is not None:
         left, top, right, bottom = setup.region
-        named += [("corner of the region", corner) for corner in ((left, top), (right, bottom))]
+        if min(right, bottom) < 0.0 or left > video.width - 1 or top > video.height - 1:
+            raise InputError(
+                f"the region from ({left:g}, {top:g}) to ({right:g}, {bottom:g}) lies outside the "
+                f"frame of {video.width} x {video.height} pixels"
+            )
         for u, v in setup.balls:
             if not (left <= u <= right and top <= v <= bottom):
                 raise InputError(
@@ -751,8 +755,8 @@ def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> Non
     raise InputError(
         f"what was taken for the ball is {low:.0f} to {high:.0f} pixels from the pivot at "
         f"({u:.0f}, {v:.0f}), so it does not swing about it",
-        way_out=f"point at the pivot about which it swings, or use '{OUTSIDE}' if the picture does "
-        "not show it",
+        way_out="point at the middle of the ball and at the pivot about which it swings, or use "
+        f"'{OUTSIDE}' if the picture does not show the pivot",
     )
 
 

@@ -84,7 +84,7 @@ class Limits:
         limit, unit = getattr(self, name), _UNITS[name]
         if value > limit:
             raise InputError(
-                f"{words}, at most {limit:.10g} {unit} are read",
+                f"{words}, at most {limit:.10g} {unit} are allowed",
                 way_out=f"cut the video or scale it down, or raise the limit of its {name}",
             )
 
@@ -296,7 +296,8 @@ def open_video(
             count = _frame_count(container, stream)
             words = f"frames of {width} x {height} pixels"
             limits.check("pixels", width * height, words)
-            limits.check("memory", width * height * _PER_PIXEL, f"{words} take memory")
+            memory = width * height * _PER_PIXEL
+            limits.check("memory", memory, f"{words} take up to {memory:.2g} bytes of memory")
             duration = _duration(container, stream) / slow_motion
             pictures = _pictures(path, container, stream)
             picture = next(pictures, None)
@@ -427,13 +428,18 @@ def _pictures(path: Path, container: Any, stream: Any) -> Iterator[Any]:
     """
     import av
 
-    is_begun = False
+    count = 0
     try:
         for picture in container.decode(stream):
-            is_begun = True
+            count += 1
             yield picture
     except av.error.FFmpegError as error:
-        if not (is_begun and missing_bytes(path)):
+        if count and not missing_bytes(path):
+            raise InputError(
+                f"the file is damaged: frame {count} cannot be decoded ({error.strerror})",
+                way_out="copy it again, or use the part before that (--end)",
+            ) from None
+        if not count:
             raise _unreadable(path, f"decoding fails ({error.strerror})") from None
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from latolato.core.errors import InputError
 from latolato.experiment.calibration.circle import Circle
 from latolato.experiment.calibration.deviations import (
     SYSTEMATIC,
@@ -24,6 +25,7 @@ from latolato.experiment.calibration.gravity import (
     Gravity,
     angle_offset_sigma,
     find_gravity,
+    is_upside_down,
 )
 from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, other_centre, range_of
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
@@ -104,6 +106,11 @@ def calibrate(
         What is declared of the camera.
     circle : Circle
         The pivot, if the picture does not show it.
+
+    Raises
+    ------
+    InputError
+        If the picture stands on its head.
     """
     optics = optics or Optics()
     if circle is None:
@@ -173,6 +180,7 @@ def calibrate(
             f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
             "include that"
         )
+    honest = np.hypot(honest, hinge.sway / hinge.arm)
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2 or tilt.angle):
@@ -196,6 +204,11 @@ def calibrate(
         )
     motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
     down = find_gravity(motion, hinge)
+    if down.swing is None and is_upside_down(motion, hinge):
+        raise InputError(
+            "the picture stands on its head: balls swing in it as if gravity pulled them upwards",
+            way_out="turn the video, e.g. with ffmpeg -i VIDEO -vf hflip,vflip -crf 16 NEW.mp4",
+        )
     shared = angle_offset_sigma(down, hinge)
     if tilt.angle > 0.0 and down.source != "swing":
         # An oval's middle moves with its axes: the hinge is no better known than the click.

@@ -57,6 +57,13 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     return replace(best, swing=swing)
 
 
+def is_upside_down(motion: Motion, hinge: Hinge) -> bool:
+    """Return whether balls swing as under gravity in the picture turned by half a turn."""
+    turned = motion._replace(angles=motion.angles - math.pi, pivots=-motion.pivots)
+    swing = find_gravity(turned, hinge).swing
+    return swing is not None and swing.direction_sigma < LEVELLED
+
+
 def _drive_axis(pivots: np.ndarray) -> Gravity | None:
     """Return the direction of a drive's axis, None if the pivot is not driven up and down.
 

@@ -53,6 +53,8 @@ class Hinge:
         Relative standard deviation of all angles, and of the scale, about a pivot that is not seen.
     aside : float
         Standard deviation of the place of such a pivot across the middle of the arc [pixels].
+    sway : float
+        Amplitude of a motion of the pivot to the side that makes what the circle misses [pixels].
     """
 
     offset: np.ndarray
@@ -64,6 +66,7 @@ class Hinge:
     source: str = "picture"
     scale_sigma: float = 0.0
     aside: float = 0.0
+    sway: float = 0.0
 
     @property
     def is_seen(self) -> bool:
@@ -115,7 +118,16 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
         return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
     spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / shared) ** 2)
     sigma = np.sqrt(_SHARED**2 + np.minimum(spread, CLICK**2))
-    return Hinge(offset, sigma, fit.arm, arc, residual)
+    if bent <= limit:
+        return Hinge(offset, sigma, fit.arm, arc, residual)
+    # A pivot that moves to the side changes distances by the sine of the angle only. It may have
+    # been pointed at where it turns.
+    sway = bent * math.sqrt(2.0 / float(np.mean(np.sin(direction) ** 2)))
+    warning = (
+        f"the ball's distance from the pivot varies by {bent:.2f} pixels, more than its scatter: "
+        f"the pivot may sway by {sway:.2g} pixels unseen, which the deviations contain"
+    )
+    return Hinge(offset, sigma, fit.arm, arc, residual, [warning], sway=sway)
 
 
 def other_centre(

@@ -20,6 +20,8 @@ _LEAST, _SLOWEST = 0.1, 1e-3
 # Windows that are taken together, and half the width of one in the time in which the phase grows
 # by 1.
 _FEWEST, _WIDTH = 12, 1.0
+# Slow motion that a camera may make: from time lapse to high speed.
+_SLOWED = 0.01, 1000.0
 # How near a whole number counts as whole.
 _WHOLE = 0.07
 
@@ -60,10 +62,13 @@ def pace_warnings(
     if max(factor, 1.0 / factor) < _WRONG:
         return []
     how = f"{_number(max(factor, 1.0 / factor))} times too {'slow' if factor > 1.0 else 'fast'}"
-    return [
-        f"the swing is {how} for its length and gravity: "
-        f"declare a slow motion of {_number(factor * slow_motion)}, or correct the length"
-    ]
+    pace = factor * slow_motion
+    declare = (
+        f"declare a slow motion of {_number(pace)}, or correct the length"
+        if _SLOWED[0] < pace < _SLOWED[1]
+        else "correct the length"
+    )
+    return [f"the swing is {how} for its length and gravity: {declare}"]
 
 
 def _number(factor: float) -> str:

@@ -196,7 +196,7 @@ def moving_ball(track: Positions) -> Finding | None:
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
                 f"{extent:.1f} pixels in the whole clip: it rests",
-                "point at the ball that swings",
+                "point at the ball that swings, and not at its pivot instead",
             )
     return None
 

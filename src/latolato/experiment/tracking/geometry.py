@@ -12,8 +12,9 @@ from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
 
-# Fewest places that tell whether a pivot rests, and how much less distances from it must vary then.
-_FEWEST, _RESTS = 12, 0.5
+# Fewest places that tell whether a pivot rests or sways, how much less distances from it must vary
+# then, and how much they must vary for the second to be looked at [pixels].
+_FEWEST, _CLEARER, _VARIES = 12, 0.7, 0.2
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -79,30 +80,41 @@ def fit_geometry(
 
     Notes
     -----
-    If balls keep their distance from a pivot at rest better than from what moves there, it rests,
-    and what moves is something else.
+    Balls keep their distance from the pivot: that tells whether it rests and what moves is
+    something else, or whether it moves sideways, too. On narrow arcs they do not show the second.
     """
     frames = sample.from_click
-    resting = Geometry.at_rest(pivot, len(frames))
-    own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
-    resting.tilt = _oval(own, at, route.radius, size, optics)
-    tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, resting.arm(balls))
-    if tracker.is_still:
-        return Geometry(tracker, shifts, resting.tilt)
-    moving = Geometry(tracker, shifts)
     in_clip = [k for k, frame in enumerate(frames) if 0 <= frame.number < len(route.times)]
     numbers = [frames[k].number for k in in_clip]
     is_seen = route.is_seen[numbers]
-    own, at = route.places[numbers][is_seen], moving.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
-    moving.tilt = _oval(own, at, route.radius, size, optics)
-    if len(own) >= _FEWEST:
-        about_it, about_click = (
-            _spread(np.hypot(*each.tilt.flat(own - place).T))
-            for each, place in ((moving, at), (resting, pivot))
-        )
-        if about_click < _RESTS * about_it:
-            return resting
-    return moving
+    in_sample = route.places[numbers][is_seen]
+
+    def followed(tracker: PivotTracker, shifts: np.ndarray) -> tuple[Geometry, float]:
+        geometry = Geometry(tracker, shifts)
+        at = geometry.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
+        geometry.tilt = _oval(in_sample, at, route.radius, size, optics)
+        return geometry, _spread(np.hypot(*geometry.tilt.flat(in_sample - at).T))
+
+    resting = Geometry.at_rest(pivot, len(frames))
+    own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
+    resting.tilt = _oval(own, at, route.radius, size, optics)
+    arm = resting.arm(balls)
+    about_click = _spread(np.hypot(*resting.tilt.flat(in_sample - pivot).T))
+    tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm)
+    if tracker.is_still:
+        best, varies = Geometry(tracker, shifts, resting.tilt), about_click
+    else:
+        best, varies = followed(tracker, shifts)
+    if len(in_sample) < _FEWEST:
+        return best
+    if about_click < _CLEARER * varies:
+        best, varies = resting, about_click
+    if varies > _VARIES:
+        tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, is_upright=False)
+        swaying, varies_less = followed(tracker, shifts)
+        if varies_less < _CLEARER * varies:
+            return swaying
+    return best
 
 
 def _oval(

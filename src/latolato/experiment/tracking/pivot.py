@@ -31,7 +31,7 @@ _EDGE = 2
 _SLOWEST, _SPREAD = (0.4, 0.6, 0.8), 4.0
 # Frames in which templates of several sizes are compared.
 _JUDGES = 8
-# Rows by which a template moves that does not rest, and the share of the clearness of one that
+# Pixels by which a template moves that does not rest, and the share of the clearness of one that
 # rests at which it is believed.
 _MOVES, _SUFFICES = 4.0, 0.5
 # Share of the way sideways that is looked at, beyond which a rod has drawn a template.
@@ -82,6 +82,8 @@ class PivotTracker:
         Whether the pivot rests.
     enlarged : float
         How many times larger than usual the pivot's picture is, from 1 on.
+    is_upright : bool
+        Whether it moves up and down, and sideways only as far as a tilted camera shows it.
     """
 
     origin: np.ndarray
@@ -92,6 +94,7 @@ class PivotTracker:
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(2))
     is_still: bool = False
     enlarged: float = 1.0
+    is_upright: bool = True
 
     @classmethod
     def unseen(cls, place: np.ndarray) -> PivotTracker:
@@ -161,7 +164,7 @@ class PivotTracker:
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
             usual = np.ceil(self.enlarged * np.array([_ASIDE, _ROOM]))
-            around = usual + np.ceil(np.array([_TILT, 1.0]) * room)
+            around = usual + np.ceil(np.array([_TILT if self.is_upright else 1.0, 1.0]) * room)
             # Never much beyond the reach, however uncertain the guess is.
             low, high = (
                 np.maximum(near - around, low - usual),
@@ -171,9 +174,9 @@ class PivotTracker:
         # In an enlarged picture the template's details are too; the rest is refined below.
         fine = round(self.enlarged) if is_wide else 1
         shifts = _grid(low, high, _COARSE * fine if is_wide else fine)
-        # The pivot moves up and down: sideways as far as a tilted camera shows it.
-        fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
-        shifts = shifts[np.abs(shifts[:, 0]) <= (fan if guess is None else np.inf)]
+        if guess is None and self.is_upright:
+            fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
+            shifts = shifts[np.abs(shifts[:, 0]) <= fan]
         stride = _stride(self.weight > 0.0, _APART * self.enlarged)
 
         def compared(shifts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -192,7 +195,12 @@ class PivotTracker:
 
 
 def learn_pivot(
-    frames: list[Frame], behind: np.ndarray, click: np.ndarray, arm: float
+    frames: list[Frame],
+    behind: np.ndarray,
+    click: np.ndarray,
+    arm: float,
+    *,
+    is_upright: bool = True,
 ) -> tuple[PivotTracker, np.ndarray]:
     """Return a tracker of the pivot and its shifts in the sample, shape (frame, 2).
 
@@ -207,6 +215,9 @@ def learn_pivot(
     arm : float
         Distance from pivot to ball [pixels], from which the template's size and the largest
         possible drive amplitude come.
+    is_upright : bool
+        Whether the pivot moves up and down only: what a template then moves sideways is drawn by
+        the rod.
     """
     size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
     room = int(min(*np.minimum(click, size - 1 - click)))
@@ -214,10 +225,10 @@ def learn_pivot(
         raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
     if float(np.ptp(_patch(behind, click.astype(float), min(max(_SIZES), room)))) < _PLAIN:
         return PivotTracker.unseen(click), np.zeros((len(frames), 2))
-    tracker = _distinct(frames, behind, click.astype(float), arm, room)
+    tracker = _distinct(frames, behind, click.astype(float), arm, room, is_upright)
     shifts = _first_shifts(tracker, frames, arm)
     # A pivot at rest is not learned again: rods that swing about it would join.
-    rounds = 0 if _is_resting(shifts) else 4
+    rounds = 0 if _is_resting(tracker, shifts) else 4
     for round_ in range(rounds):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
@@ -231,7 +242,7 @@ def learn_pivot(
     if rounds:
         _trim(tracker)
         shifts = locate_all(tracker, frames, shifts)
-    if _is_resting(shifts):
+    if _is_resting(tracker, shifts):
         tracker.is_still = True
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
@@ -261,14 +272,11 @@ def _stride(used: np.ndarray, apart: float) -> int:
     return int(min(max((np.count_nonzero(used) / _LOOKED_AT) ** 0.5, 1.0), apart))
 
 
-def _is_resting(shifts: np.ndarray) -> bool:
-    """Return whether shifts are noise.
-
-    Drives move up and down; what a template moves sideways only is drawn by the rod.
-    """
-    away = np.abs(shifts[:, 1] - np.median(shifts[:, 1]))
-    scatter = 1.4826 * float(np.median(away))
-    return bool(scatter < _STILL and np.quantile(away, 0.9) < 2.0 * _STILL)
+def _is_resting(tracker: PivotTracker, shifts: np.ndarray) -> bool:
+    """Return whether shifts (frame, 2) are noise, in the directions in which the pivot may move."""
+    away = np.abs(shifts - np.median(shifts, axis=0))[:, int(tracker.is_upright) :]
+    scatter = 1.4826 * np.median(away, axis=0)
+    return bool(np.all((scatter < _STILL) & (np.quantile(away, 0.9, axis=0) < 2.0 * _STILL)))
 
 
 def _first_shifts(tracker: PivotTracker, frames: list[Frame], arm: float) -> np.ndarray:
@@ -389,18 +397,25 @@ def _innermost(mask: np.ndarray) -> np.ndarray:
 
 
 def _distinct(
-    frames: list[Frame], behind: np.ndarray, click: np.ndarray, arm: float, room: int
+    frames: list[Frame],
+    behind: np.ndarray,
+    click: np.ndarray,
+    arm: float,
+    room: int,
+    is_upright: bool,
 ) -> PivotTracker:
     """Return the tracker with the template that is found most clearly at one place per frame.
 
     A textured wall is found very clearly, always at the same place: templates are tried with and
     without what looks as the median of the frames does, and one that moves needs less to win. What
-    shows best on a pivot at rest is the rod: a template that goes sideways with it comes last.
+    shows best on a pivot at rest is the rod: a template that goes sideways with it comes last, if
+    the pivot moves up and down only.
     """
     enlarged = max(1.0, arm / _USUAL_ARM)
-    tall, wide = _FARTHEST * arm, _SIDEWAYS * enlarged
+    tall = _FARTHEST * arm
+    wide = _SIDEWAYS * enlarged + 0.1 * tall if is_upright else tall
     inner = int(_INNER * enlarged)
-    reach = np.array([[-wide - 0.1 * tall, -tall], [wide + 0.1 * tall, tall]])
+    reach = np.array([[-wide, -tall], [wide, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
     best: dict[str, tuple[float, PivotTracker]] = {}
     for half in sorted({min(int(size * enlarged), room) for size in _SIZES}):
@@ -416,10 +431,12 @@ def _distinct(
                 continue
             noise = min(max(_SHARE * height, 1.0), 8.0)
             weight = np.where(used, 1.0 / noise**2, 0.0)
-            tracker = PivotTracker(click, template, weight, reach, enlarged=enlarged)
+            tracker = PivotTracker(
+                click, template, weight, reach, enlarged=enlarged, is_upright=is_upright
+            )
             margins, shifts = zip(*(tracker.margin(frame.luma) for frame in some), strict=True)
             margin = float(np.quantile(margins, 0.25))
-            kind = _kind(np.array(shifts), enlarged)
+            kind = _kind(tracker, np.array(shifts))
             if kind not in best or margin > best[kind][0]:
                 best[kind] = (margin, tracker)
     moving, resting = best.get("moving"), best.get("resting")
@@ -428,12 +445,14 @@ def _distinct(
     return resting[1] if resting is not None else best["drawn"][1]
 
 
-def _kind(shifts: np.ndarray, enlarged: float) -> str:
+def _kind(tracker: PivotTracker, shifts: np.ndarray) -> str:
     """Return whether shifts (frame, 2) are those of a pivot, or drawn sideways by a rod."""
     across, down = np.abs(shifts).T
-    if np.median(across - _TILT * down) > _DRAWN * _SIDEWAYS * enlarged:
+    enlarged = tracker.enlarged
+    if tracker.is_upright and np.median(across - _TILT * down) > _DRAWN * _SIDEWAYS * enlarged:
         return "drawn"
-    return "moving" if np.ptp(shifts[:, 1]) > _MOVES * enlarged else "resting"
+    strokes = np.ptp(shifts, axis=0)[int(tracker.is_upright) :]
+    return "moving" if strokes.max() > _MOVES * enlarged else "resting"
 
 
 def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:
