@@ -5,7 +5,7 @@ import { pathToFileURL } from "node:url";
 const folder = `${pathToFileURL(process.argv[2])}/js/`;
 const load = (name) => import(folder + name);
 const { format, parse } = await load("shared/state.js");
-const { readable } = await load("shared/reading.js");
+const { partText, readable } = await load("shared/reading.js");
 const { specify } = await load("model/case.js");
 const { loadRegistry } = await load("model/registry.js");
 const { InputError } = await load("model/rules.js");
@@ -36,7 +36,7 @@ const kinds = {
     const views = ["toy", "map"];
     const { state, left } = readable(registry, parse(search), views);
     const again = readable(registry, parse(format(state)), views);
-    return { lines: left.map(({ text }) => text), again: again.left.length, known: views.includes(state.view) };
+    return { lines: left.map(partText), again: again.left.length, known: views.includes(state.view) };
   },
   async request(request) {
     return { ended: await ended(request) };

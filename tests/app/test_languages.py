@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from latolato.app import STATIC
-from latolato.app.analyse.forms import forms as questions
+from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
 from latolato.app.forms import registry
 from latolato.physics.problems import PROBLEMS
@@ -118,13 +118,15 @@ def texts_of_registry() -> Iterator[str]:
         )
 
 
-def texts_of_questions() -> Iterator[str]:
-    """Yield what Analyse calls its questions, their options and what diagrams vary."""
-    for form in questions().values():
-        yield from (form["title"], form["group"], form["term"], form["reading"])
+def texts_of_analyses() -> Iterator[str]:
+    """Yield what Analyse calls its analyses, their options and what diagrams vary."""
+    for form in analyses().values():
+        yield form["title"]
+        yield form["reading"]
         for option in form["options"].values():
-            yield from (option["label"], *option["choices"].values())
-    yield from map(label_of, registry()["axes"])
+            yield from [option["label"], *option["choices"].values()]
+    for name, axis in registry()["axes"].items():
+        yield label_of(name, axis["unit"])
 
 
 def texts_of_stories(part: Any) -> Iterator[str]:
@@ -183,7 +185,7 @@ def needed_texts() -> list[str]:
     stories = [tomllib.loads(path.read_text("utf-8")) for path in STATIC.glob("stories/*.toml")]
     texts = [
         *texts_of_registry(),
-        *texts_of_questions(),
+        *texts_of_analyses(),
         *texts_of_stories(stories),
         *texts_of_refusals(),
         *CLAUSES,

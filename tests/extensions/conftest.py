@@ -14,7 +14,6 @@ MADE_ONCE = (
     law_options,
     forms._registry,
     analysis_forms.forms,
-    analysis_forms.option_words,
 )
 
 

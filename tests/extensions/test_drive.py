@@ -269,24 +269,18 @@ def test_its_small_motions_grow_as_those_of_any_waveform():
     equal("high", *edges)
 
 
-def test_every_question_of_a_harmonic_drive_can_be_asked_of_it(tmp_path):
+def test_pages_analyse_it(tmp_path):
     laws = {"system": "pendulum", "length": "1 m", "mass": "0.8 kg", "damping": "0.05 kg m/s"}
     run = {"drive_amplitude": "5 cm", "drive_frequency": "6.26", "initial_angle": "0.1",
            "duration": "5 s"}  # fmt: skip
-    about = {}
-    for drive in ("sharp", "harmonic"):
-        asked = {"scenario": None, "options": {**laws, **run, "drive": drive}}
-        about[drive] = about_request(RunRequest.from_json(asked))
-    unfit = {drive: set(each["unfit"]) for drive, each in about.items()}
-    # The search for protocols steps the frequency of a cosine.
-    assert unfit["sharp"] - unfit["harmonic"] == {"shortest_protocol"}
-    assert "sharpness" in about["sharp"]["parameters"]
+    asked = {"scenario": None, "options": {**laws, **run, "drive": "sharp"}}
+    assert "sharpness" in about_request(RunRequest.from_json(asked))["parameters"]
     asked = {
         "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
     }
     given = {"analysis": "floquet", "settings": {"period": "2"}}
     answer = compute_analysis({**asked, **given}, tmp_path, print)
-    assert answer["verdict"]
+    assert answer["lines"]
     assert (tmp_path / "result.png").exists()
 
 

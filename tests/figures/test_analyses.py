@@ -13,6 +13,7 @@ from latolato.analysis.registry import labelled, recorded
 from latolato.figures import style
 from latolato.figures.analyses import drawings
 from latolato.figures.plot import module_of
+from latolato.scenario.analysis_options import options_of
 
 TOY = ll.LatoLato(length=0.245, mass=0.1, radius=0.0196, damping=0.00274, restitution=0.9)
 SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
@@ -142,9 +143,12 @@ def texts(figure):
 
 
 @pytest.mark.parametrize("name", analyses)
-def test_every_analysis_has_words_and_a_picture_of_its_own_or_a_common_one(name):
+def test_every_analysis_has_a_picture_of_its_own_or_a_common_one_and_says_how_to_read_it(name):
     module = module_of("analysis", name)
-    assert module.QUESTION.verdict is module.verdict
+    assert 40 < len(module.READING) < 260
+    assert module.READING.endswith(".")
+    assert "_" not in module.READING
+    assert set(module.FIRST) <= set(options_of(analyses[name]))
     assert callable(getattr(module, "draw", drawings.draw))
 
 

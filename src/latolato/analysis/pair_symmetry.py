@@ -110,7 +110,7 @@ def pair_symmetry(
             "must be a LatoLato, whose one-ball model is tested: other systems have no "
             "mirror-symmetric motion",
             parameter="system",
-            value=system,
+            value=type(system).__name__,
         )
     driven = checked_drive(drive, system)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)

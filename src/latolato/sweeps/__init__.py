@@ -16,7 +16,6 @@ from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
 from latolato.sweeps.executors import ROUNDING, executor_named
 from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan, make_plan
-from latolato.sweeps.watched import add_motion
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -199,7 +198,6 @@ def run_plan(
         for number, (values, reason) in chunks:
             results.write(number, values, reason)
             done += values[STATUS].size
-            add_motion(values[STATUS].size * plan.duration)
             if progress is not None:
                 progress(done, plan.size)
         dataset: xr.Dataset = results.dataset()

@@ -129,17 +129,16 @@ test("an axis is changed from what the address says, not from what was on show",
     xlog: null, y: "a", ylow: null, yhigh: null, ylog: null, at: null });
 });
 
-test("parts of an address that cannot be read are found and named", () => {
+test("parts of an address that cannot be read are found", () => {
   const registry = { axes: { length: {} }, scenarios: { fig05: { sweep: {} }, toy: {} },
     observables: { mean_energy: { variables: { mean_energy: {} } } } };
   const found = misread(registry, { "map.xlow": "abc", "map.levels": "1,,2", "map.ylog": "yes",
     "map.scale": "rainbow", "map.size": "25", "map.high": "1e3", "map.x": "length", "map.y": "width",
     "play.time": "abc", "map.at_ball": "1", "map.sise": "25", "map.at": "1,2",
     "map.observable": "beauty", "map.scenario": "toy" });
-  assert.deepEqual(Object.keys(found), ["map.levels", "map.observable", "map.scale", "map.scenario",
+  assert.deepEqual(found, ["map.levels", "map.observable", "map.scale", "map.scenario",
     "map.sise", "map.xlow", "map.y", "map.ylog"]);
-  assert.equal(found["map.xlow"].text, "“To the right, from” cannot be “abc”.");
-  assert.deepEqual(Object.keys(misread(registry, { "map.size": "1" })), ["map.size"]);
+  assert.deepEqual(misread(registry, { "map.size": "1" }), ["map.size"]);
 });
 
 /** Return a map on which a function of the numbers of column and row has been computed. */

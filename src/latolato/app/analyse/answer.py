@@ -1,20 +1,16 @@
-"""The answer to a question: computed and written in a process of its own, with its picture."""
+"""The result of an analysis: computed and written in a process of its own, with its picture."""
 
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.analyse.cost import motion_of, timing
 from latolato.app.analyse.forms import label_of
 from latolato.app.analyse.request import AnalysisRequest
-from latolato.app.analyse.timings import keep_timing
 from latolato.core.errors import InputError
 from latolato.core.quantities import in_brackets, quantity_of
-from latolato.figures.analyses.question import question_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,32 +24,18 @@ _BY = " \N{MULTIPLICATION SIGN} "
 def compute(
     request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
 ) -> dict[str, Any]:
-    """Answer a question and write the result: what the job `analyse` does in its process."""
+    """Run an analysis and write its result: what the job `analyse` does in its process.
+
+    How much of it is done is not known before its end, so `progress` is never called.
+    """
     import warnings
 
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.io.files import save
-    from latolato.io.progress import compiling
-    from latolato.sweeps.watched import watched
 
-    question = AnalysisRequest.from_json(request)
-    arguments = question.arguments()
-    expected = motion_of(question.function, arguments)
-    has_compiled = False
-
-    def compiles() -> None:
-        nonlocal has_compiled
-        has_compiled = True
-
-    def tell(motion: float) -> None:
-        if motion < expected:  # beyond it the share is not known
-            progress(motion / expected)
-
-    begun = time.monotonic()
-    with watched(tell), compiling(compiles, lambda: None):
-        result = question.function(**arguments)
-    answered = time.monotonic()
+    asked = AnalysisRequest.from_json(request)
+    result = asked.function(**asked.arguments())
     save(result, folder / "result.nc")
     (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
     panels: list[dict[str, Any]] = []
@@ -65,16 +47,7 @@ def compute(
         save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "result.svg")
         panels = panels_of(figure, result)
-    words = question_of(question.name)
-    if not has_compiled:
-        seconds, rest = answered - begun, time.monotonic() - answered
-        keep_timing(*timing(question.function, arguments, seconds, rest))
-    return {
-        "analysis": question.name,
-        "verdict": words.verdict(result),
-        "lines": numbers_of(result),
-        "panels": panels,
-    }
+    return {"analysis": asked.name, "lines": numbers_of(result), "panels": panels}
 
 
 def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
@@ -152,7 +125,7 @@ def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None
             return {
                 "name": str(name),
                 "unit": "" if unit == "1" else unit,
-                "label": label_of(str(name)),
+                "label": label_of(str(name), unit),
                 "ends": [float(low), float(high)],
             }
     return None

@@ -1,20 +1,17 @@
-"""What the forms of analyses are made from: options, their words, and sizes to begin with."""
+"""What the form of an analysis is made from: its docstring, its options, texts to begin with."""
 
 from __future__ import annotations
 
 import inspect
-import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.analyse.words import OPTION_WORDS
 from latolato.app.forms import units_of
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
-from latolato.figures.analyses.question import Cost, all_questions
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
@@ -27,46 +24,58 @@ _AROUND = (0.5, 1.5)
 _RATIOS = (1.5, 3.0)
 # Of two lists: a little beyond.
 _WIDER = (1.4, 3.2)
-# Motion has settled after so many decay times.
-_SETTLED = 8.0
-# Along a branch each motion begins near where it ends.
-_NEAR = 1.5
-# The longest run that is proposed [s].
-_LONGEST_RUN = 3000
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 OWN_RUN = ("duration",)
 # Names of parameters in a text.
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 # An interval of SI units in a text; fields keep it by themselves.
 _INTERVAL = re.compile(r", in [([][^])]*[])]")
-_LETTERS = {"w/w0": "ω/ω₀", "w0": "ω₀", "A0": "A₀", "-pi to pi": "-180° to 180°"}
+_LETTERS = {
+    "Poincare": "Poincaré",
+    "w/w0": "ω/ω₀",
+    "w0": "ω₀",
+    "A0": "A₀",
+    "-pi to pi": "-180° to 180°",
+}
 
 
 @lru_cache(maxsize=1)
 def forms() -> dict[str, Any]:
-    """Title, texts and options of each analysis's form, by name, group after group."""
+    """Title, texts and options of each analysis's form, by name."""
     from latolato.analysis import analyses
+    from latolato.figures.plot import module_of
     from latolato.scenario.analysis_options import plain_text, summary_of
     from latolato.simulation.summary import plain
 
     results = {}
-    for name, question in all_questions().items():
-        function = analyses[name]
+    for name in sorted(analyses):
+        function, picture = analyses[name], module_of("analysis", name)
         notes = (inspect.getdoc(function) or "").split("\n\n")[1:2]
         own, run = own_options(function)
         results[name] = {
-            "title": question.title,
-            "group": question.group,
-            "term": question.term,
-            "reading": question.reading,
-            "first": question.first,
+            "title": label_of(name),
             "summary": pretty(summary_of(function)),
             "notes": pretty(" ".join(map(plain_text, notes))),
+            "reading": getattr(picture, "READING", ""),
+            "first": list(first_of(name)),
             "options": {o.name: _option(o) for o in own.values()},
             "run": list(run),
         }
     result: dict[str, Any] = plain(results)
     return result
+
+
+def first_of(name: str) -> dict[str, str]:
+    """Return the options that the form of an analysis shows at once, with their first texts.
+
+    These are those named in the module of its picture, or else all that have no default.
+    """
+    from latolato.analysis import analyses
+    from latolato.figures.plot import module_of
+
+    own, _ = own_options(analyses[name])
+    first: dict[str, str] = getattr(module_of("analysis", name), "FIRST", {})
+    return first | {n: "" for n, option in own.items() if option.is_required and n not in first}
 
 
 def own_options(
@@ -87,8 +96,8 @@ def _option(option: Parameter) -> dict[str, Any]:
         default = ", ".join(f"{value:g}" for value in default)
     description = _INTERVAL.sub("", option.description)
     return {
-        "label": label_of(option.name),
-        "description": pretty(_NAMES.sub(lambda n: label_of(n[0]).lower(), description)),
+        "label": label_of(option.name, option.unit),
+        "description": pretty(_NAMES.sub(lambda n: n[0].replace("_", " "), description)),
         "unit": option.unit,
         "units": None if option.unit_of else units_of(option.quantity),
         "limits": [asdict(limit) for limit in option.limits],
@@ -101,30 +110,23 @@ def _option(option: Parameter) -> dict[str, Any]:
     }
 
 
-@lru_cache(maxsize=1)
-def option_words() -> dict[str, str]:
-    """Return the labels of options that are no quantities."""
-    own = [question.labels for question in all_questions().values()]
-    return OPTION_WORDS | {name: text for labels in own for name, text in labels.items()}
-
-
-def label_of(name: str) -> str:
-    """The name of an option, a choice or a variable on a page.
+def label_of(name: str, unit: str = "") -> str:
+    """The name of an option, a choice or a variable on a page; a quantity's if the units agree.
 
     Examples
     --------
-    >>> label_of("transient_periods"), label_of("damping"), label_of("inverted")
-    ('Shakes to leave out at the beginning', 'Linear damping coefficient', 'Inverted')
+    >>> label_of("transient_periods"), label_of("damping", "kg m/s"), label_of("period", "1")
+    ('Transient periods', 'Linear damping coefficient', 'Period')
     """
     from latolato.core.quantities import QUANTITIES
 
     known = QUANTITIES.get(name)
-    text: str = option_words().get(name) or (known.long_name if known else name.replace("_", " "))
-    return f"{text[:1].upper()}{text[1:]}"
+    text: str = known.long_name if known and known.unit == unit else name.replace("_", " ")
+    return pretty(f"{text[:1].upper()}{text[1:]}")
 
 
 def pretty(text: str) -> str:
-    """Return a text of a docstring with frequencies, amplitudes and angles as a page writes them.
+    """Return a text of a docstring with symbols and names as a page writes them.
 
     Examples
     --------
@@ -137,43 +139,23 @@ def pretty(text: str) -> str:
 
 
 def about_request(request: RunRequest) -> dict[str, Any]:
-    """Return the options of what a page asks for, and what can be asked of it."""
+    """Return the options of what a page asks for, and with which texts the forms begin."""
     from latolato.simulation.summary import plain
 
     scenario = request.to_scenario()
-    of = (scenario.system, scenario.drive)
-    unfit = {name: why for name, each in all_questions().items() if (why := each.unfit(*of))}
     result: dict[str, Any] = plain(
         {
             "options": options_of(scenario),
             "title": scenario.title,
-            "quick": quick_of(scenario),
+            "first": first_texts(scenario),
             "parameters": parameters_of(scenario),
-            "unfit": unfit,
-            "first": _first(scenario, unfit),
         }
     )
     return result
 
 
-def _first(scenario: Scenario, unfit: Mapping[str, str]) -> str:
-    """Return the question that says most about a system and a drive and is answered quickly."""
-    standing = ("inverted_limits",) if _stands(scenario) and "inverted_limits" not in unfit else ()
-    order = (*standing, "bifurcation_diagram", "lyapunov_spectrum")
-    result: str = next(name for name in order if name not in unfit)
-    return result
-
-
-def _stands(scenario: Scenario) -> bool:
-    """Return whether one ball starts in the upper half, where it could stand upright."""
-    start = scenario.run.get("initial_angle")
-    if not isinstance(start, (int, float)) or scenario.system.has_contacts:
-        return False
-    return abs(start) > 0.5 * math.pi
-
-
-def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
-    """First values of each analysis's options, as texts, with which it takes seconds."""
+def first_texts(scenario: Scenario) -> dict[str, dict[str, str]]:
+    """Return the texts with which the form of each analysis begins, by option."""
     from latolato.analysis import analyses
 
     ranges = {
@@ -185,39 +167,13 @@ def quick_of(scenario: Scenario) -> dict[str, dict[str, str]]:
     }
     known = parameters_of(scenario)
     result = {}
-    for name, question in all_questions().items():
+    for name in analyses:
         own, _ = own_options(analyses[name])
-        texts = {option: text.format(**ranges) for option, text in question.quick.items()}
+        texts = {option: text.format(**ranges) for option, text in first_of(name).items() if text}
         limits = known.get(texts.get("parameter", ""))
         if limits:
             texts |= {end: limits[end] for end in ("low", "high") if end in own}
-        texts |= _settled(question.cost, scenario, own, texts)
-        result[name] = {option: text for option, text in texts.items() if option in own}
-    if _stands(scenario):
-        result["growth_rate"]["position"] = "inverted"
-    return result
-
-
-def _settled(
-    cost: Cost, scenario: Scenario, own: Mapping[str, Parameter], texts: Mapping[str, str]
-) -> dict[str, str]:
-    """Return times in which motion settles, for analyses whose usual ones are too short for it."""
-    ball = scenario.system.balls[0]
-    rate = float(getattr(ball, "damping", 0.0)) / (2.0 * ball.mass * ball.length)
-    if rate <= 0.0:
-        return {}
-    result = {}
-    frequency = float(getattr(scenario.drive, "drive_frequency", 0.0) or 0.0)
-    if cost.most_shakes and frequency > 0.0:
-        times = _NEAR if "parameter" in own else _SETTLED
-        shakes = times / rate * frequency / math.tau
-        default = float(own["transient_periods"].default or 0.0)
-        if shakes > default:
-            result["transient_periods"] = f"{min(math.ceil(shakes / 100) * 100, cost.most_shakes)}"
-    if cost.decay_times and "duration" in texts:
-        least = cost.decay_times / rate
-        if least > float(texts["duration"]):
-            result["duration"] = f"{min(math.ceil(least / 10) * 10, _LONGEST_RUN)}"
+        result[name] = texts
     return result
 
 
@@ -259,7 +215,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
         if name == "frequency_ratio":
             low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
         result[name] = {
-            "label": label_of(name),
+            "label": label_of(name, parameter.unit),
             "units": units_of(parameter.quantity),
             "low": "0" if value == 0.0 else low,
             "high": "0.1" if value == 0.0 else high,

@@ -1,4 +1,4 @@
-"""A question from a page: the analysis, its system and drive, and the options typed for it."""
+"""What a page asks for: an analysis, its system and drive, and the options typed for it."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ class AnalysisRequest:
             raise
 
     def python(self, arguments: Mapping[str, Any]) -> str:
-        """Return a Python program that asks the same."""
+        """Return a Python program that runs the same."""
         parameters = inspect.signature(self.function).parameters
         lines = [
             "import latolato as ll",
@@ -111,7 +111,7 @@ class AnalysisRequest:
         return "\n".join([*lines, call, f'll.plot(result).savefig("{self.name}.png")'])
 
     def command(self) -> str:
-        """Return the command that asks the same, quoted for a shell."""
+        """Return the command that runs the same, quoted for a shell."""
         from latolato.scenario.analysis_call import unfit_options
         from latolato.scenario.analysis_options import options_of
         from latolato.scenario.options import law_options

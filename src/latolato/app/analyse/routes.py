@@ -1,4 +1,4 @@
-"""The routes of the view Analyse: its forms, what a question costs, and the answer as a job."""
+"""The routes of the view Analyse: its forms, and an analysis as a job."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from latolato.app.analyse.cost import check_work, seconds_of
 from latolato.app.analyse.forms import about_request, forms
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.answers import answered, json_of
 from latolato.app.blocks import pack_files
 from latolato.app.jobs import Job, serve_job
 from latolato.app.run_request import RunRequest
-from latolato.core.errors import InputError
 
 
 def routes() -> list[BaseRoute]:
@@ -25,7 +23,6 @@ def routes() -> list[BaseRoute]:
     return [
         Route("/api/analyses", _forms),
         Route("/api/analyses/about", _about, methods=["POST"]),
-        Route("/api/analyses/cost", _cost, methods=["POST"]),
         WebSocketRoute("/ws/analyse", _analyse),
     ]
 
@@ -40,43 +37,26 @@ async def _about(request: Request) -> Response:
     return await answered(request, lambda: JSONResponse(about_request(RunRequest.from_json(body))))
 
 
-async def _cost(request: Request) -> Response:
-    body = await json_of(request)
-
-    def answer() -> Response:
-        try:
-            question = AnalysisRequest.from_json(body)
-            arguments = question.arguments()
-            check_work(question.function, arguments)
-        except InputError as error:  # an answer as well: what is typed is unfinished
-            return JSONResponse({"refused": str(error)})
-        seconds = seconds_of(question.function, arguments)
-        return JSONResponse({"seconds": None if seconds is None else round(seconds, 1)})
-
-    return await answered(request, answer)
-
-
 async def _analyse(websocket: WebSocket) -> None:
     await serve_job(websocket, websocket.app.state.jobs, prepare)
 
 
 def prepare(body: Any) -> Job:
-    """Return the job that answers a page's question.
+    """Return the job that runs the analysis of a page.
 
     Raises
     ------
     InputError
-        For bad input, and for a question that would take very long.
+        For bad input.
     """
-    question = AnalysisRequest.from_json(body)
-    arguments = question.arguments()
-    check_work(question.function, arguments)
+    asked = AnalysisRequest.from_json(body)
+    arguments = asked.arguments()
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
-        lines = {"python": question.python(arguments), "command": question.command()}
+        lines = {"python": asked.python(arguments), "command": asked.command()}
         return pack_files({**about, **lines}, {p.suffix[1:]: p for p in folder.iterdir()})
 
-    request = question.request
+    request = asked.request
     sent: dict[str, Any] = {"scenario": request.scenario, "options": dict(request.options or {})}
-    sent |= {"analysis": question.name, "settings": question.settings}
+    sent |= {"analysis": asked.name, "settings": asked.settings}
     return Job("analyse", sent, finish)

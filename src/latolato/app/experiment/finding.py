@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.app.experiment.sentences import degrees, percent, plus_minus
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
-from latolato.figures.analyses.sentences import degrees, percent, plus_minus
 from latolato.physics.pendulum import equivalent_pendulum
 
 if TYPE_CHECKING:

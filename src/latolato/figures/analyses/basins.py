@@ -8,12 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import BEGINNING, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.sentences import UPRIGHT, degrees, listed, percent, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "Each point is one start: its angle to the right, its speed upwards. Points of one colour"
+    " end in the same motion. Where colours mix finely, a tiny change decides; at the dots "
+    "even rounding does."
+)
+FIRST = {"angle_points": "40", "velocity_points": "40", "transient_periods": ""}
 
 # By lightness far apart for neighbours in rank.
 _COLOURS = (
@@ -21,8 +26,6 @@ _COLOURS = (
 )  # fmt: skip
 _OTHER = style.PALE_GREY
 _UNRESOLVED = style.INK
-# A single ball that goes beyond this angle [rad] turns over the top.
-_OVER = 0.99 * math.pi
 # Size of the dots in uncertain cells and of their rim, as shares of a cell.
 _DOT, _RIM = 0.5, 0.12
 
@@ -116,73 +119,3 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
         still = f", {moving:.2f} % not settled" if moving else ""
         entries.append(style.swatch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
     return entries
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell how many motions there are and which shares of the starts they have."""
-    count, left = dataset.sizes["attractor"], float(dataset["unresolved_fraction"])
-    if not count:
-        return "No motion has settled yet: leave out more shakes at the beginning."
-    parts: list[str] = []
-    shown = min(count, 4)
-    for i in range(shown):
-        one = dataset.isel(attractor=i)
-        status, period = str(one["status"].item()), float(one["response_period"])
-        kind = {"rest": "rest", "aperiodic": "chaos"}.get(status)
-        if kind == "rest" and one["largest_angle_watched"].max() > UPRIGHT:
-            kind = "rest upright"
-        if kind is None:
-            size = float(one["largest_angle_watched"].max())
-            kind = f"a motion that repeats {shakes(period)} and "
-            turns = dataset.attrs["system"] == "pendulum" and size > _OVER
-            kind += "turns over the top" if turns else f"goes out to {degrees(size)}"
-        parts.append(f"{kind} ({percent(float(one['basin_fraction']))})")
-    notes = ""
-    if left:
-        notes += f" {percent(left)} have not settled: leave out more shakes at the beginning."
-    uncertain = float(dataset["uncertain_fraction"])
-    if uncertain:
-        notes += f" For {percent(uncertain)} the end depends on the numerical error."
-    if count == 1:
-        only = "every start ends" if not left else "every start that settles ends"
-        return f"It does not matter: {only} in {parts[0]}.{notes}"
-    if count > shown:
-        parts.append(times(count - shown, "other"))
-    return (
-        f"It does: there are {count} motions to end in. The starts end in {listed(parts)}.{notes}"
-    )
-
-
-QUESTION = Question(
-    group=BEGINNING,
-    title="Does it matter how it starts?",
-    term="basins of attraction",
-    reading="Each point is one start: its angle to the right, its speed upwards. Points of one "
-    "colour end in the same motion. Where colours mix finely, a tiny change decides; at the "
-    "dots even rounding does.",
-    first=("angle_points", "velocity_points", "transient_periods"),
-    quick={"angle_points": "40", "velocity_points": "40"},
-    conditions=(settles, is_shaken),
-    place=2,
-    cost=Cost(
-        counts=(
-            "angle_points",
-            "velocity_points",
-        ),
-        most_shakes=5_000,
-    ),
-    labels={
-        "angle_high": "Angles at the start, to",
-        "angle_low": "Angles at the start, from",
-        "angle_points": "Number of angles at the start",
-        "asymmetry": "Left ball differs from the mirror image by",
-        "chaos_box": "Size of boxes that tell chaotic motions apart",
-        "entropy_box": "Starts along a box of the basin entropy",
-        "check_tolerance": "Tolerance of the second run, which finds uncertain starts",
-        "match_tolerance": "Two motions are the same within",
-        "velocity_high": "Speeds at the start, to",
-        "velocity_low": "Speeds at the start, from",
-        "velocity_points": "Number of speeds at the start",
-    },
-    verdict=verdict,
-)

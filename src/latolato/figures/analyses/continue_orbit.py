@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, is_shaken
-from latolato.figures.analyses.sentences import listed, number, range_of
 from latolato.figures.map_title import title_of
 
 if TYPE_CHECKING:
@@ -20,6 +18,20 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+READING = (
+    "The curve follows one periodic motion while a parameter changes: solid where it is "
+    "stable, dashed where it is not. Marks show where it turns back, splits or begins to "
+    "touch."
+)
+FIRST = {
+    "parameter": "frequency_ratio",
+    "low": "",
+    "high": "",
+    "period": "",
+    "direction": "",
+    "points": "100",
+}
 
 # Marker and colour of every kind of special point.
 MARKS = {
@@ -131,51 +143,3 @@ def _mark(axes: Axes, dataset: xr.Dataset, places: Floats) -> list[Any]:
                 ls="", zorder=4, clip_on=False, label=kind.replace("_", " "),
             )  # fmt: skip
     return handles
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the range, the share that is stable, and special points."""
-    if not dataset.sizes["point"] or str(dataset["status"].item()) == "not found":
-        return "No repeating motion was found from this start: change the start or the repetition."
-    knob = dataset[dataset.attrs["parameter"]]
-    stable = float((dataset["is_stable"].values == 1).mean())
-    kind = (
-        "stable"
-        if stable == 1.0
-        else "unstable"
-        if not stable
-        else "stable in a part of that range"
-    )
-    text = f"The rhythm exists for {range_of(knob, knob.values.min(), knob.values.max())}"
-    text += f" and is {kind}."
-    kinds = dataset["special_kind"].values.astype(str)
-    marks = [
-        f"{name.replace('_', ' ')} at {listed([number(v, 4) for v in values[:3]])}"
-        + (f" and {len(values) - 3} more" if len(values) > 3 else "")
-        for name in np.unique(kinds)
-        for values in [np.sort(dataset["special_value"].values[kinds == name])]
-    ]
-    if marks:
-        text += f" On the way: {listed(marks)}."
-    ends = {
-        "lost": " Then it ends.",
-        "slackens": " There it ends: the string goes slack.",
-        "points": " It goes on beyond the points that were asked for.",
-        "closed": " It comes back to where it began: a loop.",
-    }
-    return text + ends.get(str(dataset["status"].item()), "")
-
-
-QUESTION = Question(
-    group=DISTURBANCE,
-    title="How does a rhythm change, and where does it end?",
-    term="continuation of a periodic orbit",
-    reading="The curve follows one repeating motion while a knob turns: solid where it is stable, "
-    "dashed where it is not. Marks show where it turns back, splits or begins to touch.",
-    first=("parameter", "low", "high", "period", "direction"),
-    quick={"points": "100", "parameter": "frequency_ratio"},
-    conditions=(is_shaken,),
-    place=3,
-    cost=Cost(counts=("points",)),
-    verdict=verdict,
-)

@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import BEGINNING, Cost, Question
-from latolato.figures.analyses.sentences import degrees, number, percent, plus_minus
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "Random kicks act on many runs. The curve shows the share that has not yet reached the "
+    "angle. A straight line means that the past does not matter: pure chance."
+)
+FIRST = {"noise_strength": "0.5", "threshold_angle": "", "trajectories": "100", "duration": "300"}
 
 # Where all have arrived, the picture ends this much after the last one.
 _AFTER = 1.3
@@ -57,43 +61,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     panels[0, 1].set_yscale("log")
     panels[0, 1].set_ylim(0.5 / count, 1.2)
     return figure
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the mean time with its error, or why there is none."""
-    status, share = str(dataset["status"].item()), float(dataset["passage_fraction"])
-    angle = degrees(dataset.attrs["threshold_angle"])
-    mean = float(dataset["mean_first_passage_time"])
-    count = dataset.sizes["trajectory"]
-    span = f"in {number(float(dataset.attrs['duration']))} s"
-    if status == "none passed":
-        least = number(float(dataset["mean_first_passage_time_low"]))
-        return f"None of {count} reached {angle} {span}. On average it takes more than {least} s."
-    reached = (
-        f"{f'All {count}' if share == 1.0 else f'{percent(share)} of {count}'} reached {angle}"
-    )
-    if status == "all at once":
-        return (
-            f"{reached} after {number(mean)} s, all at the same time. The drive takes them there, "
-            "not chance."
-        )
-    time = plus_minus(mean, float(dataset["mean_first_passage_time_error"]))
-    text = f"{reached}, after {time} s on average"
-    if status == "not exponential":
-        return f"{text}. It is not pure chance: first the motion must grow."
-    return f"{text}, by pure chance."
-
-
-QUESTION = Question(
-    group=BEGINNING,
-    title="How long until random jiggling sets it off?",
-    term="noise activation, first passage",
-    reading="Many toys are jiggled at random. The curve shows the share that has not yet reached "
-    "the angle. A straight line here means that the toy does not age: pure chance.",
-    first=("noise_strength", "threshold_angle", "trajectories", "duration"),
-    quick={"noise_strength": "0.5", "trajectories": "100", "duration": "300"},
-    place=6,
-    cost=Cost(counts=("trajectories",)),
-    labels={"noise_interval": "Time between random kicks"},
-    verdict=verdict,
-)

@@ -9,13 +9,17 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import head, write_numbers
-from latolato.figures.analyses.question import DISTURBANCE, Question, is_shaken
-from latolato.figures.analyses.sentences import e_folding, shakes
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+READING = (
+    "A periodic motion is found exactly, from a start near it. If all dots lie inside the "
+    "circle, small disturbances die out; a red dot outside makes them grow."
+)
+FIRST = {"period": ""}
 
 _MARGIN = 1.75
 # What is written beside the picture.
@@ -63,36 +67,3 @@ def _draw_plane(axes: Axes, multipliers: np.ndarray) -> None:
     axes.set_ylim(-reach, reach)
     axes.set_xlabel(r"$\mathrm{Re}\,\mu$")
     axes.set_ylabel(r"$\mathrm{Im}\,\mu$")
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell whether the orbit is stable."""
-    status, rate = str(dataset["status"].item()), float(dataset["growth_rate"])
-    if status == "not found":
-        return "No repeating motion was found from this start: change the start or the repetition."
-    text = f"There is a motion that repeats {shakes(float(dataset['response_period']))}"
-    if status == "unstable":
-        return f"{text}; it is unstable: disturbances grow {e_folding(rate)}."
-    if status == "stable":
-        fade = "die out" if math.isinf(rate) else f"fade {e_folding(rate)}"
-        return f"{text}; it is stable: disturbances {fade}."
-    words = {
-        "neutral": "disturbances neither grow nor fade",
-        "rest": "the balls rest on each other, and disturbances vanish",
-        "grazing": "it touches without speed, so nothing can be said about disturbances",
-        "contradicted": "a check of the result failed: do not trust it",
-    }
-    return f"{text}; {words.get(status, status)}."
-
-
-QUESTION = Question(
-    group=DISTURBANCE,
-    title="Is there a steady rhythm nearby, and is it stable?",
-    term="Floquet multipliers of a periodic orbit",
-    reading="A motion that repeats is found exactly, from a start near it. If all dots lie inside "
-    "the circle, small disturbances die out; a red dot outside makes them grow.",
-    first=("period",),
-    conditions=(is_shaken,),
-    place=2,
-    verdict=verdict,
-)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,14 +9,18 @@ import numpy as np
 
 from latolato.analysis import growth_rate
 from latolato.figures import style
-from latolato.figures.analyses.question import REST, Question, can_hang, is_even
-from latolato.figures.analyses.sentences import POSITION_WORDS, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "The drive frequency runs to the right, the growth rate of a small swing upwards. Above "
+    "zero the swing grows, below zero it dies away. The dot marks the present frequency."
+)
+FIRST = {"position": ""}
 
 # Frequencies under a cosine, and under other waveforms.
 _SAMPLES, _FEW_SAMPLES = 161, 81
@@ -52,27 +55,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(style.label(dataset.growth_rate))
     return figure
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the rate as the time in which a swing doubles or halves."""
-    rate, where = float(dataset["growth_rate"]), POSITION_WORDS[dataset.attrs["position"]]
-    if abs(rate) < 1e-9:
-        return f"About {where} a small swing neither grows nor dies away."
-    verb = "doubles" if rate > 0.0 else "halves"
-    time = math.log(2.0) / abs(rate)
-    text = f"About {where} a small swing {verb} every {number(time)} s."
-    return f"{text} Its growth rate is {number(rate)} 1/s."
-
-
-QUESTION = Question(
-    group=REST,
-    title="Does a small swing grow or die away?",
-    term="growth rate, Floquet exponent",
-    reading="The drive speed runs to the right, the growth rate of a small swing upwards. Above "
-    "zero the swing grows, below zero it dies away. The dot marks the present speed.",
-    first=("position",),
-    conditions=(can_hang, is_even),
-    place=3,
-    verdict=verdict,
-)

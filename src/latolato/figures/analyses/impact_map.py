@@ -9,12 +9,17 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
-from latolato.figures.analyses.question import LONG_RUN, Cost, Question, has_contacts, is_shaken
-from latolato.figures.analyses.sentences import listed, times
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "Every dot is a collision: its moment within the drive period to the right, its rebound "
+    "speed upwards. Few dots mean a steady rhythm. On the right stands each collision against"
+    " the one before."
+)
+FIRST = {"periods": "", "transient_periods": ""}
 
 
 @style.styled
@@ -43,38 +48,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     else:
         style.note(plane, str(dataset["status"].item()), (math.pi, 0.0), (0.0, 0.0), ha="center")
     return figure
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the rate of impacts and their sides."""
-    count = dataset.sizes.get("impact", 0)
-    if not count:
-        return "The balls do not clack: they rest on each other, or swing without touching."
-    side = dataset["impact_side"].values.astype(str)
-    where = [f"the {name}" for name in ("bottom", "top") if (side == name).any()]
-    rate = float(dataset["impacts_per_period"])
-    phases = dataset["impact_phase"].values
-    # On the circle, a little coarser than the drive's phase is stored.
-    places = np.unique(np.round(np.exp(1j * phases), 2)).size
-    steady = places <= 12
-    often = {1.0: "once", 2.0: "twice"}.get(rate) or times(rate, "time")
-    text = f"The balls clack {often} per shake, at {listed(where)}"
-    rests = int(dataset["rests"])
-    if rests:
-        text += f", and come to rest {times(rests, 'time')} meanwhile"
-    return f"{text}. The rhythm {'is steady' if steady else 'keeps changing'}."
-
-
-QUESTION = Question(
-    group=LONG_RUN,
-    title="In what rhythm do the balls clack?",
-    term="impact map",
-    reading="Every dot is a clack: its moment within the shake to the right, its rebound speed "
-    "upwards. Few dots mean a steady rhythm. On the right you see each clack against the one "
-    "before.",
-    first=("periods", "transient_periods"),
-    conditions=(has_contacts, is_shaken),
-    place=5,
-    cost=Cost(most_shakes=20_000),
-    verdict=verdict,
-)

@@ -9,8 +9,6 @@ import numpy as np
 
 from latolato.analysis import inverted_limits
 from latolato.figures import style
-from latolato.figures.analyses.question import REST, Question, can_stand
-from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import (
     LENGTH_LABEL,
@@ -23,6 +21,12 @@ from latolato.figures.analyses.tongues import (
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "In the coloured part fast driving holds the ball upright. The drive frequency runs to "
+    "the right, its amplitude over the length upwards; the dashed line is Kapitza's formula."
+)
+FIRST = {"frequency_ratio": ""}
 
 _SAMPLES = 31
 _ENDS = ("low", "high")
@@ -56,27 +60,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(RATIO_LABEL)
     axes.set_ylabel(LENGTH_LABEL)
     return figure
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell between which amplitudes."""
-    at = f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'], 4)}"
-    low, high = float(dataset["low"]), float(dataset["high"])
-    if not math.isfinite(low):
-        return f"{at} no amplitude holds it upright."
-    if not math.isfinite(high):
-        return f"{at} every amplitude above {millimetres(low)} that was tried holds it upright."
-    return f"{at} it stands upright with an amplitude of {millimetres(low)} to {millimetres(high)}."
-
-
-QUESTION = Question(
-    group=REST,
-    title="Can it stand on its head?",
-    term="Kapitza's pendulum, dynamic stabilisation",
-    reading="In the coloured part fast shaking holds the ball upright. The drive speed runs to the "
-    "right, its amplitude over the length upwards; the dashed line is Kapitza's formula.",
-    first=("frequency_ratio",),
-    conditions=(can_stand,),
-    place=4,
-    verdict=verdict,
-)

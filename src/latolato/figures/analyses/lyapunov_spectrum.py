@@ -9,17 +9,19 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import head, text_of, write_numbers
-from latolato.figures.analyses.question import DISTURBANCE, Cost, Question, on_rods
-from latolato.figures.analyses.sentences import e_folding, no_answer, number
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+READING = (
+    "A red bar above zero means that neighbouring motions separate exponentially: chaos. Blue"
+    " bars mean that they come together again."
+)
+FIRST = {"duration": "300", "transient": ""}
+
 # What is written beside the picture.
 _ROWS = ("divergence", "sum_rule_residual", "exponent_between_rests", "rests")
-# What grows or shrinks exponentially.
-_DISTANCE = "the distance between neighbouring starts"
 # Between rests a perturbation must grow or shrink by so many e-folds to forget how it began.
 _RARE = 10.0
 
@@ -58,53 +60,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     write_numbers(text, dataset, [str(each) for each in dataset if each in _ROWS])
     head(figure, dataset)
     return figure
-
-
-def _between_rare_rests(dataset: xr.Dataset) -> float | None:
-    """Return the exponent between rests, None if they are too frequent for it to mean anything."""
-    between = float(dataset.get("exponent_between_rests", math.nan))
-    if not math.isfinite(between):
-        return None
-    observed = dataset.attrs["duration"] - dataset.attrs["transient"]
-    return between if abs(between) * observed > _RARE * float(dataset["rests"]) else None
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell whether neighbours part and how fast."""
-    status, largest = str(dataset["status"].item()), float(dataset["lyapunov_exponents"].max())
-    if status == "rest":
-        between = _between_rare_rests(dataset)
-        if between is None:
-            return "No: the balls come to rest on each other, and the past is forgotten."
-        way = "grows" if between > 0.0 else "shrinks"
-        return (
-            "No, strictly: now and then the balls rest on each other, and the past is forgotten. "
-            f"Between such rests {_DISTANCE} {way} {e_folding(between)}."
-        )
-    if status not in ("chaotic", "regular", "marginal"):
-        return no_answer(status)
-    span = dataset.attrs.get("duration")
-    watched = f", followed for {number(float(span))} s" if span is not None else ""
-    tail = f" The largest exponent is {number(largest)} 1/s{watched}."
-    if status == "chaotic":
-        return f"Yes: {_DISTANCE} grows {e_folding(largest)}: chaos.{tail}"
-    if status == "regular":
-        return f"No: {_DISTANCE} shrinks {e_folding(largest)}.{tail}"
-    return f"The run is too short to tell: follow it longer.{tail}"
-
-
-QUESTION = Question(
-    group=DISTURBANCE,
-    title="Is it chaotic?",
-    term="Lyapunov exponents",
-    reading="Do two starts that almost agree drift apart? A red bar above zero means yes, ever "
-    "faster, and nobody can predict the motion for long. Blue bars mean that they come "
-    "together again.",
-    first=("duration", "transient"),
-    conditions=(on_rods,),
-    quick={"duration": "300"},
-    place=1,
-    # It takes long to tell an exponent from zero.
-    cost=Cost(decay_times=30.0),
-    verdict=verdict,
-)

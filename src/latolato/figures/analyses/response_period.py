@@ -8,12 +8,16 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
-from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken, settles
-from latolato.figures.analyses.sentences import UPRIGHT, degrees, no_answer, shakes, times
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "The angle is noted once per drive period. Dots that jump between p heights mean that the"
+    " motion repeats after p periods; dots without order never repeat."
+)
+FIRST = {"longest": "", "transient_periods": ""}
 
 # The first panel shows so many drive periods, or two cycles.
 _SHOWN = 16
@@ -61,44 +65,3 @@ def _title(dataset: xr.Dataset, cycle: int) -> str:
     if status not in ("periodic", "grazing"):
         return {"slackens": "hops straight up and down on its string"}.get(status, status)
     return f"{status}, period {cycle}, rotation number {dataset['rotation_number'].item():.4g}"
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the period and what happens in it."""
-    status = str(dataset["status"].item())
-    if status == "rest" and dataset["largest_angle_watched"].item() > UPRIGHT:
-        return "It comes to rest upright: it stands on its head."
-    if status == "rest":
-        return "It comes to rest: nothing moves against the pivot any more."
-    if status == "not settled":
-        return (
-            f"After {dataset.attrs['transient_periods']:g} shakes it still changes: leave out more "
-            "shakes at the beginning."
-        )
-    if status == "slackens":
-        return "It hangs, but hops up and down on its string, which the angle does not show."
-    if status == "aperiodic":
-        longest = dataset.attrs["longest"]
-        return f"It does not repeat within {longest} shakes. Ask whether it is chaotic."
-    if status not in ("periodic", "grazing"):
-        return no_answer(status)
-    text = f"The motion repeats {shakes(dataset['response_period'].item())}"
-    if dataset["impacts_per_period"].item():
-        text += f", with {times(dataset['impacts_per_period'].item(), 'impact')} per shake"
-    text += f", and goes out to {degrees(dataset['largest_angle_watched'].item())}"
-    tail = " It touches almost without speed, so a small change may change the rhythm."
-    return f"{text}.{tail if status == 'grazing' else ''}"
-
-
-QUESTION = Question(
-    group=LONG_RUN,
-    title="After how many shakes does it repeat?",
-    term="response period and rotation number",
-    reading="The angle is noted once per shake, as if by a flash. Dots that jump between p heights "
-    "mean that the motion repeats after p shakes; dots without order never repeat.",
-    first=("longest", "transient_periods"),
-    conditions=(settles, is_shaken),
-    place=2,
-    cost=Cost(most_shakes=20_000),
-    verdict=verdict,
-)

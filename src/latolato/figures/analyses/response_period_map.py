@@ -7,12 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.figures import style
-from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_even, settles
-from latolato.figures.analyses.sentences import listed, percent, shakes
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "Each cell is one run: the drive frequency runs to the right, the amplitude upwards. The "
+    "colour shows after how many drive periods the motion repeats; pale cells rest, red ones "
+    "never repeat."
+)
+FIRST = {"drive_amplitude": "{amplitudes} : 16", "frequency_ratio": "{ratios} : 16"}
 
 # Classes with colours of their own; the rest of the periods share one.
 _CLASSES: dict[str, str] = {
@@ -86,41 +91,3 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
     if lost:
         text += f"\n{lost} without an answer (black)"
     axes.set_xlabel(f"share, with its 95 % interval\n{text}", fontsize=style.SMALL)
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the shares of rest, of the most frequent period and of motion without one."""
-    total = int(dataset["cells"].values.sum())
-    if not total:
-        return "There is no answer: no cell has one."
-    share = dict(zip(dataset["motion"].values.astype(str), dataset["share"].values, strict=True))
-    moving = {name: s for name, s in share.items() if name.startswith("period ") and s > 0.0}
-    often = max(moving, key=lambda each: moving[each], default="")
-    words = {
-        "rest": "rest",
-        often: f"repeat {shakes(int(often.split()[1]))}" if often else "",
-        "others": "repeat in another rhythm",
-        "aperiodic": "never repeat",
-        "grazing": "touch almost without speed",
-        "not settled": "have not settled",
-        "slackens": "hop on their strings",
-    }
-    share["others"] = sum(moving.values()) - moving.get(often, 0.0)
-    parts = [f"{percent(share[name])} {text}" for name, text in words.items() if share.get(name)]
-    return f"Of {total} cells, {listed(parts)}."
-
-
-QUESTION = Question(
-    group=LONG_RUN,
-    title="Where does it repeat, rest or run wild?",
-    term="map of response periods",
-    reading="Each cell is one toy: the drive speed runs to the right, the amplitude upwards. The "
-    "colour shows after how many shakes its motion repeats; pale cells rest, red ones never "
-    "repeat.",
-    first=("drive_amplitude", "frequency_ratio"),
-    quick={"drive_amplitude": "{amplitudes} : 16", "frequency_ratio": "{ratios} : 16"},
-    conditions=(settles, is_even),
-    place=4,
-    cost=Cost(most_shakes=5_000),
-    verdict=verdict,
-)

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from latolato.analysis import self_start
 from latolato.figures import style
-from latolato.figures.analyses.question import (
-    BEGINNING,
-    Question,
-    drags_with_pivot,
-    has_contacts,
-)
-from latolato.figures.analyses.sentences import millimetres, number
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+READING = (
+    "The drive frequency runs to the right, the amplitude upwards. In the coloured part the "
+    "pivot drops faster than the balls fall, and they part without a push."
+)
+FIRST = {"frequency_ratio": "", "check": ""}
 
 _SAMPLES = 41
 
@@ -52,31 +50,3 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlabel(RATIO_LABEL)
     style.show_unit(axes.yaxis, dataset.drive_amplitude)
     return figure
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the amplitude."""
-    amplitude = float(dataset["drive_amplitude"])
-    if not math.isfinite(amplitude):
-        return "It never starts by itself at this speed: the crank would jam first."
-    text = (
-        f"At ω/ω₀ = {number(dataset.attrs['frequency_ratio'])} the balls part by themselves from "
-    )
-    text += f"{millimetres(amplitude)} on"
-    return (
-        f"{text}, where the pivot reaches {number(float(dataset['drive_acceleration_ratio']))} g."
-    )
-
-
-QUESTION = Question(
-    group=BEGINNING,
-    title="How far must the hand move for it to start by itself?",
-    term="lift-off from resting contact",
-    reading="The drive speed runs to the right, the amplitude upwards. In the coloured part the "
-    "pivot drops faster than the balls fall, and they part without a push.",
-    first=("frequency_ratio", "check"),
-    conditions=(has_contacts, drags_with_pivot),
-    place=3,
-    labels={"check": "Check with simulated runs"},
-    verdict=verdict,
-)

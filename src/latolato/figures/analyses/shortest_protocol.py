@@ -9,20 +9,18 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
-from latolato.figures.analyses.question import (
-    BEGINNING,
-    Cost,
-    Question,
-    ends_as_cosine,
-    on_rods,
-    settles,
-)
-from latolato.figures.analyses.sentences import degrees, number
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+READING = (
+    "On the left each cell is a first stage: its duration to the right, its frequency "
+    "upwards; bright cells succeed. On the right stands the push by hand that does the same. "
+    "If nothing was searched, a curve shows how far each push leads."
+)
+FIRST = {"frequency_ratio": "", "first_frequency_ratio": "", "dwell_time": "", "phases": "4"}
 
 
 @style.styled
@@ -80,49 +78,3 @@ def _mark(axis: Axes, place: tuple[float, float], text: str) -> None:
     """Put a ring about the best point of a panel, and its numbers beside it."""
     axis.plot(*place, "o", ms=7.0, mfc="none", mec=style.RED, mew=1.6)
     style.note(axis, text, place, (7.0, -3.0), va="top", colour=style.RED)
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell the shortest protocol and the least push."""
-    status = str(dataset["status"].item())
-    if status == "reached from rest":
-        return "It is not needed: the large swing comes from rest by itself."
-    push = float(dataset["smallest_push"])
-    hand = f"a push of {number(push)} rad/s does it" if math.isfinite(push) else "no push does it"
-    if status == "no upper branch":
-        rest, most = (
-            degrees(float(dataset["angle_from_rest"])),
-            number(float(dataset["push"].max())),
-        )
-        return f"It cannot help: no push up to {most} rad/s leads beyond the {rest} from rest."
-    if status != "found":
-        return f"None of the first stages tried reaches the large swing; {hand}."
-    ratio, lead = float(dataset["best_first_ratio"]), float(dataset["lead_time"])
-    angle = float(dataset["upper_angle"])
-    swing = "whole turns" if angle > math.pi else f"the large swing of {degrees(angle)}"
-    tail = " as well" if math.isfinite(push) else ""
-    return f"Yes: {number(lead)} s at ω/ω₀ = {number(ratio)} lead to {swing}; {hand}{tail}."
-
-
-QUESTION = Question(
-    group=BEGINNING,
-    title="Does “first fast, then slow” help?",
-    term="two-stage driving protocol",
-    reading="On the left each cell is a first stage: its duration to the right, its speed upwards; "
-    "bright cells succeed. On the right you see the push by hand that does the same. If "
-    "nothing was searched, a curve shows how far each push leads.",
-    first=("frequency_ratio", "first_frequency_ratio", "dwell_time"),
-    quick={"phases": "4"},
-    conditions=(settles, ends_as_cosine, on_rods),
-    place=4,
-    cost=Cost(counts=("phases",), lengths={"first_frequency_ratio": 12, "dwell_time": 16}),
-    labels={
-        "dwell_time": "Times in the first stage",
-        "first_frequency_ratio": "Drive speeds of the first stage, ω/ω₀",
-        "phases": "Drive phases to try",
-        "ramp": "Time to change the speed",
-        "required_share": "Share of the phases that must succeed",
-        "settling": "Time to settle afterwards",
-    },
-    verdict=verdict,
-)

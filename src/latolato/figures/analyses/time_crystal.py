@@ -10,14 +10,18 @@ import numpy as np
 
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
-from latolato.figures.analyses.question import LONG_RUN, Cost, Question, is_shaken
-from latolato.figures.analyses.sentences import degrees, number
 from latolato.figures.map_title import in_words
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+READING = (
+    "The left curve shows how well the motion remembers a beat of twice the drive period: "
+    "near 1 it keeps it, near 0 it has lost it, as under strong noise."
+)
+FIRST = {"noise_strength": "0", "trajectories": "1", "periods": ""}
 
 # More curves than this cannot be told apart.
 _MOST_CURVES = 6
@@ -104,42 +108,3 @@ def _draw_order(point: xr.Dataset, axis: Axes) -> None:
     axis.set_xlim(point.period.values[0], point.period.values[-1])
     axis.set_xlabel(style.label(point.period))
     axis.set_ylabel(f"order kept {axis.get_ylabel()}")
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """Tell whether there is a line at half the frequency, and how long it keeps its phase."""
-    point = _strongest(dataset)
-    status, peak = str(point["status"].item()), float(point["peak_frequency"])
-    angle = degrees(float(point["peak_amplitude"]))
-    life, least = float(point["lifetime"]), float(point["lifetime_low"])
-    if status in ("no motion", "no subharmonic", "no answer") or not math.isfinite(peak):
-        words = {"no motion": "it rests", "no subharmonic": "it follows every shake alike"}
-        return f"There is no beat of two shakes: {words.get(status, 'the run has no answer')}."
-    text = {
-        "locked": "It swings exactly once in two shakes",
-        "drifting": "Its beat is near half the drive's speed but not at it "
-        f"({number(peak, 4)} of it)",
-        "broad": "There is no clear beat of two shakes, but a broad mixture about it",
-    }[status]
-    text += f", {angle} to each side."
-    if math.isfinite(life):
-        return f"{text} It slips out of step about every {number(life)} s."
-    if math.isfinite(least):
-        return f"{text} It never slipped, so it does so less than once in {number(least)} s."
-    return text
-
-
-QUESTION = Question(
-    group=LONG_RUN,
-    title="Does it keep its half-speed beat?",
-    term="subharmonic line, “time crystal” order",
-    reading="Does it swing once in two shakes, and does random jiggling make it lose the beat? The "
-    "left curve shows its memory of the beat: near 1 it keeps the beat, near 0 it has lost "
-    "it.",
-    first=("noise_strength", "trajectories", "periods"),
-    quick={"noise_strength": "0", "trajectories": "1"},
-    conditions=(is_shaken,),
-    place=6,
-    cost=Cost(counts=("trajectories",), most_shakes=20_000),
-    verdict=verdict,
-)

@@ -205,7 +205,7 @@ const page = { registry, store, messages: new Messages() };
 await speakInPage(page);
 if (isReadable(location.search, registry.format)) {
   const { state, left } = readable(registry, store.state, Object.keys(VIEWS));
-  if (left.length) store.amend(state, "preset");
+  if (format(state) !== format(store.state)) store.amend(state, "preset");
   sayLeft(page, left);
 } else {
   page.messages.say("link", t("newerAddress"), { stays: true });

@@ -1,4 +1,4 @@
-/** What an analysis found: a sentence, then picture, numbers, files, and lines that ask the same. */
+/** The result of an analysis: picture, numbers, files, and lines of Python and shell that compute it. */
 
 import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
@@ -43,28 +43,16 @@ export function valuesAt(panel, x, y) {
   return values;
 }
 
-/**
- * Return the card of a picture, with words on how to read it; without a picture it keeps its place.
- * @param {import("./questions.js").Asking} form the question
- * @param {...(Node | null)} content
- */
-export function pictureCard({ reading, term, summary, notes }, ...content) {
-  return el("section", { class: "card" }, ...(content.length ? content
-    : [el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))]),
-  el("p", { class: "reading-of" }, reading),
-  el("p", { class: "hint", title: `${summary} ${notes}` }, t("termOf", { term })));
-}
-
 export class Answer {
   /**
    * @param {Block} block
-   * @param {import("./questions.js").Asking} form the question
+   * @param {import("./view.js").Analysis} analysis
    * @param {(text: string) => string} inWords puts what the page calls it for names of options
    * @param {(values: Record<string, string>, words: string) => void} chosen called for a point
    */
-  constructor(block, form, inWords, chosen) {
+  constructor(block, analysis, inWords, chosen) {
     const { about } = block;
-    this.title = form.title;
+    this.title = analysis.title;
     this.panels = /** @type {Panel[]} */ (about.panels);
     this.chosen = chosen;
     this.at = { panel: 0, x: 0.5, y: 0.5 };
@@ -77,7 +65,8 @@ export class Answer {
       el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
     this.after = el("div", { class: "after" });
     this.root = el("div", { class: "main" },
-      pictureCard(form, ...notes, block.arrays.png ? this.picture(block) : null, this.choice),
+      el("section", { class: "card" }, ...notes, block.arrays.png ? this.picture(block) : null,
+        el("p", { class: "reading-of" }, analysis.reading), this.choice),
       this.after,
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
@@ -88,7 +77,7 @@ export class Answer {
         el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
       el("details", { class: "card" }, el("summary", {}, t("code")),
-        el("p", { class: "hint" }, t("codeAsks")), ...codeBlocks([about.python, about.command])));
+        el("p", { class: "hint" }, t("codeOfAnalysis")), ...codeBlocks([about.python, about.command])));
   }
 
   /** @param {Block} block */

@@ -1,4 +1,4 @@
-/** The fields of one analysis: what the server says about its options, filled to take seconds. */
+/** The fields of one analysis, made from what the server says about its options. */
 
 import { el, freshId } from "../shared/dom.js";
 import { problemWith, readEntry, readQuantity, withPoints } from "../shared/entry.js";
@@ -10,8 +10,7 @@ import { ENGLISH, localList, t } from "../strings.js";
 /** @typedef {{label: string, description: string, unit: string, units: Unit[] | null, kind: string,
  *   several: boolean, required: boolean, default: string, choices: Record<string, string>}} Field
  *   numbers without a unit are in SI units; those of `low` and `high` have the units of what varies */
-/** @typedef {{title: string, first: string, unfit: Record<string, string>,
- *   options: Record<string, any>, quick: Record<string, Record<string, string>>,
+/** @typedef {{title: string, options: Record<string, any>, first: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, units: Unit[], low: string, high: string}>}} About
  *   what the server says about system and drive */
 
@@ -28,7 +27,7 @@ const LIMITS = ["low", "high"];
  * @returns {Record<string, string>}
  */
 export function beginnings(name, fields, about, varied) {
-  const texts = { ...about.quick[name] };
+  const texts = { ...about.first[name] };
   if (varied === undefined || !(varied in about.parameters)) return texts;
   for (const limit of LIMITS) if (limit in fields)
     texts[limit] = about.parameters[varied][/** @type {"low" | "high"} */ (limit)];
@@ -79,11 +78,10 @@ export class AnalysisForm {
     this.fields = fields;
     this.words = { ...about.parameters, ...fields };
     const varied = VARIED in fields
-      ? typed[VARIED] ?? about.quick[name]?.[VARIED] ?? fields[VARIED].default : undefined;
+      ? typed[VARIED] ?? about.first[name]?.[VARIED] ?? fields[VARIED].default : undefined;
     this.begun = beginnings(name, fields, about, varied);
     const make = (/** @type {string} */ each) =>
-      this.field(each, fields[each], about, typed[each] ?? this.begun[each] ?? "", varied,
-        first.includes(each));
+      this.field(each, fields[each], about, typed[each] ?? this.begun[each] ?? "", varied);
     const rest = Object.keys(fields).filter((each) => !first.includes(each));
     const open = (same && this.more.open) || rest.some((each) => each in typed);
     this.more = el("details", { class: "inner", open }, el("summary", {}, t("moreSettings")),
@@ -98,9 +96,8 @@ export class AnalysisForm {
    * @param {About} about
    * @param {string} value
    * @param {string | undefined} varied
-   * @param {boolean} brief whether its description is for the pointer and for screen readers
    */
-  field(name, field, about, value, varied, brief) {
+  field(name, field, about, value, varied) {
     const id = freshId();
     const errorId = freshId();
     const hintId = freshId();
@@ -135,9 +132,9 @@ export class AnalysisForm {
     this.errors[name] = error;
     const long = field.several || input instanceof HTMLSelectElement;
     return el("div", { class: `field analysis ${long ? "several" : ""}` },
-      el("label", { for: id, title: field.description }, field.label),
+      el("label", { for: id }, field.label),
       el("span", { class: "entry" }, input, unit && el("span", { class: "unit" }, unit)),
-      el("p", { class: brief ? "unseen" : "hint", id: hintId, lang: ENGLISH }, field.description), error);
+      el("p", { class: "hint", id: hintId, lang: ENGLISH }, field.description), error);
   }
 
   /**
@@ -194,6 +191,11 @@ export class AnalysisForm {
     return { text: [...texts, ...count.map((part) => part.trim())].join(" : "),
       problem: entries.map(({ problem }) => problem).find((problem) => problem !== null)
         ?? entries.flatMap(({ values }) => values).map(unfit).find((problem) => problem) ?? null };
+  }
+
+  /** Whether no limits are missing, as they are once what is varied has changed. */
+  get isWhole() {
+    return LIMITS.every((limit) => !(limit in this.fields) || limit in this.inputs);
   }
 
   /** The accepted texts by option, without empty fields. */

@@ -1,32 +1,27 @@
-/** Analyse: one question about the system and drive of all views, and its answer. */
+/** Analyse: one analysis of the system and drive of all views, and its result. */
 
 import { askJson, newest, Offline } from "../shared/api.js";
 import { el, freshId } from "../shared/dom.js";
-import { findingPlace, showFinding } from "../shared/finding.js";
 import { Form } from "../shared/form.js";
 import { JobLine } from "../shared/jobs.js";
-import { heldOptions, withLaws } from "../shared/laws.js";
-import { withOptions } from "../shared/links.js";
-import { spanText } from "../shared/left.js";
+import { openLink, withOptions } from "../shared/links.js";
 import { presetField } from "../shared/presets.js";
 import { leaveOut } from "../shared/reading.js";
 import { FIRST } from "../shared/state.js";
 import { inWords } from "../shared/words.js";
 import { ENGLISH, t, tr } from "../strings.js";
-import { Answer, pictureCard } from "./answer.js";
+import { Answer } from "./answer.js";
 import { AnalysisForm } from "./form.js";
 import { PointRun } from "./point.js";
-import { QuestionList, translateQuestions } from "./questions.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
-/** @typedef {import("./questions.js").Asking} Asking */
+/** @typedef {{title: string, summary: string, notes: string, reading: string, first: string[],
+ *   run: string[], options: Record<string, import("./form.js").Field>}} Analysis */
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
-// A link with this part asks its question however long the answer takes.
+// Whoever opens a link with this part need not press Compute.
 const ASK = `${KEY}ask`;
-// What takes no longer is asked without being told to.
-const QUICK = 10; // s
 // Whoever moves a slider has come to a stop after this time.
 const PAUSE = 500; // ms
 const RETRY = 1000; // ms
@@ -35,45 +30,45 @@ export class AnalyseView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
-    /** @type {Record<string, Asking>} */
-    this.forms = {};
+    /** @type {Record<string, Analysis>} */
+    this.analyses = {};
     /** @type {import("./form.js").About | null} */
     this.about = null;
-    this.turn = 0;
     this.timer = 0;
-    this.working = "";
-    this.list = new QuestionList((name) => this.choose(name));
+    /** What was asked last, to tell whether the result on show is still of what the page says. */
+    this.asked = "";
+    this.isOpening = false;
     this.own = new AnalysisForm(page.registry, (changes) => this.keep(changes));
     this.job = new JobLine();
     this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
     const id = freshId();
-    // Outside of its form, where the answer will stand.
-    this.go = el("button", { type: "submit", class: "play", form: id }, t("compute"));
-    this.cost = el("span", { class: "soft", role: "status" });
-    this.title = el("h2", { class: "asks" });
-    this.of = el("p", { class: "hint" });
+    this.select = el("select", { id, on: { change: () => this.setExtra({ [WHAT]: this.select.value }) } });
+    this.summary = el("p", { class: "hint", lang: ENGLISH });
+    this.notes = el("p", { class: "hint", lang: ENGLISH });
+    this.more = el("details", { class: "about", hidden: true }, el("summary", {}, t("analysisAbout")), this.notes);
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
-    this.finding = findingPlace();
-    this.unfit = el("div", { class: "unfit-note", hidden: true });
-    this.asking = el("div", { class: "row asking" }, this.go, this.cost);
+    this.go = el("button", { type: "submit", class: "play" }, t("compute"));
     const submit = (/** @type {Event} */ event) => {
       event.preventDefault();
-      this.working = "";
-      void this.consider(true);
+      // What is wrong stands at its field.
+      if (!Object.keys(this.own.problems).length) void this.compute();
     };
-    this.fields = el("details", { class: "card settings-of" }, el("summary", {}, t("settings")),
-      el("form", { id, class: "form", on: { submit } }, this.own.root));
+    this.fields = el("form", { class: "form", hidden: true, on: { submit } }, this.own.root, this.go);
     const laws = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ event) => event.preventDefault() } });
     this.laws = new Form(laws, page.registry, page.store);
+    this.title = el("h2", {});
+    this.of = el("p", { class: "hint" });
     this.answer = el("div", {});
     this.root = el("div", { class: "view split analyse" },
       el("aside", { class: "side" }, el("section", { class: "card" }, this.presets.field),
-        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfQuestion")), laws),
-        this.fields, this.list.root),
-      el("div", { class: "main" }, el("section", { class: "card question" }, this.notice, this.title,
-        this.of, this.unfit, this.finding, this.asking, this.job.root), this.answer));
+        el("section", { class: "card choice" }, el("div", { class: "field" },
+          el("label", { for: id }, t("analysis")), this.select), this.summary, this.more,
+        this.fields, this.job.root),
+        el("details", { class: "card laws" }, el("summary", {}, t("lawsOfAnalysis")), laws)),
+      el("div", { class: "main" }, el("section", { class: "card" }, this.notice, this.title, this.of),
+        this.answer));
     this.refresh = newest(() => this.look());
     /** @type {() => void} */
     this.unsubscribe = () => {};
@@ -85,13 +80,19 @@ export class AnalyseView {
     return { scenario: scenario || (options.system ? null : FIRST), options };
   }
 
-  /** Return the name of the analysis. */
+  /** The name of the analysis, empty if none is chosen. */
   get what() {
-    const name = this.page.store.state.extra[WHAT];
-    return name in this.forms ? name : this.about?.first ?? Object.keys(this.forms)[0];
+    const name = this.page.store.state.extra[WHAT] ?? "";
+    return Object.hasOwn(this.analyses, name) ? name : "";
+  }
+
+  /** What Compute asks the server for. */
+  get question() {
+    return { ...this.request, analysis: this.what, settings: this.own.values() };
   }
 
   show() {
+    this.isOpening = true;
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
       if (changed === "extra") return;
       clearTimeout(this.timer);
@@ -103,8 +104,6 @@ export class AnalyseView {
   hide() {
     this.unsubscribe();
     clearTimeout(this.timer);
-    this.turn += 1;
-    this.working = "";
     this.job.stop();
     this.point.rest();
   }
@@ -113,10 +112,11 @@ export class AnalyseView {
   async look() {
     const { registry } = this.page;
     try {
-      if (!Object.keys(this.forms).length) {
-        this.forms = await askJson("api/analyses");
-        translateQuestions(this.forms);
-        this.list.build(this.forms);
+      if (!Object.keys(this.analyses).length) {
+        this.analyses = await askJson("api/analyses");
+        for (const each of Object.values(this.analyses)) translate(each);
+        this.select.replaceChildren(el("option", { value: "" }, t("analysisNone")),
+          ...Object.entries(this.analyses).map(([value, { title }]) => el("option", { value }, title)));
       }
       const about = await askJson("api/analyses/about", this.request);
       for (const each of Object.values(about.parameters)) each.label = tr(each.label);
@@ -135,98 +135,67 @@ export class AnalyseView {
     const about = /** @type {import("./form.js").About} */ (this.about);
     this.presets.show(this.request.scenario);
     this.laws.show(about.options);
-    this.of.textContent = t("questionOf", { title: tr(about.title) || t("presetNone"),
+    this.of.textContent = t("analysisOf", { title: tr(about.title) || t("presetNone"),
       system: tr(registry.systems[about.options.system].title),
       drive: tr(registry.drives[about.options.drive].title) });
     this.build();
   }
 
-  /** @param {string} text of the line above the question; none hides it */
+  /** @param {string} text of the line above the title; none hides it */
   tell(text) {
     this.notice.textContent = text;
     this.notice.hidden = text === "";
   }
 
+  /** Show the analysis that the address names, or all that can be chosen. */
   build() {
     if (!this.about) return;
-    const form = this.forms[this.what];
     const { extra } = this.page.store.state;
-    const kept = Object.keys(extra).filter((name) => name.startsWith(KEY)
-      && name !== WHAT && name !== ASK);
-    const strange = kept.filter((name) => !Object.hasOwn(form.options, name.slice(KEY.length)));
-    const isAsked = !(WHAT in extra) || Object.hasOwn(this.forms, extra[WHAT]);
-    leaveOut(this.page, Object.fromEntries([
-      ...(isAsked ? [] : [[WHAT, { text: t("unknownQuestion", { name: extra[WHAT] }) }]]),
-      ...strange.map((name) => [name, { text: t("unknownSetting", { name: name.slice(KEY.length) }) }])]));
+    const { what } = this;
+    const analysis = /** @type {Analysis | undefined} */ (this.analyses[what]);
+    leaveOut(this.page, Object.keys(extra).filter((name) => (name === WHAT ? !analysis
+      : name.startsWith(KEY) && name !== ASK && !(analysis && Object.hasOwn(analysis.options, name.slice(KEY.length))))));
     this.tell("");
-    this.list.show(this.what, this.about.unfit);
-    this.title.textContent = form.title;
-    const typed = Object.fromEntries(Object.keys(form.options).filter((name) => KEY + name in extra)
-      .map((name) => [name, extra[KEY + name]]));
-    const why = this.about.unfit[this.what];
-    this.showUnfit(why);
-    this.fields.hidden = why !== undefined;
-    this.own.build(this.what, form, this.about, typed);
-    this.root.dataset.form = this.what;
-    if (this.root.dataset.answered !== this.what || why) this.clear();
-    if (!why) void this.consider(extra[ASK] === "1");
+    this.select.value = what;
+    this.root.dataset.form = what;
+    this.fields.hidden = this.summary.hidden = this.more.hidden = !analysis;
+    this.title.textContent = analysis?.title ?? t("analysisChoose");
+    if (this.root.dataset.answered !== what) this.clear();
+    if (!analysis) return;
+    this.summary.textContent = analysis.summary;
+    this.notes.textContent = analysis.notes;
+    this.more.hidden = analysis.notes === "";
+    this.own.build(what, analysis, this.about, Object.fromEntries(Object.keys(analysis.options)
+      .filter((name) => KEY + name in extra).map((name) => [name, extra[KEY + name]])));
+    this.age();
+    const { isOpening } = this;
+    this.isOpening = false;
+    if (isOpening && extra[ASK] === "1") void this.compute();
   }
 
-  /** Take the answer away; its place says what will stand there. */
+  /** Take the result away; in its place stand all analyses, or where the picture will be. */
   clear() {
-    const isFit = !(this.what in (this.about?.unfit ?? {}));
-    this.finding.hidden = !isFit;
-    showFinding(this.finding, t("answerHere"), false);
-    this.answer.replaceChildren(...(isFit ? [pictureCard(this.forms[this.what])] : []));
-    this.asking.hidden = true;
+    const { what } = this;
+    this.job.stop();
+    this.job.clear();
+    this.asked = "";
+    delete this.root.dataset.answered;
+    this.answer.classList.remove("stale");
     this.point.rest();
     this.point.root.hidden = true;
+    const { scenario, options } = this.page.store.state;
+    const row = (/** @type {[string, Analysis]} */ [name, { title, summary }]) => [
+      el("dt", {}, openLink(this.page, { view: "analyse", scenario, options, extra: { [WHAT]: name } }, title)),
+      el("dd", { lang: ENGLISH }, summary)];
+    this.answer.replaceChildren(el("section", { class: "card" }, what
+      ? el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))
+      : el("dl", { class: "analyses" }, ...Object.entries(this.analyses).flatMap(row))));
   }
 
-  /** Offer to compute what was not asked or has no answer. */
-  offer() {
-    this.clear();
-    this.asking.hidden = false;
-  }
-
-  /**
-   * Say why a question cannot be asked of this system, and offer one of which it can.
-   * @param {string | undefined} why
-   */
-  showUnfit(why) {
-    this.unfit.hidden = why === undefined;
-    if (why === undefined || !this.about) return;
-    this.job.stop();
-    const { registry, store } = this.page;
-    const { system, drive } = this.about.options;
-    const shaken = registry.drives[drive].periodic ? drive : "harmonic";
-    const pair = registry.systems[system].contacts;
-    const fitting = why.includes(registry.systems.latolato.title) ? "latolato"
-      : pair && shaken === drive ? "pendulum" : system === "mathieu" ? "pendulum" : system;
-    const text = t(fitting === "latolato" ? "unfitToy"
-      : fitting === system ? "unfitDrive" : "unfitSystem");
-    const { options } = this.about;
-    const kinds = { system: fitting, drive: shaken };
-    this.unfit.replaceChildren(el("p", { lang: ENGLISH }, why), el("button", { type: "button", on: {
-      click: () => store.set({ scenario: this.request.scenario, options: withLaws(registry,
-        heldOptions(registry, store.state.options, options, { system }, kinds), options, fitting,
-        shaken) }) } }, text));
-  }
-
-  /** @param {string} name */
-  choose(name) {
-    this.setExtra({ [WHAT]: name });
-    this.build();
-    if (this.title.getBoundingClientRect().top < 0 || window.innerWidth < 800)
-      this.title.scrollIntoView({ block: "center" });
-  }
-
-  /** @param {Record<string, string>} changes */
+  /** @param {Record<string, string>} changes of the fields */
   keep(changes) {
     const own = Object.entries(changes).map(([name, value]) => [KEY + name, value]);
     this.setExtra({ [WHAT]: this.what, ...Object.fromEntries(own) });
-    if ("low" in this.own.fields && !("low" in this.own.inputs)) this.build();
-    else void this.consider(false);
   }
 
   /** @param {Record<string, string>} own all that this view keeps in the address */
@@ -234,102 +203,64 @@ export class AnalyseView {
     const { extra } = this.page.store.state;
     const others = Object.entries(extra).filter(([name]) => !name.startsWith(KEY));
     this.page.store.set({ extra: { ...Object.fromEntries(others), ...own } }, "extra");
+    // Which fields there are follows from the analysis and from what it varies.
+    if (this.root.dataset.form !== this.what || !this.own.isWhole) this.build();
+    else this.age();
   }
 
-  /**
-   * Ask what is typed, if it is soon answered or was wanted; else say how long it takes. A question
-   * whose time was never measured is begun, and ended again if its first part shows that it is slow.
-   * @param {boolean} isWanted
-   */
-  async consider(isWanted) {
-    const values = this.own.values();
-    const question = { ...this.request, analysis: this.what, settings: values };
-    const key = JSON.stringify(question);
-    if (this.working === key) return;
-    this.working = key;
-    this.turn += 1;
-    const { turn } = this;
-    this.job.stop();
+  /** Mark a result that is of something else than what the page says now. */
+  age() {
     this.job.error.hidden = true;
     this.own.error(null);
-    this.cost.textContent = "";
-    try {
-      const { seconds, refused } = await askJson("api/analyses/cost", question);
-      if (turn !== this.turn) return;
-      if (refused) this.refuse(refused);
-      else if (isWanted || seconds === null || seconds <= QUICK)
-        await this.ask(question, seconds, turn, isWanted || seconds !== null);
-      else this.tellCost(seconds);
-    } catch (error) {
-      if (!(error instanceof Error)) throw error;
-      if (turn === this.turn) this.refuse(error instanceof Offline ? t("offline") : error.message);
-    }
+    this.answer.classList.toggle("stale", this.asked !== "" && JSON.stringify(this.question) !== this.asked);
   }
 
-  /**
-   * Say how long an answer takes, which waits for Compute.
-   * @param {number} seconds as measured
-   */
-  tellCost(seconds) {
-    this.offer();
-    this.cost.textContent = t("askCost", { time: spanText(seconds) });
-  }
-
-  /** @param {string} text why there is no answer */
+  /** @param {string} text why there is no result */
   refuse(text) {
-    this.age(false);
-    this.offer();
-    if (this.own.error(text)) {
-      this.job.error.hidden = true;
-      this.fields.open = true;
-    }
-    else this.job.refuse(inWords(text, this.own.words));
+    if (!this.own.error(text)) this.job.refuse(inWords(text, this.own.words));
+    else this.job.error.hidden = true;
   }
 
-  /** @param {boolean} isOld whether what is on show answers an older question */
-  age(isOld) {
-    for (const place of [this.finding, this.answer]) place.classList.toggle("stale", isOld);
-  }
-
-  /**
-   * Ask the server and show the answer.
-   * @param {{scenario: string | null, options: Record<string, string>, analysis: string,
-   *   settings: Record<string, string>}} question
-   * @param {number | null} seconds that it takes, if that was measured before
-   * @param {number} turn
-   * @param {boolean} isWanted however long it takes
-   */
-  async ask(question, seconds, turn, isWanted) {
-    this.age(true);
-    this.asking.hidden = true;
-    /** @type {number | null} */
-    let slow = null;
-    const block = await this.job.run("ws/analyse", question, { expected: seconds, timed: (all) => {
-      if (isWanted || all <= QUICK) return;
-      slow = all;
-      this.job.stop();
-    } });
-    if (turn !== this.turn) return;
+  /** Ask the server, and show the result. */
+  async compute() {
+    const { question } = this;
+    const { [ASK]: _, ...settings } = Object.fromEntries(Object.entries(this.page.store.state.extra)
+      .filter(([name]) => name.startsWith(KEY)));
+    this.asked = JSON.stringify(question);
+    this.setExtra({ ...settings, [ASK]: "1" });
+    const block = await this.job.run("ws/analyse", question);
+    if (JSON.stringify(question) !== this.asked) return;
     if (!block) {
-      const { error } = this.job;
-      this.age(false);
-      if (slow !== null) this.tellCost(slow);
-      else if (error.hidden) this.offer();
-      else this.refuse(error.textContent ?? "");
-      this.working = "";
+      if (!this.job.error.hidden) this.refuse(this.job.error.textContent ?? "");
+      this.asked = "";
       return;
     }
-    this.age(false);
-    this.clear();
-    const called = this.own.words;
-    const answer = new Answer(block, this.forms[question.analysis], (text) => inWords(text, called), (values, words) =>
+    const { words } = this.own;
+    const answer = new Answer(block, this.analyses[question.analysis], (text) => inWords(text, words), (values, said) =>
       void this.point.show({ scenario: question.scenario,
-        options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values ? t("pointSaid", { values: words })
-        : t("pointSaidStart", { values: words })));
+        options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values
+        ? t("pointSaid", { values: said }) : t("pointSaidStart", { values: said })));
+    this.point.rest();
+    this.point.root.hidden = true;
     answer.after.append(this.point.root);
-    showFinding(this.finding, block.about.verdict, true);
     this.answer.replaceChildren(answer.root);
+    // On a phone it comes below the form.
+    if (this.answer.getBoundingClientRect().top > window.innerHeight) this.answer.scrollIntoView();
+    this.age();
     this.root.dataset.answered = question.analysis;
     this.root.dataset.answers = String(Number(this.root.dataset.answers ?? 0) + 1);
+  }
+}
+
+/**
+ * Put what the program calls an analysis, its options and choices in the language of the page;
+ * descriptions stay as they are.
+ * @param {Analysis} analysis
+ */
+function translate(analysis) {
+  for (const key of /** @type {const} */ (["title", "reading"])) analysis[key] = tr(analysis[key]);
+  for (const field of Object.values(analysis.options)) {
+    field.label = tr(field.label);
+    field.choices = Object.fromEntries(Object.entries(field.choices).map(([key, text]) => [key, tr(text)]));
   }
 }

@@ -1,9 +1,7 @@
 /** How an address describes a map: what it asks for, its axes, and the parts that cannot be read. */
 
 import { openState } from "../shared/links.js";
-import { cut } from "../shared/reading.js";
 import { FIRST } from "../shared/state.js";
-import { t } from "../strings.js";
 import { SCALES } from "./colours.js";
 
 /** @typedef {import("../shared/state.js").State} State */
@@ -175,21 +173,11 @@ export function turned(axes, which, name) {
   return { ...keys(which, other), ...keys(which === "x" ? "y" : "x", own), at: null };
 }
 
-// What the fields of these keys are called.
-/** @type {Record<string, string[]>} */
-const LABELS = { x: ["mapX"], y: ["mapY"], xlow: ["mapX", "mapFrom"], xhigh: ["mapX", "mapTo"],
-  ylow: ["mapY", "mapFrom"], yhigh: ["mapY", "mapTo"], xlog: ["mapLogX"], ylog: ["mapLogY"],
-  size: ["mapSize"], duration: ["mapDuration"], transient: ["mapTransient"], scale: ["mapScale"],
-  low: ["mapLow"], high: ["mapHigh"], log: ["mapLogColours"], observable: ["mapObservable"],
-  levels: ["mapLevels"], contours: ["mapContours"], tongue: ["mapTongue"], lift: ["mapLift"],
-  scenario: ["mapSource"] };
-
 /**
- * Return which keys of the address are unknown or hold no value of their kind, each with a sentence
- * about it.
+ * Return which keys of the address are unknown or hold no value of their kind.
  * @param {any} registry
  * @param {Record<string, string>} extra
- * @returns {Record<string, {text: string}>}
+ * @returns {string[]}
  */
 export function misread(registry, extra) {
   const variables = Object.values(registry.observables).flatMap((each) => Object.keys(/** @type {any} */ (each).variables));
@@ -206,11 +194,6 @@ export function misread(registry, extra) {
     if (["x", "y"].includes(name) && !isStored) return !Object.hasOwn(registry.axes, text);
     return !TEXTS.includes(name) && !`map.${name}`.startsWith(TAKEN);
   };
-  const bad = Object.keys(extra).filter((key) => key.startsWith("map.")
+  return Object.keys(extra).filter((key) => key.startsWith("map.")
     && isBad(key.slice("map.".length), extra[key])).sort();
-  return Object.fromEntries(bad.map((key) => {
-    const label = LABELS[key.slice("map.".length)]?.map((word) => t(word)).join(", ");
-    return [key, { text: label ? t("unreadSetting", { label, text: cut(extra[key]) })
-      : t("unknownParameter", { name: cut(key) }) }];
-  }));
 }

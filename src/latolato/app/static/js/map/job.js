@@ -18,7 +18,7 @@ import { questionOf } from "./question.js";
  * or what is wrong with it. A map that takes long `asks` first, and `start` begins it; `restarted`
  * is called when a worker has died.
  * @typedef {{choices: (choices: import("./about.js").Choices) => void,
- *   begin: (begin: import("./grid.js").Begin) => void, asks: (seconds: number) => void,
+ *   begin: (begin: import("./grid.js").Begin) => void, asks: (minutes: number) => void,
  *   cells: (cells: import("./grid.js").Cells, progress: Progress) => void,
  *   restarted: (message: string) => void, done: (progress: Progress) => void,
  *   refused: (error: Error) => void}} Listener
@@ -68,7 +68,7 @@ export class PageJob {
     this.estimate = estimate;
     this.listener.begin(beginOf(question));
     const seconds = (estimate.seconds * this.count) / this.all;
-    if (seconds > LONG && !this.agreed) this.listener.asks(seconds);
+    if (seconds > LONG && !this.agreed) this.listener.asks(Math.ceil(seconds / 60));
     else this.start();
   }
 

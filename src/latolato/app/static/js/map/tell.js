@@ -1,7 +1,6 @@
 /** What a map says in words: places, values, colours. */
 
 import { el } from "../shared/dom.js";
-import { spanText } from "../shared/left.js";
 import { localShort, plainSymbol, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
@@ -85,7 +84,7 @@ export function legend(grid, { variable: k, log }, lines, trials, contours) {
 
 /**
  * Return the summary of a map that has come to its end: its points, those that are new or missing,
- * and what those would take that were left out at first.
+ * and how many a finer one has.
  * @param {Grid} grid
  * @param {import("./pool.js").Progress} done
  * @param {number} all points that were to be computed
@@ -94,9 +93,7 @@ export function doneText(grid, done, all) {
   const whole = grid.width * grid.height;
   const said = pointsText(grid, done, all);
   if (all === whole) return said;
-  const { rate } = done;
-  return `${said}. ${rate > 0 ? t("mapWhole", { whole, time: spanText((whole - all) / rate) })
-    : t("mapWholeUnknown", { whole })}`;
+  return `${said}. ${t("mapWhole", { whole })}`;
 }
 
 /**

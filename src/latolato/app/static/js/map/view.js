@@ -6,7 +6,6 @@ import { codeBlocks } from "../shared/code.js";
 import { el } from "../shared/dom.js";
 import { Form } from "../shared/form.js";
 import { followKeys, KeyList } from "../shared/keys.js";
-import { spanText } from "../shared/left.js";
 import { leaveOut, sentence, waysOn } from "../shared/reading.js";
 import { inPagesWords } from "../shared/refusals.js";
 import { t } from "../strings.js";
@@ -185,7 +184,7 @@ export class MapView {
     /** @type {import("./job.js").Listener} */
     const listener = {
       choices: (choices) => this.takeChoices(choices), begin: (begin) => this.begin(new Grid(begin)),
-      asks: (seconds) => this.askFirst(seconds),
+      asks: (minutes) => this.askFirst(minutes),
       cells: (cells, progress) => this.take(cells, progress), done: (progress) => this.finish(progress),
       restarted: (message) => this.sayRestart(message), refused: (error) => this.refuse(error),
     };
@@ -211,10 +210,10 @@ export class MapView {
 
   /**
    * Say how long a map takes, and wait for consent.
-   * @param {number} seconds
+   * @param {number} minutes
    */
-  askFirst(seconds) {
-    this.tools.say(t("mapLong", { time: spanText(seconds) }), 0);
+  askFirst(minutes) {
+    this.tools.say(t("mapLong", { count: minutes }), 0);
     this.tools.state("asks");
   }
 
@@ -272,7 +271,7 @@ export class MapView {
     const share = Math.min(grid.done / count, 1);
     if (rate > 0)
       this.tools.say(t("mapRate", { percent: Math.floor(100 * share),
-        rate: Math.round(rate), left: Math.ceil((count * (1 - share)) / rate) }), share);
+        rate: Math.round(rate) }), share);
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
   }

@@ -2,7 +2,6 @@
 
 import { askJson } from "../shared/api.js";
 import { inner } from "../shared/block.js";
-import { TimeLeft } from "../shared/left.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
 import { sheetOf } from "./sheet.js";
@@ -25,7 +24,7 @@ import { Track } from "./track.js";
  *   answer: {name: string, value: number, sigma: number, units: string,
  *     given?: Record<string, number>}[],
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
- *   field: string | null, stage: string | null, share: number, left: TimeLeft,
+ *   field: string | null, stage: string | null, share: number,
  *   mode: "setup" | "result",
  *   cancel: () => void, files: Set<string>, tracked: number}} Clip
  */
@@ -73,7 +72,7 @@ export class Session {
       isProposed: true, truth: {},
       track: null, finding: "", answer: [], fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
-      left: new TimeLeft(), mode: "setup",
+      mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };
     this.clips.push(clip);
     this.clip = clip;
@@ -90,14 +89,11 @@ export class Session {
     clip.error = clip.field = null;
     clip.stage = "waiting";
     clip.share = 0;
-    clip.left = new TimeLeft();
     const own = new AbortController();
     clip.cancel = () => own.abort();
     this.changed();
     try {
       return await start({ signal: own.signal, tell: ({ state, progress = 0 }) => {
-        if (state !== clip.stage) clip.left = new TimeLeft();
-        clip.left.heed(progress);
         clip.stage = state;
         clip.share = progress;
         this.changed();

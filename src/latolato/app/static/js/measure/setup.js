@@ -3,8 +3,7 @@
 import { el, freshId } from "../shared/dom.js";
 import { readQuantity } from "../shared/entry.js";
 import { Form } from "../shared/form.js";
-import { SOON, spanText } from "../shared/left.js";
-import { cut, leaveOut } from "../shared/reading.js";
+import { leaveOut } from "../shared/reading.js";
 import { short } from "../shared/units.js";
 import { inWords, withLabels } from "../shared/words.js";
 import { t } from "../strings.js";
@@ -22,8 +21,6 @@ const OF_TABLE = ["frame_rate", ...PIVOT];
 /** What decimal signs are called; without one, the reader of tables finds it. */
 const SIGNS = { "": "found", ".": "point", ",": "comma" };
 const NAMES = [...FIRST, ...SIZES, ...REST, ...CAMERA, ...OF_TABLE];
-// Work that goes from frame to frame.
-const OF_FRAMES = ["tracking", "drawing"];
 
 export class Setup {
   /**
@@ -46,10 +43,8 @@ export class Setup {
       if (kept) this.values[name] = kept;
     }
     const known = [...NAMES, "example"].map((name) => `measure.${name}`);
-    const strange = Object.keys(store.state.extra).filter((key) => key.startsWith("measure.")
-      && !known.includes(key));
-    leaveOut(page, Object.fromEntries(strange.map((key) =>
-      [key, { text: t("unknownParameter", { name: cut(key) }) }])));
+    leaveOut(page, Object.keys(store.state.extra).filter((key) => key.startsWith("measure.")
+      && !known.includes(key)));
     let before = store.state.extra;
     store.subscribe(({ extra }, changed) => {
       for (const name of changed === "address" ? NAMES : []) {
@@ -288,15 +283,11 @@ export function clockText(clock) {
 }
 
 /**
- * Return which work goes on, how far it is, and how fast, once that was measured.
- * @param {Pick<import("./session.js").Clip, "stage" | "share" | "left" | "about">} clip
+ * Return which work goes on, and how far it is.
+ * @param {Pick<import("./session.js").Clip, "stage" | "share">} clip
  */
-export function stageText({ stage, share, left, about }) {
+export function stageText({ stage, share }) {
   const name = t(`stage_${stage ?? "waiting"}`);
-  if (!share) return t("stageOf", { stage: name });
-  const text = t("progressOf", { stage: name, percent: Math.round(100 * share) });
-  if (!left.rate || left.seconds === null || (left.total ?? 0) <= SOON) return text;
-  const rate = about && OF_FRAMES.includes(stage ?? "")
-    ? `${t("frameRate", { rate: short(left.rate * about.frames, 2) })}, ` : "";
-  return `${text}: ${rate}${t("timeLeft", { left: spanText(left.seconds) })}`;
+  return share ? t("progressOf", { stage: name, percent: Math.round(100 * share) })
+    : t("stageOf", { stage: name });
 }

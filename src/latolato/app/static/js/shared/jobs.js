@@ -4,7 +4,6 @@ import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
-import { SOON, spanText, TimeLeft } from "./left.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
@@ -49,20 +48,14 @@ export function doJob(path, request, { tell, signal } = {}) {
 }
 
 /**
- * Return how far a job is, in words; how much is left only where that was measured.
+ * Return how far a job is, in words.
  * @param {Status} status
- * @param {TimeLeft} left
  * @returns {string}
  */
-export function statusText({ state, elapsed, progress }, left) {
+export function statusText({ state, elapsed, progress }) {
   const seconds = elapsed.toFixed(elapsed < 10 ? 1 : 0);
-  if (state !== "working") return t(`job_${state}`, { seconds });
-  if (left.isLate) return t("job_late", { seconds });
-  if (left.total !== null && left.total <= SOON) return t("job_working", { seconds });
-  if (left.seconds === null) return t(progress ? "job_timing" : "job_unknown", { seconds });
-  const span = spanText(left.seconds);
-  if (!left.rate) return t("job_left", { left: span });
-  return t("job_progress", { percent: Math.round(100 * left.share), left: span });
+  if (state !== "working" || progress === undefined) return t(`job_${state}`, { seconds });
+  return t("job_progress", { percent: Math.round(100 * progress), seconds });
 }
 
 /** A line that shows how far a job is, with a button that cancels it. */
@@ -70,11 +63,6 @@ export class JobLine {
   constructor() {
     /** @type {AbortController | null} */
     this.running = null;
-    this.left = new TimeLeft();
-    /** @type {number | null} seconds that the work takes, as far as it was timed before */
-    this.expected = null;
-    /** @type {((seconds: number) => void) | null} told how long the work takes, once it is timed */
-    this.timed = null;
     this.bar = el("progress", { max: "1", "aria-label": t("job_bar") });
     this.text = el("span", { class: "soft", role: "status" });
     this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
@@ -88,18 +76,14 @@ export class JobLine {
    * The result of a job, null if it is refused (which is shown) or cancelled.
    * @param {string} path
    * @param {any} request
-   * @param {{expected?: number | null, timed?: (seconds: number) => void}} [options] seconds that
-   *   it takes, if that was measured before; `timed` is called with those it took
    * @returns {Promise<Block | null>}
    */
-  async run(path, request, { expected = null, timed } = {}) {
+  async run(path, request) {
     this.running?.abort();
     const own = this.running = new AbortController();
     this.clear();
     this.line.hidden = false;
-    this.line.dataset.status = this.line.dataset.state = "";
-    this.expected = expected;
-    this.timed = timed ?? null;
+    this.line.dataset.status = "";
     this.show({ state: "waiting", elapsed: 0 });
     try {
       return await doJob(path, request, { signal: own.signal, tell: (status) => {
@@ -132,20 +116,13 @@ export class JobLine {
   /** @param {Status} status */
   show(status) {
     const { state, elapsed, progress } = status;
-    // Time counts from the moment at which the work itself begins.
-    if (state !== this.line.dataset.state) this.left = new TimeLeft(this.expected);
-    this.line.dataset.state = state;
-    const { left } = this;
-    if (state === "working") left.heed(progress ?? 0);
-    if (left.rate && left.total !== null) this.timed?.(left.total);
-    const share = progress ?? (left.total && !left.isLate ? elapsed / left.total : null);
-    if (share === null || state !== "working") this.bar.removeAttribute("value");
-    else this.bar.value = share;
+    if (progress === undefined || state !== "working") this.bar.removeAttribute("value");
+    else this.bar.value = progress;
     // Not at every frame: screen readers read each change.
     const second = `${state}${Math.floor(elapsed)}`;
     if (second === this.line.dataset.status) return;
     this.line.dataset.status = second;
-    this.text.textContent = statusText(status, left);
+    this.text.textContent = statusText(status);
   }
 
   /** Cancel what runs. */

@@ -3,7 +3,7 @@
 import { InputError } from "../model/rules.js";
 import { el, tell } from "../shared/dom.js";
 import { openLink, openState } from "../shared/links.js";
-import { cut, sayLeft } from "../shared/reading.js";
+import { leaveOut } from "../shared/reading.js";
 import { inLanguage } from "../shared/refusals.js";
 import { LongRunError, Runner } from "../shared/runner.js";
 import { t, tr } from "../strings.js";
@@ -128,20 +128,10 @@ export class StoryPanel {
       return;
     }
     // An address that names a story alone shows what the story shows.
-    const { scenario, options } = this.page.store.state;
-    const left = this.leaveOutStep();
+    const { scenario, options, extra } = this.page.store.state;
     if (!scenario && !Object.keys(options).length) this.lookAgain();
-    sayLeft(this.page, left, "link of story");
-  }
-
-  /** Take a step that there is not out of the address; returns what to say about it. */
-  leaveOutStep() {
-    const { store } = this.page;
-    const step = store.state.extra["story.step"];
-    const count = this.tables?.steps?.length ?? 1;
-    if (step === undefined || String(this.kept.step) === step) return [];
-    store.drop(["story.step"]);
-    return [{ text: t("storyNoStep", { step: cut(step), count }) }];
+    const step = extra["story.step"];
+    leaveOut(this.page, step === undefined || String(this.kept.step) === step ? [] : ["story.step"]);
   }
 
   /**
