@@ -5,11 +5,10 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.forms import units_of
+from latolato.app.forms import shown_option, units_of
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
 
@@ -95,19 +94,17 @@ def _option(option: Parameter) -> dict[str, Any]:
     if isinstance(default, (tuple, list)):
         default = ", ".join(f"{value:g}" for value in default)
     description = _INTERVAL.sub("", option.description)
-    return {
+    shown = {
         "label": label_of(option.name, option.unit),
+        "symbol": "",
         "description": pretty(_NAMES.sub(lambda n: n[0].replace("_", " "), description)),
-        "unit": option.unit,
-        "units": None if option.unit_of else units_of(option.quantity),
-        "limits": [asdict(limit) for limit in option.limits],
-        "whole": option.kind is int,
-        "kind": option.kind.__name__,
-        "several": option.several,
+        "labels": {each: label_of(each) for each in option.choices},
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
-        "choices": {each: label_of(each) for each in option.choices},
+        "suggested": None,
+        "is_in_unit_of_parameter": bool(option.unit_of),
     }
+    return shown_option(option) | shown
 
 
 def label_of(name: str, unit: str = "") -> str:
@@ -216,6 +213,7 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
             low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
         result[name] = {
             "label": label_of(name, parameter.unit),
+            "unit": parameter.unit,
             "units": units_of(parameter.quantity),
             "low": "0" if value == 0.0 else low,
             "high": "0.1" if value == 0.0 else high,

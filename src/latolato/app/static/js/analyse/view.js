@@ -16,7 +16,7 @@ import { PointRun } from "./point.js";
 
 /** @typedef {import("../shared/state.js").Page} Page */
 /** @typedef {{title: string, summary: string, notes: string, reading: string, first: string[],
- *   run: string[], options: Record<string, import("./form.js").Field>}} Analysis */
+ *   run: string[], options: Record<string, import("./form.js").Argument>}} Analysis */
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
@@ -52,7 +52,7 @@ export class AnalyseView {
     const submit = (/** @type {Event} */ event) => {
       event.preventDefault();
       // What is wrong stands at its field.
-      if (!Object.keys(this.own.problems).length) void this.compute();
+      if (!this.own.isRefused) void this.compute();
     };
     this.fields = el("form", { class: "form", hidden: true, on: { submit } }, this.own.root, this.go);
     const laws = el("form", { class: "form", on: {
@@ -88,7 +88,7 @@ export class AnalyseView {
 
   /** What Compute asks the server for. */
   get question() {
-    return { ...this.request, analysis: this.what, settings: this.own.values() };
+    return { ...this.request, analysis: this.what, settings: this.own.values };
   }
 
   show() {
@@ -261,6 +261,6 @@ function translate(analysis) {
   for (const key of /** @type {const} */ (["title", "reading"])) analysis[key] = tr(analysis[key]);
   for (const field of Object.values(analysis.options)) {
     field.label = tr(field.label);
-    field.choices = Object.fromEntries(Object.entries(field.choices).map(([key, text]) => [key, tr(text)]));
+    field.labels = Object.fromEntries(Object.entries(field.labels ?? {}).map(([key, text]) => [key, tr(text)]));
   }
 }

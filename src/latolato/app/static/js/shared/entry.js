@@ -2,9 +2,9 @@
 
 import { checkedNumber, InputError } from "../model/rules.js";
 import { splitQuantity, toSi } from "../model/units.js";
-import { local, t, tr } from "../strings.js";
+import { local, localList, t, tr } from "../strings.js";
 import { inPagesWords } from "./refusals.js";
-import { shownUnit } from "./units.js";
+import { short, shownUnit } from "./units.js";
 import { capitalised } from "./words.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -65,6 +65,37 @@ export function readEntry(typed, takes) {
     return wrong([problem, read[k].wayOut].filter(Boolean).join(" "));
   }
   return { values, problem: null, text: texts.join(", ") };
+}
+
+/**
+ * Read a number, a list of numbers, or a range such as 1.4 : 3.2 : 7, which ends with a count.
+ * @param {string} typed
+ * @param {Takes} takes
+ * @returns {Entry}
+ */
+export function readRange(typed, takes) {
+  const parts = typed.split(":");
+  const count = parts.splice(2).map((part) => part.trim());
+  const entries = parts.map((part) => readEntry(part, { ...takes, isList: parts.length === 1 }));
+  const bad = entries.find(({ problem }) => problem !== null);
+  return bad ?? { values: entries.flatMap(({ values }) => values), problem: null,
+    text: [...entries.map(({ text }) => text), ...count].join(" : ") };
+}
+
+/**
+ * Return a list or a range of numbers as its field shows it.
+ * @param {string} text
+ * @param {{registry: Pick<Registry, "units" | "prefixes">, unit: string, usual: Unit}} takes the SI unit,
+ *   and the unit on show
+ */
+export function shownNumbers(text, { registry, unit, usual: { size } }) {
+  const parts = text.split(":");
+  const count = parts.splice(2).map((part) => part.trim());
+  const shown = (/** @type {string} */ part) => {
+    const { value } = readQuantity(registry, part, unit);
+    return Number.isNaN(value) ? "?" : short(value / size);
+  };
+  return [...parts.map((part) => localList(part.split(",").map(shown))), ...count].join(" : ");
 }
 
 /**

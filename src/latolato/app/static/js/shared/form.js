@@ -4,7 +4,7 @@ import { withoutAlternatives } from "../model/options.js";
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { readEntry, readQuantity } from "./entry.js";
-import { Knob, symbolOf } from "./knob.js";
+import { explanation, Knob, symbolOf } from "./knob.js";
 import { heldOptions, START, textIn, withLaws } from "./laws.js";
 import { localShort, short, shownUnit } from "./units.js";
 
@@ -267,12 +267,13 @@ export class Form {
    * @param {Option} option
    */
   switchField(name, option) {
-    const id = freshId();
+    const [id, aboutId] = [freshId(), freshId()];
     const box = el("input", { id, type: "checkbox", on: { change: () =>
       this.give(name, box.checked ? "true" : "false") } });
     this.fields.set(name, { read: (text) => { box.checked = text === "true"; }, error: () => {} });
     box.checked = this.text(name) === "true";
-    return el("div", { class: "field choice" }, el("label", { for: id }, option.description), box);
+    return el("div", { class: "field choice" },
+      el("label", { for: id }, option.isExplained ? option.label : option.description), box, explanation(option, aboutId));
   }
 
   /**
@@ -294,15 +295,15 @@ export class Form {
    * @param {string[]} choices
    */
   choiceField(name, option, choices) {
-    const id = freshId();
+    const [id, aboutId] = [freshId(), freshId()];
     const select = el("select", { id, on: { change: () =>
       (name === "suspension" ? this.hangOn(select.value) : this.give(name, select.value)) } },
-      ...choices.map((each) => el("option", { value: each }, tr(each))));
+      ...choices.map((each) => el("option", { value: each }, option.labels?.[each] ?? tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });
     read(this.text(name));
     return el("div", { class: "field choice" },
-      el("label", { for: id }, option.label || option.description), select);
+      el("label", { for: id }, option.label || option.description), select, explanation(option, aboutId));
   }
 
   /**

@@ -1,9 +1,9 @@
 /** A number that is slid or typed: a field with its unit and, where it has a span, a slider. */
 
 import { splitQuantity } from "../model/units.js";
-import { localList, t } from "../strings.js";
+import { ENGLISH, t } from "../strings.js";
 import { el, freshId } from "./dom.js";
-import { problemWith, readEntry, readQuantity } from "./entry.js";
+import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
 import { unitHabits } from "./habits.js";
 import { localShort, short, shownUnit, symbolParts } from "./units.js";
 
@@ -63,9 +63,9 @@ export class Knob {
     /** @type {[number, number]} */
     this.ends = this.span ?? [0, 1];
     const id = freshId();
-    const errorId = freshId();
-    this.input = el("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
-      spellcheck: "false", "aria-describedby": errorId, on: {
+    const [errorId, aboutId] = [freshId(), freshId()];
+    this.input = el("input", { id, type: "text", inputmode: option.takesRange ? "text" : "decimal", autocomplete: "off",
+      spellcheck: "false", placeholder: option.placeholder || null, "aria-describedby": option.isExplained ? `${errorId} ${aboutId}` : errorId, on: {
         input: () => { this.isDraft = true; }, change: () => this.type() } });
     const several = !unit && option.units.length > 1;
     this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
@@ -88,7 +88,7 @@ export class Knob {
     this.root = el("div", { class: "field knob" },
       el("label", { for: id, title: option.description }, `${label} `, symbolOf(option),
         ...keys.map((key) => el("kbd", { "aria-hidden": "true" }, key))),
-      this.entry, this.slider, this.hint, this.note);
+      this.entry, this.slider, this.hint, explanation(option, aboutId), this.note);
   }
 
   /** The unit on show. @returns {Unit} */
@@ -171,14 +171,13 @@ export class Knob {
     const isTyped = Number(short(Number(number), this.digits)) === Number(number);
     if (isFirst && !this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
     if (this.units) this.units.value = this.unit.name;
-    this.value = text.includes(",") ? null : this.valueOf(text);
+    const isSingle = !/[,:]/.test(text);
+    this.value = isSingle ? this.valueOf(text) : null;
     this.place();
     if (isTyping && (this.isDraft || text === this.taken)) return;
     if (this.value !== null) this.show(this.value);
-    else this.input.value = !text.includes(",") ? text : localList(text.split(",").map((part) => {
-      const each = this.valueOf(part);
-      return each === null ? "?" : short(each / this.unit.size);
-    }));
+    else this.input.value = isSingle ? text
+      : shownNumbers(text, { registry: this.registry, unit: this.option.unit, usual: this.unit });
   }
 
   /** Put the slider where the value is. */
@@ -227,7 +226,7 @@ export class Knob {
   type() {
     this.isDraft = false;
     const { option, isList, mayBeEmpty, registry, unit } = this;
-    const { values, text, problem } = readEntry(this.input.value, { registry, usual: unit, unit: option.unit,
+    const { values, text, problem } = (option.takesRange ? readRange : readEntry)(this.input.value, { registry, usual: unit, unit: option.unit,
       shown: this.only?.shown, isList, mayBeEmpty,
       example: this.value === null ? "" : this.wordsOf(this.value) });
     const wrong = problem ?? values.map((each) => this.problemWith(each)).find((each) => each) ?? null;
@@ -308,6 +307,15 @@ export function symbolOf({ symbol }) {
   const parts = symbolParts(symbol);
   return parts.length ? el("i", {}, ...parts.map(({ text, place }) =>
     (place === "line" ? text : el(place, {}, text)))) : "";
+}
+
+/**
+ * Return what an option means, to stand below its field where it is shown.
+ * @param {Option} option
+ * @param {string} id
+ */
+export function explanation({ isExplained, description }, id) {
+  return isExplained ? el("p", { class: "hint", id, lang: ENGLISH }, description) : null;
 }
 
 /**

@@ -3,10 +3,16 @@
 import { withoutAlternatives } from "../model/options.js";
 import { short } from "./units.js";
 
-/** @typedef {{label: string, symbol: string, description: string, unit: string,
+/**
+ * An option as a field shows it. `placeholder` stands in an empty field, `labels` name choices;
+ * `isExplained` says whether its description stands below, `takesRange` whether it may be
+ * `low : high : count`.
+ * @typedef {{label: string, symbol: string, description: string, unit: string,
  *   units: {name: string, size: number}[], several: boolean, choices: string[], switch: boolean,
  *   whole: boolean, default: any, usual: any, low: number | null, high: number | null,
- *   suggested: [number, number] | null}} Option */
+ *   suggested: [number, number] | null, placeholder?: string, labels?: Record<string, string>,
+ *   isExplained?: boolean, takesRange?: boolean}} Option
+ */
 
 // Entries of a run that stand in the form, in this order.
 export const START = ["initial_angle", "initial_offset", "initial_angular_velocity", "initial_distance", "duration"];
