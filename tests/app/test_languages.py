@@ -124,7 +124,7 @@ def texts_of_analyses() -> Iterator[str]:
         yield form["title"]
         yield form["reading"]
         for option in form["options"].values():
-            yield from [option["label"], *option["choices"].values()]
+            yield from [option["label"], *option["labels"].values()]
     for name, axis in registry()["axes"].items():
         yield label_of(name, axis["unit"])
 
