@@ -1,6 +1,7 @@
 /** The axes of a map: frame, numbers and names with units. */
 
 import { ticks } from "../shared/axis.js";
+import { colour } from "../shared/dom.js";
 import { plainSymbol, localShort, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 
@@ -39,8 +40,7 @@ export function drawAxes(chart, context, ratio) {
   const grid = /** @type {Grid} */ (chart.grid);
   const { left, top, width, height } = chart.frame();
   context.font = `${12 * ratio}px system-ui, sans-serif`;
-  context.fillStyle = chart.paints?.soft ?? "";
-  context.strokeStyle = chart.paints?.soft ?? "";
+  context.fillStyle = context.strokeStyle = colour("soft", chart.canvas);
   context.lineWidth = ratio;
   context.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
   for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
@@ -81,7 +81,7 @@ export function drawAxes(chart, context, ratio) {
     }
     context.stroke();
   }
-  context.fillStyle = chart.paints?.ink ?? "";
+  context.fillStyle = colour("ink", chart.canvas);
   context.textAlign = "center";
   context.textBaseline = "bottom";
   context.fillText(fitted(context, axisLabel(grid.xAxis), width + MARGIN * ratio),

@@ -44,19 +44,7 @@ export class MapChart {
     /** Whether this is the picture of an older question. */
     this.isOld = false;
     this.cells = document.createElement("canvas");
-    this.readColours();
-    this.release = fitCanvas(canvas, () => {
-      this.readColours();
-      this.paint();
-    });
-  }
-
-  readColours() {
-    /** @type {Record<string, string>} */
-    this.paints = {};
-    for (const name of ["ink", "soft", "grid", "line", "paper", "card", "tint", "faint", "accent",
-      "trial-none", "trial-weak", "trial-strong"])
-      this.paints[name] = colour(name, this.canvas);
+    this.release = fitCanvas(canvas, () => this.paint());
   }
 
   /** Return the part of the canvas that the axes enclose, in its own pixels. */
@@ -175,8 +163,7 @@ export class MapChart {
     const { status } = grid;
     const table = colourTable(scale);
     const classes = grid.variables[variable].classes.map(([, text]) => pixelOf(text));
-    const [notYet, none, zero] = [pixelOf(this.paints?.tint ?? "#eeeeee"),
-      pixelOf(this.paints?.faint ?? "#999999"), pixelOf(this.paints?.paper ?? "#ffffff")];
+    const [notYet, none, zero] = ["tint", "faint", "paper"].map((name) => pixelOf(colour(name, this.canvas)));
     const [low, high] = log ? limits.map((v) => Math.log(Math.max(v, 1e-300))) : limits;
     const factor = 255 / (high - low || 1);
     const pixels = new Uint32Array(values.length);
@@ -215,7 +202,7 @@ export class MapChart {
     if (this.cross) drawCross(this, context, this.cross, ratio);
     if (this.isOld) {
       context.globalAlpha = VEIL;
-      context.fillStyle = this.paints?.card ?? "";
+      context.fillStyle = colour("card", this.canvas);
       context.fillRect(left, top, width, height);
     }
     context.restore();

@@ -16,7 +16,6 @@ const TALLEST = 62; // vh
 /** @type {Record<string, number[]>} */
 const DASHES = { ok: [], collision: [], manual: [], occluded: [8, 4], predicted: [2, 4],
   lost: [2, 8] };
-const PAINTS = [...Object.keys(DASHES).map((flag) => `flag-${flag}`), "model"];
 // The model's ball is drawn around the measured one.
 const GHOST = 1.25;
 const DARK = "#14161c";
@@ -46,26 +45,11 @@ export class Screen {
     this.flags = el("p", { class: "flags" });
     this.failed = el("p", { class: "error", role: "alert", hidden: true }, t("cannotPlay"));
     this.root = el("div", { class: "stage" }, this.box, this.failed, this.transport, this.flags);
-    this.readColours();
-    this.release = fitCanvas(this.canvas, () => {
-      this.readColours();
-      this.draw();
-    });
+    this.release = fitCanvas(this.canvas, () => this.draw());
     this.clock.subscribe(() => this.move());
     this.video.addEventListener("loadeddata", () => this.draw());
     this.video.addEventListener("error", () => { this.failed.hidden = !this.video.currentSrc; });
     this.root.addEventListener("keydown", (event) => this.key(event));
-  }
-
-  readColours() {
-    /** @type {Record<string, string>} */
-    this.colours = {};
-    for (const name of PAINTS) this.colours[name] = colour(name, this.canvas);
-  }
-
-  /** Return a colour of the page. */
-  paint(/** @type {string} */ name) {
-    return this.colours?.[name] ?? "";
   }
 
   makeTransport() {
@@ -218,14 +202,14 @@ export class Screen {
     this.drawn.ghosts = ghosts.map((place) => this.onCanvas(place));
     if (this.hasGhost) {
       for (const at of this.drawn.ghosts)
-        this.ball(context, hinge, at, GHOST * radius, this.paint("model"), [4 * ratio, 4 * ratio]);
+        this.ball(context, hinge, at, GHOST * radius, colour("model", canvas), [4 * ratio, 4 * ratio]);
     }
     if (!this.isMarked) return;
     this.drawn.balls.forEach((at, b) => {
       const flag = track.flag(clock.index, b);
-      this.ball(context, hinge, at, radius, this.paint(`flag-${flag}`),
-        DASHES[flag].map((d) => d * ratio));
-      cross(context, at, 3 * ratio, this.paint(`flag-${flag}`), ratio);
+      const paint = colour(`flag-${flag}`, canvas);
+      this.ball(context, hinge, at, radius, paint, DASHES[flag].map((d) => d * ratio));
+      cross(context, at, 3 * ratio, paint, ratio);
     });
     cross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
   }

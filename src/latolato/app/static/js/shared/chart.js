@@ -3,6 +3,7 @@
 import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
+import { colour } from "./dom.js";
 import { drawShades } from "./shades.js";
 import { extremesUntil, pathOf } from "./traces.js";
 import { short } from "./units.js";
@@ -22,7 +23,7 @@ const MARGIN = 0.1;
  * @returns {UPlot.Options}
  */
 export function chartOptions(owner, panel, curves) {
-  const paint = (/** @type {string} */ name) => () => owner.paint(name);
+  const paint = (/** @type {string} */ name) => () => colour(name, owner.root);
   const axis = {
     stroke: paint("soft"),
     grid: { stroke: paint("grid"), width: 1 },
@@ -77,7 +78,7 @@ export function chartOptions(owner, panel, curves) {
     }))],
     hooks: {
       drawAxes: [(/** @type {any} */ u) => {
-        if (panel.shades && owner.motion) drawShades(u, panel.shades(owner.motion), (name) => owner.paint(name));
+        if (panel.shades && owner.motion) drawShades(u, panel.shades(owner.motion));
       }],
       setSize: [() => owner.onLayout()],
       setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
