@@ -55,15 +55,20 @@ export function ticks(low, high, count = 5) {
   }
 }
 
-// Marks of an upright axis are about so far apart.
-const MARK_EVERY = 30; // pixels of the page
+/**
+ * Return settings of an axis of uPlot: at least three marks, about so many pixels of the page apart.
+ * @param {"width" | "height"} along
+ * @param {number} every
+ */
+export function marksOf(along, every) {
+  return {
+    // The size that uPlot keeps: asking the page for it would lay it out in every frame.
+    splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
+      /** @type {number} */ high) => ticks(low, high,
+      Math.max(Math.round(bbox[along] / devicePixelRatio / every), 2)),
+    values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => localShort(mark, 4)),
+  };
+}
 
-/** Settings of an upright axis of uPlot: its width, and at least three marks. */
-export const UPRIGHT = {
-  size: 58,
-  // The height that uPlot keeps: asking the page for it would lay it out in every frame.
-  splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
-    /** @type {number} */ high) => ticks(low, high,
-    Math.max(Math.round(bbox.height / devicePixelRatio / MARK_EVERY), 2)),
-  values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => localShort(mark, 4)),
-};
+/** Settings of an upright axis of uPlot: its width and its marks. */
+export const UPRIGHT = { size: 58, ...marksOf("height", 30) };

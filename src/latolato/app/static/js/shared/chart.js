@@ -11,6 +11,8 @@ import { short } from "./units.js";
 /** @typedef {import("./curves.js").Panel} Panel */
 /** @typedef {import("./traces.js").Curve} Curve */
 
+/** Of the numbers and names of axes. */
+export const FONT = "12px system-ui, sans-serif";
 const HEIGHT = 170;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
@@ -24,12 +26,7 @@ const MARGIN = 0.1;
  */
 export function chartOptions(owner, panel, curves) {
   const paint = (/** @type {string} */ name) => () => colour(name, owner.root);
-  const axis = {
-    stroke: paint("soft"),
-    grid: { stroke: paint("grid"), width: 1 },
-    ticks: { stroke: paint("grid"), width: 1, size: 4 },
-    font: "12px system-ui, sans-serif",
-  };
+  const axis = axisStyle(owner.root);
   const right = curves.find((curve) => curve.axis === "right");
   return {
     width: Math.max(owner.root.clientWidth, 100),
@@ -88,6 +85,15 @@ export function chartOptions(owner, panel, curves) {
       }],
     },
   };
+}
+
+/**
+ * Return how an axis looks in an element.
+ * @param {HTMLElement} element
+ */
+export function axisStyle(element) {
+  const grid = { stroke: () => colour("grid", element), width: 1 };
+  return { stroke: () => colour("soft", element), grid, ticks: { ...grid, size: 4 }, font: FONT };
 }
 
 /** @param {Panel} panel */
