@@ -2,7 +2,7 @@
 
 import { axisLimits } from "../shared/axis.js";
 import { colour, fitCanvas } from "../shared/dom.js";
-import { drawAxes, MARGIN } from "./axes.js";
+import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
@@ -64,7 +64,7 @@ export class MapChart {
    * @returns {[number, number]}
    */
   ends(which) {
-    const edges = this.grid ? this.grid[which === "x" ? "xEdges" : "yEdges"] : [0, 1];
+    const edges = this.grid?.[`${which}Edges`] ?? [0, 1];
     return axisLimits(edges[0], edges[edges.length - 1]);
   }
 
@@ -75,9 +75,7 @@ export class MapChart {
    */
   share(which, value) {
     const [low, high] = this.ends(which);
-    const axis = this.grid?.[which === "x" ? "xAxis" : "yAxis"];
-    if (axis?.log) return Math.log(value / low) / Math.log(high / low);
-    return (value - low) / (high - low);
+    return shareOf({ low, high, log: this.grid?.[`${which}Axis`].log }, value);
   }
 
   /**
@@ -87,8 +85,7 @@ export class MapChart {
    */
   value(which, share) {
     const [low, high] = this.ends(which);
-    const axis = this.grid?.[which === "x" ? "xAxis" : "yAxis"];
-    return axis?.log ? low * (high / low) ** share : low + share * (high - low);
+    return this.grid?.[`${which}Axis`].log ? low * (high / low) ** share : low + share * (high - low);
   }
 
   /**

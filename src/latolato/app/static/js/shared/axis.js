@@ -56,6 +56,27 @@ export function ticks(low, high, count = 5) {
 }
 
 /**
+ * Return the marks of a logarithmic axis: about `count` powers of ten that get a number, or their
+ * doubles and halves too where powers are few, and small marks at whole multiples of powers. Where
+ * less than two would get a number, these are round numbers.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} [count]
+ */
+export function logTicks(low, high, count = 5) {
+  const decades = Math.log10(high / low);
+  const multiples = (/** @type {number[]} */ digits, step = 1) => {
+    const found = [];
+    for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high) + ROUNDING; k += 1)
+      if (k % step === 0) found.push(...digits.map((digit) => digit * 10 ** k));
+    return found.filter((mark) => mark >= low * (1 - ROUNDING) && mark <= high * (1 + ROUNDING));
+  };
+  const marks = low > 0 ? multiples(decades < 3 ? [1, 2, 5] : [1], Math.max(1, Math.round(decades / count))) : [];
+  if (marks.length < 2) return { marks: ticks(low, high, count), small: [] };
+  return { marks, small: decades > 4 ? [] : multiples([1, 2, 3, 4, 5, 6, 7, 8, 9]) };
+}
+
+/**
  * Return settings of an axis of uPlot: at least three marks, about so many pixels of the page apart.
  * @param {"width" | "height"} along
  * @param {number} every
