@@ -1,6 +1,7 @@
 /** The video with what was found drawn on it, frame by frame. */
 
-import { colour, el, fitCanvas, freshId } from "../shared/dom.js";
+import { colour, el, fitCanvas } from "../shared/dom.js";
+import { speedMenu } from "../shared/speed.js";
 import { DEGREE } from "../shared/units.js";
 import { t } from "../strings.js";
 import { ClipClock } from "./clock.js";
@@ -9,7 +10,7 @@ import { SIDES } from "./track.js";
 /** @typedef {import("./track.js").Track} Track */
 /** @typedef {{u: number, v: number}} Place */
 
-const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
+const FASTEST = 2;
 const READ_EVERY = 100; // ms
 const TALLEST = 62; // vh
 /** How the circle of a flag is drawn, beside its colour. */
@@ -53,7 +54,6 @@ export class Screen {
   }
 
   makeTransport() {
-    const id = freshId();
     const step = (/** @type {string} */ name, /** @type {string} */ sign,
       /** @type {number} */ by) => el("button", { type: "button", class: "plain",
       "aria-label": t(name), on: { click: () => this.stepBy(by) } }, sign);
@@ -73,17 +73,13 @@ export class Screen {
       } } });
     this.timeText = el("output", { class: "time wide" });
     this.read = el("output", { class: "reading" });
-    this.speed = el("select", { id, on: { change: () =>
-      this.clock.hurry(Number(this.speed?.value)) } },
-      ...SPEEDS.map((s) => el("option", { value: String(s), selected: s === 1 },
-        t("speedText", { speed: s }))));
     this.marks = el("span", { class: "row" }, check("overlay", "isMarked"),
       check("model", "hasGhost"));
     return el("div", { class: "transport" },
       el("div", { class: "row" }, this.button, step("frameBack", "◂", -1),
         step("frameOn", "▸", 1), this.scrub),
       el("div", { class: "row" }, this.timeText, this.read),
-      el("div", { class: "row" }, el("label", { for: id }, t("speed")), this.speed, this.marks));
+      el("div", { class: "row" }, ...speedMenu(FASTEST, (speed) => this.clock.hurry(speed)), this.marks));
   }
 
   /**
