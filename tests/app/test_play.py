@@ -159,6 +159,54 @@ def test_curves_go_through_the_data(page, scheme):
         assert min(abs(row - found["wanted"]) for row in found["rows"]) <= 3.0 * found["ratio"]
 
 
+# Where the marks of the phase portrait stand at an instant, in units of its axes and of one pixel
+# there, and whether its canvas has the colour of the ball at that place.
+PHASE = """(time) => {
+  const { clock, more: { phase } } = window.latolato.views.toy.player;
+  clock.seek(time);
+  const { bbox, ctx, scales: { x, y } } = phase.plot;
+  const { left, top } = ctx.canvas.getBoundingClientRect();
+  const pixels = [(x.max - x.min) / bbox.width, (y.max - y.min) / bbox.height];
+  return Object.fromEntries(phase.paints.map((name, k) => {
+    const box = phase.dots[k].getBoundingClientRect();
+    const across = (box.left + 0.5 * box.width - left) * devicePixelRatio;
+    const down = (box.top + 0.5 * box.height - top) * devicePixelRatio;
+    const paint = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+    const wanted = [1, 3, 5].map((i) => parseInt(paint.slice(i, i + 2), 16));
+    const copy = document.createElement("canvas").getContext("2d");
+    copy.drawImage(ctx.canvas, 1 - Math.floor(across), 1 - Math.floor(down));
+    const { data } = copy.getImageData(0, 0, 3, 3);
+    const isDrawn = Array.from({ length: 9 }, (_, i) => 4 * i).some((i) =>
+      wanted.every((value, c) => Math.abs(value - data[i + c]) < 60));
+    return [name, { isDrawn, pixels,
+      place: [x.min + (across - bbox.left) * pixels[0], y.max - (down - bbox.top) * pixels[1]] }];
+  }));
+}"""
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_phase_portrait_goes_through_its_marks_in_both_themes(page, width):
+    page.set_viewport_size({"width": width, "height": 900})
+    open_play(page, "&scenario=ballpair_asymmetric&duration=2%20s")
+    page.get_by_text("Energy and more curves", exact=True).click()
+    page.locator(".more-curves tbody tr").first.wait_for()
+    run = ll.load_scenario("ballpair_asymmetric").simulate(duration=2.0)
+    for scheme in ("light", "dark"):
+        page.emulate_media(color_scheme=scheme)
+        page.wait_for_timeout(100)  # the theme is applied, and drawn
+        for time in (0.1, 0.45, 1.8):  # not near a contact
+            found = page.evaluate(PHASE, time)
+            for ball in ("right", "left"):
+                assert found[ball]["isDrawn"], (scheme, time, ball)
+                near = run.sel(ball=ball)
+                wanted = [
+                    np.interp(time, run["time"], values)
+                    for values in (np.degrees(near["angle"]), near["angular_velocity"])
+                ]
+                off = np.subtract(found[ball]["place"], wanted) / found[ball]["pixels"]
+                assert np.abs(off).max() < 1.5, (scheme, time, ball)
+
+
 CURSOR = """(share) => {
   const { clock, curves } = window.latolato.views.toy.player;
   clock.seek(share * clock.end);

@@ -47,9 +47,8 @@ def wait_for(page, end):
 # The ends of the axes of all pictures in Play.
 ENDS = """() => {
   const { curves, more } = window.latolato.views.toy.player;
-  return [more.phase, more.section].flatMap(({ limits }) => [limits.x, limits.y]).concat(
-    [...curves.charts, ...more.curves.charts].flatMap(({ plot }) => [plot.scales.x, plot.scales.y])
-      .map(({ min, max }) => [min, max]));
+  return [more.phase, more.section, ...curves.charts, ...more.curves.charts]
+    .flatMap(({ plot }) => [plot.scales.x, plot.scales.y]).map(({ min, max }) => [min, max]);
 }"""
 
 

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { axisLimits, SINGLE, ticks } from "../../../src/latolato/app/static/js/shared/axis.js";
+import { axisLimits, logTicks, SINGLE, ticks } from "../../../src/latolato/app/static/js/shared/axis.js";
 import { Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { lookOf } from "../../../src/latolato/app/static/js/map/colours.js";
 import { range } from "../../../src/latolato/app/static/js/shared/motion.js";
@@ -53,6 +53,23 @@ test("round numbers end soon, rise, and lie within the limits", () => {
     assert.ok(ticks(odd, other).length <= 1);
     assert.ok(ticks(other, odd).length <= 1);
   }
+});
+
+test("a logarithmic axis numbers powers of ten, their doubles and halves where they are few", () => {
+  assert.deepEqual(logTicks(0.01, 1, 6).marks, [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]);
+  assert.deepEqual(logTicks(3e-4, 2, 6).marks, [0.001, 0.01, 0.1, 1]);
+  assert.deepEqual(logTicks(1e-12, 1, 6).marks, [1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 0.01, 1]);
+  // The ends count where a change of unit has rounded them.
+  assert.deepEqual(logTicks(0.01 * (1 + 1e-15), 1 - 1e-15, 6).marks.length, 7);
+});
+
+test("a logarithmic axis has small marks up to four decades, and round numbers within one", () => {
+  const { small } = logTicks(0.5, 30, 6);
+  assert.deepEqual(small.map((mark) => Number(mark.toPrecision(6))),
+    [0.5, 0.6, 0.7, 0.8, 0.9, ...Array.from({ length: 10 }, (_, k) => k + 1), 20, 30]);
+  assert.deepEqual(logTicks(1e-6, 1, 6).small, []);
+  for (const [low, high] of [[6, 9], [0, 1], [-2, 3]])
+    assert.deepEqual(logTicks(low, high, 4), { marks: ticks(low, high, 4), small: [] });
 });
 
 test("the same angle with two roundings has one mark", () => {

@@ -1,11 +1,13 @@
-/** The axes of a map: frame, numbers and names with units. */
+/** The axes of a map and of its colour bar: frame, numbers and names with units. */
 
-import { ticks } from "../shared/axis.js";
+import { logTicks, ticks } from "../shared/axis.js";
+import { colour } from "../shared/dom.js";
 import { plainSymbol, localShort, shownUnit } from "../shared/units.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {{low: number, high: number, log?: boolean}} Ends of an axis, and whether it is logarithmic */
 
 /** Room for the numbers to the left of a map, in pixels of the page. */
 export const MARGIN = 62;
@@ -30,96 +32,80 @@ export function sizeOf(axis) {
 }
 
 /**
+ * Return the share of an axis that lies before a value.
+ * @param {Ends} ends
+ * @param {number} value
+ */
+export function shareOf({ low, high, log }, value) {
+  if (log) return Math.log(value / low) / Math.log(high / low);
+  return (value - low) / (high - low);
+}
+
+/**
  * Draw the frame, ticks with numbers, and what the axes are, with units.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
  * @param {number} ratio
  */
 export function drawAxes(chart, context, ratio) {
-  const grid = /** @type {Grid} */ (chart.grid);
+  const { xAxis, yAxis } = /** @type {Grid} */ (chart.grid);
   const { left, top, width, height } = chart.frame();
-  context.font = `${12 * ratio}px system-ui, sans-serif`;
-  context.fillStyle = chart.paints?.soft ?? "";
-  context.strokeStyle = chart.paints?.soft ?? "";
-  context.lineWidth = ratio;
+  const corner = { x: left, y: top + height };
+  drawTicks(context, { ...corner, length: width }, inUnit(chart.ends("x"), xAxis), ratio);
+  drawTicks(context, { ...corner, length: height, isUpright: true }, inUnit(chart.ends("y"), yAxis), ratio);
   context.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
-  for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
-    const axis = which === "x" ? grid.xAxis : grid.yAxis;
-    const size = sizeOf(axis);
-    const [low, high] = chart.ends(which);
-    const length = which === "x" ? width : height;
-    const many = Math.max(2, length / ((which === "x" ? 75 : 50) * ratio));
-    const even = axis.log && low > 0 ? decades(low / size, high / size) : [];
-    const marks = even.length > 1 ? even : ticks(low / size, high / size, many);
-    context.beginPath();
-    for (const mark of even.length > 1 ? tenths(low / size, high / size) : []) {
-      const share = chart.share(which, mark * size);
-      const [x, y] = which === "x" ? [left + share * width, top + height]
-        : [left, top + (1 - share) * height];
-      context.moveTo(x, y);
-      if (which === "x") context.lineTo(x, y + 2.5 * ratio);
-      else context.lineTo(x - 2.5 * ratio, y);
-    }
-    for (const mark of marks) {
-      const share = chart.share(which, mark * size);
-      if (share < -1e-9 || share > 1 + 1e-9) continue;
-      if (which === "x") {
-        const x = left + share * width;
-        context.moveTo(x, top + height);
-        context.lineTo(x, top + height + 4 * ratio);
-        context.textAlign = "center";
-        context.textBaseline = "top";
-        context.fillText(localShort(mark, 5), x, top + height + 6 * ratio);
-      } else {
-        const y = top + (1 - share) * height;
-        context.moveTo(left - 4 * ratio, y);
-        context.lineTo(left, y);
-        context.textAlign = "right";
-        context.textBaseline = "middle";
-        context.fillText(localShort(mark, 5), left - 7 * ratio, y);
-      }
-    }
-    context.stroke();
-  }
-  context.fillStyle = chart.paints?.ink ?? "";
+  context.fillStyle = colour("ink", chart.canvas);
   context.textAlign = "center";
   context.textBaseline = "bottom";
-  context.fillText(fitted(context, axisLabel(grid.xAxis), width + MARGIN * ratio),
+  context.fillText(fitted(context, axisLabel(xAxis), width + MARGIN * ratio),
     left + width / 2, chart.canvas.height - 2 * ratio);
   context.save();
   context.translate(2 * ratio, top + height / 2);
   context.rotate(-Math.PI / 2);
   context.textBaseline = "top";
-  context.fillText(fitted(context, axisLabel(grid.yAxis), height), 0, 0);
+  context.fillText(fitted(context, axisLabel(yAxis), height), 0, 0);
   context.restore();
 }
 
 /**
- * Return the powers of ten between two values, and their halves and doubles where they are few.
- * @param {number} low
- * @param {number} high
+ * Return the ends of an axis in the unit shown.
+ * @param {[number, number]} ends
+ * @param {Grid["xAxis"]} axis
+ * @returns {Ends}
  */
-function decades(low, high) {
-  const ticks = [];
-  const few = high / low < 1000;
-  for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
-    for (const digit of few ? [1, 2, 5] : [1])
-      if (digit * 10 ** k >= low && digit * 10 ** k <= high) ticks.push(digit * 10 ** k);
-  return ticks;
+function inUnit([low, high], axis) {
+  const size = sizeOf(axis);
+  return { low: low / size, high: high / size, log: axis.log };
 }
 
 /**
- * Return the whole multiples of powers of ten between two values, up to three decades.
- * @param {number} low
- * @param {number} high
+ * Draw the ticks of an axis, below its line or to the left of it, with their numbers.
+ * @param {CanvasRenderingContext2D} context
+ * @param {{x: number, y: number, length: number, isUpright?: boolean}} line where it begins and how
+ *   long it is, in pixels
+ * @param {Ends} ends
+ * @param {number} ratio
  */
-function tenths(low, high) {
-  const ticks = [];
-  if (high / low > 1e4) return [];
-  for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high); k += 1)
-    for (let digit = 1; digit < 10; digit += 1)
-      if (digit * 10 ** k >= low && digit * 10 ** k <= high) ticks.push(digit * 10 ** k);
-  return ticks;
+export function drawTicks(context, { x, y, length, isUpright = false }, ends, ratio) {
+  const { low, high, log } = ends;
+  const count = Math.max(2, length / ((isUpright ? 50 : 75) * ratio));
+  const { marks, small } = log ? logTicks(low, high, count) : { marks: ticks(low, high, count), small: [] };
+  const draw = (/** @type {number} */ value, /** @type {number} */ size, text = "") => {
+    const along = shareOf(ends, value) * length;
+    const [across, down] = isUpright ? [x, y - along] : [x + along, y];
+    const [aside, below] = isUpright ? [-ratio, 0] : [0, ratio];
+    context.moveTo(across, down);
+    context.lineTo(across + size * aside, down + size * below);
+    context.fillText(text, across + 7 * aside, down + 6 * below);
+  };
+  context.font = `${12 * ratio}px system-ui, sans-serif`;
+  context.fillStyle = context.strokeStyle = colour("soft", context.canvas);
+  context.lineWidth = ratio;
+  [context.textAlign, context.textBaseline] = isUpright ? ["right", "middle"] : ["center", "top"];
+  context.beginPath();
+  for (const value of small) draw(value, 2.5);
+  for (const value of marks) draw(value, 4, localShort(value, 5));
+  context.stroke();
 }
 
 /**

@@ -1,8 +1,7 @@
 /** The colour bar of a map, with its numbers. */
 
-import { ticks } from "../shared/axis.js";
-import { colour, fitCanvas } from "../shared/dom.js";
-import { localShort } from "../shared/units.js";
+import { fitCanvas } from "../shared/dom.js";
+import { drawTicks } from "./axes.js";
 import { colourTable } from "./colours.js";
 
 /** @typedef {import("./chart.js").Look} Look */
@@ -47,34 +46,6 @@ export class ColourBar {
     for (let i = 0; i < pixels.length; i += 1)
       pixels[i] = table[Math.floor((256 * (i % image.width)) / image.width)];
     context.putImageData(image, left, 1);
-    context.strokeStyle = context.fillStyle = colour("soft", this.canvas);
-    context.font = `${12 * ratio}px system-ui, sans-serif`;
-    context.textAlign = "center";
-    context.textBaseline = "top";
-    context.lineWidth = ratio;
-    const marks = log ? powers(low, high) : ticks(low, high, Math.max(2, width / (70 * ratio)));
-    for (const mark of marks) {
-      const share = log ? Math.log(mark / low) / Math.log(high / low) : (mark - low) / (high - low);
-      const x = left + share * width;
-      context.beginPath();
-      context.moveTo(x, height);
-      context.lineTo(x, height + 4 * ratio);
-      context.stroke();
-      context.fillText(localShort(mark, 4), x, height + 5 * ratio);
-    }
+    drawTicks(context, { x: left, y: height, length: width }, { low, high, log }, ratio);
   }
-}
-
-/**
- * Return about six powers of ten between two values, or these themselves.
- * @param {number} low
- * @param {number} high
- */
-function powers(low, high) {
-  const first = Math.ceil(Math.log10(low) - 1e-9);
-  const last = Math.floor(Math.log10(high) + 1e-9);
-  const step = Math.max(1, Math.round((last - first) / 6));
-  const ticks = [];
-  for (let k = first; k <= last; k += step) ticks.push(10 ** k);
-  return ticks.length > 1 ? ticks : [low, high];
 }

@@ -2,7 +2,7 @@
 
 import { axisLimits } from "../shared/axis.js";
 import { colour, fitCanvas } from "../shared/dom.js";
-import { drawAxes, MARGIN } from "./axes.js";
+import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
@@ -44,19 +44,7 @@ export class MapChart {
     /** Whether this is the picture of an older question. */
     this.isOld = false;
     this.cells = document.createElement("canvas");
-    this.readColours();
-    this.release = fitCanvas(canvas, () => {
-      this.readColours();
-      this.paint();
-    });
-  }
-
-  readColours() {
-    /** @type {Record<string, string>} */
-    this.paints = {};
-    for (const name of ["ink", "soft", "grid", "line", "paper", "card", "tint", "faint", "accent",
-      "trial-none", "trial-weak", "trial-strong"])
-      this.paints[name] = colour(name, this.canvas);
+    this.release = fitCanvas(canvas, () => this.paint());
   }
 
   /** Return the part of the canvas that the axes enclose, in its own pixels. */
@@ -76,7 +64,7 @@ export class MapChart {
    * @returns {[number, number]}
    */
   ends(which) {
-    const edges = this.grid ? this.grid[which === "x" ? "xEdges" : "yEdges"] : [0, 1];
+    const edges = this.grid?.[`${which}Edges`] ?? [0, 1];
     return axisLimits(edges[0], edges[edges.length - 1]);
   }
 
@@ -87,9 +75,7 @@ export class MapChart {
    */
   share(which, value) {
     const [low, high] = this.ends(which);
-    const axis = this.grid?.[which === "x" ? "xAxis" : "yAxis"];
-    if (axis?.log) return Math.log(value / low) / Math.log(high / low);
-    return (value - low) / (high - low);
+    return shareOf({ low, high, log: this.grid?.[`${which}Axis`].log }, value);
   }
 
   /**
@@ -99,8 +85,7 @@ export class MapChart {
    */
   value(which, share) {
     const [low, high] = this.ends(which);
-    const axis = this.grid?.[which === "x" ? "xAxis" : "yAxis"];
-    return axis?.log ? low * (high / low) ** share : low + share * (high - low);
+    return this.grid?.[`${which}Axis`].log ? low * (high / low) ** share : low + share * (high - low);
   }
 
   /**
@@ -175,8 +160,7 @@ export class MapChart {
     const { status } = grid;
     const table = colourTable(scale);
     const classes = grid.variables[variable].classes.map(([, text]) => pixelOf(text));
-    const [notYet, none, zero] = [pixelOf(this.paints?.tint ?? "#eeeeee"),
-      pixelOf(this.paints?.faint ?? "#999999"), pixelOf(this.paints?.paper ?? "#ffffff")];
+    const [notYet, none, zero] = ["tint", "faint", "paper"].map((name) => pixelOf(colour(name, this.canvas)));
     const [low, high] = log ? limits.map((v) => Math.log(Math.max(v, 1e-300))) : limits;
     const factor = 255 / (high - low || 1);
     const pixels = new Uint32Array(values.length);
@@ -215,7 +199,7 @@ export class MapChart {
     if (this.cross) drawCross(this, context, this.cross, ratio);
     if (this.isOld) {
       context.globalAlpha = VEIL;
-      context.fillStyle = this.paints?.card ?? "";
+      context.fillStyle = colour("card", this.canvas);
       context.fillRect(left, top, width, height);
     }
     context.restore();

@@ -1,5 +1,7 @@
 /** What lies over the cells of a map: curves, trials and the cross. */
 
+import { colour } from "../shared/dom.js";
+
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./chart.js").Line} Line */
 /** @typedef {import("./chart.js").Trials} Trials */
@@ -49,7 +51,7 @@ export function drawTrials(chart, context, { xs, ys, kinds }, ratio) {
   const paints = ["trial-none", "trial-weak", "trial-strong"];
   for (let i = 0; i < xs.length; i += 1) {
     const [x, y] = chart.place(xs[i], ys[i]);
-    drawMark(context, kinds[i], x, y, MARK * ratio, chart.paints?.[paints[kinds[i]]] ?? "#000000");
+    drawMark(context, kinds[i], x, y, MARK * ratio, colour(paints[kinds[i]], chart.canvas));
   }
 }
 

@@ -1,6 +1,7 @@
 /** The video with what was found drawn on it, frame by frame. */
 
-import { colour, el, fitCanvas, freshId } from "../shared/dom.js";
+import { colour, el, fitCanvas } from "../shared/dom.js";
+import { speedMenu } from "../shared/speed.js";
 import { DEGREE } from "../shared/units.js";
 import { t } from "../strings.js";
 import { ClipClock } from "./clock.js";
@@ -9,14 +10,13 @@ import { SIDES } from "./track.js";
 /** @typedef {import("./track.js").Track} Track */
 /** @typedef {{u: number, v: number}} Place */
 
-const SPEEDS = [0.1, 0.25, 0.5, 1, 2];
+const FASTEST = 2;
 const READ_EVERY = 100; // ms
 const TALLEST = 62; // vh
 /** How the circle of a flag is drawn, beside its colour. */
 /** @type {Record<string, number[]>} */
 const DASHES = { ok: [], collision: [], manual: [], occluded: [8, 4], predicted: [2, 4],
   lost: [2, 8] };
-const PAINTS = [...Object.keys(DASHES).map((flag) => `flag-${flag}`), "model"];
 // The model's ball is drawn around the measured one.
 const GHOST = 1.25;
 const DARK = "#14161c";
@@ -46,30 +46,14 @@ export class Screen {
     this.flags = el("p", { class: "flags" });
     this.failed = el("p", { class: "error", role: "alert", hidden: true }, t("cannotPlay"));
     this.root = el("div", { class: "stage" }, this.box, this.failed, this.transport, this.flags);
-    this.readColours();
-    this.release = fitCanvas(this.canvas, () => {
-      this.readColours();
-      this.draw();
-    });
+    this.release = fitCanvas(this.canvas, () => this.draw());
     this.clock.subscribe(() => this.move());
     this.video.addEventListener("loadeddata", () => this.draw());
     this.video.addEventListener("error", () => { this.failed.hidden = !this.video.currentSrc; });
     this.root.addEventListener("keydown", (event) => this.key(event));
   }
 
-  readColours() {
-    /** @type {Record<string, string>} */
-    this.colours = {};
-    for (const name of PAINTS) this.colours[name] = colour(name, this.canvas);
-  }
-
-  /** Return a colour of the page. */
-  paint(/** @type {string} */ name) {
-    return this.colours?.[name] ?? "";
-  }
-
   makeTransport() {
-    const id = freshId();
     const step = (/** @type {string} */ name, /** @type {string} */ sign,
       /** @type {number} */ by) => el("button", { type: "button", class: "plain",
       "aria-label": t(name), on: { click: () => this.stepBy(by) } }, sign);
@@ -89,17 +73,13 @@ export class Screen {
       } } });
     this.timeText = el("output", { class: "time wide" });
     this.read = el("output", { class: "reading" });
-    this.speed = el("select", { id, on: { change: () =>
-      this.clock.hurry(Number(this.speed?.value)) } },
-      ...SPEEDS.map((s) => el("option", { value: String(s), selected: s === 1 },
-        t("speedText", { speed: s }))));
     this.marks = el("span", { class: "row" }, check("overlay", "isMarked"),
       check("model", "hasGhost"));
     return el("div", { class: "transport" },
       el("div", { class: "row" }, this.button, step("frameBack", "◂", -1),
         step("frameOn", "▸", 1), this.scrub),
       el("div", { class: "row" }, this.timeText, this.read),
-      el("div", { class: "row" }, el("label", { for: id }, t("speed")), this.speed, this.marks));
+      el("div", { class: "row" }, ...speedMenu(FASTEST, (speed) => this.clock.hurry(speed)), this.marks));
   }
 
   /**
@@ -218,14 +198,14 @@ export class Screen {
     this.drawn.ghosts = ghosts.map((place) => this.onCanvas(place));
     if (this.hasGhost) {
       for (const at of this.drawn.ghosts)
-        this.ball(context, hinge, at, GHOST * radius, this.paint("model"), [4 * ratio, 4 * ratio]);
+        this.ball(context, hinge, at, GHOST * radius, colour("model", canvas), [4 * ratio, 4 * ratio]);
     }
     if (!this.isMarked) return;
     this.drawn.balls.forEach((at, b) => {
       const flag = track.flag(clock.index, b);
-      this.ball(context, hinge, at, radius, this.paint(`flag-${flag}`),
-        DASHES[flag].map((d) => d * ratio));
-      cross(context, at, 3 * ratio, this.paint(`flag-${flag}`), ratio);
+      const paint = colour(`flag-${flag}`, canvas);
+      this.ball(context, hinge, at, radius, paint, DASHES[flag].map((d) => d * ratio));
+      cross(context, at, 3 * ratio, paint, ratio);
     });
     cross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
   }

@@ -55,15 +55,41 @@ export function ticks(low, high, count = 5) {
   }
 }
 
-// Marks of an upright axis are about so far apart.
-const MARK_EVERY = 30; // pixels of the page
+/**
+ * Return the marks of a logarithmic axis: about `count` powers of ten that get a number, or their
+ * doubles and halves too where powers are few, and small marks at whole multiples of powers. Where
+ * less than two would get a number, these are round numbers.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} [count]
+ */
+export function logTicks(low, high, count = 5) {
+  const decades = Math.log10(high / low);
+  const multiples = (/** @type {number[]} */ digits, step = 1) => {
+    const found = [];
+    for (let k = Math.floor(Math.log10(low)); k <= Math.log10(high) + ROUNDING; k += 1)
+      if (k % step === 0) found.push(...digits.map((digit) => digit * 10 ** k));
+    return found.filter((mark) => mark >= low * (1 - ROUNDING) && mark <= high * (1 + ROUNDING));
+  };
+  const marks = low > 0 ? multiples(decades < 3 ? [1, 2, 5] : [1], Math.max(1, Math.round(decades / count))) : [];
+  if (marks.length < 2) return { marks: ticks(low, high, count), small: [] };
+  return { marks, small: decades > 4 ? [] : multiples([1, 2, 3, 4, 5, 6, 7, 8, 9]) };
+}
 
-/** Settings of an upright axis of uPlot: its width, and at least three marks. */
-export const UPRIGHT = {
-  size: 58,
-  // The height that uPlot keeps: asking the page for it would lay it out in every frame.
-  splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
-    /** @type {number} */ high) => ticks(low, high,
-    Math.max(Math.round(bbox.height / devicePixelRatio / MARK_EVERY), 2)),
-  values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => localShort(mark, 4)),
-};
+/**
+ * Return settings of an axis of uPlot: at least three marks, about so many pixels of the page apart.
+ * @param {"width" | "height"} along
+ * @param {number} every
+ */
+export function marksOf(along, every) {
+  return {
+    // The size that uPlot keeps: asking the page for it would lay it out in every frame.
+    splits: (/** @type {any} */ { bbox }, /** @type {number} */ _, /** @type {number} */ low,
+      /** @type {number} */ high) => ticks(low, high,
+      Math.max(Math.round(bbox[along] / devicePixelRatio / every), 2)),
+    values: (/** @type {any} */ _, /** @type {number[]} */ marks) => marks.map((mark) => localShort(mark, 4)),
+  };
+}
+
+/** Settings of an upright axis of uPlot: its width and its marks. */
+export const UPRIGHT = { size: 58, ...marksOf("height", 30) };

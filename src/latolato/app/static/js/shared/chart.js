@@ -3,6 +3,7 @@
 import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
+import { colour } from "./dom.js";
 import { drawShades } from "./shades.js";
 import { extremesUntil, pathOf } from "./traces.js";
 import { short } from "./units.js";
@@ -10,6 +11,8 @@ import { short } from "./units.js";
 /** @typedef {import("./curves.js").Panel} Panel */
 /** @typedef {import("./traces.js").Curve} Curve */
 
+/** Of the numbers and names of axes. */
+export const FONT = "12px system-ui, sans-serif";
 const HEIGHT = 170;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
@@ -22,13 +25,8 @@ const MARGIN = 0.1;
  * @returns {UPlot.Options}
  */
 export function chartOptions(owner, panel, curves) {
-  const paint = (/** @type {string} */ name) => () => owner.paint(name);
-  const axis = {
-    stroke: paint("soft"),
-    grid: { stroke: paint("grid"), width: 1 },
-    ticks: { stroke: paint("grid"), width: 1, size: 4 },
-    font: "12px system-ui, sans-serif",
-  };
+  const paint = (/** @type {string} */ name) => () => colour(name, owner.root);
+  const axis = axisStyle(owner.root);
   const right = curves.find((curve) => curve.axis === "right");
   return {
     width: Math.max(owner.root.clientWidth, 100),
@@ -77,7 +75,7 @@ export function chartOptions(owner, panel, curves) {
     }))],
     hooks: {
       drawAxes: [(/** @type {any} */ u) => {
-        if (panel.shades && owner.motion) drawShades(u, panel.shades(owner.motion), (name) => owner.paint(name));
+        if (panel.shades && owner.motion) drawShades(u, panel.shades(owner.motion));
       }],
       setSize: [() => owner.onLayout()],
       setScale: [(/** @type {any} */ u, /** @type {string} */ key) => {
@@ -87,6 +85,15 @@ export function chartOptions(owner, panel, curves) {
       }],
     },
   };
+}
+
+/**
+ * Return how an axis looks in an element.
+ * @param {HTMLElement} element
+ */
+export function axisStyle(element) {
+  const grid = { stroke: () => colour("grid", element), width: 1 };
+  return { stroke: () => colour("soft", element), grid, ticks: { ...grid, size: 4 }, font: FONT };
 }
 
 /** @param {Panel} panel */

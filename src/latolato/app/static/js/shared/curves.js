@@ -8,7 +8,7 @@ import { t } from "../strings.js";
 import { axisLimits } from "./axis.js";
 import { chartOptions, heightOf } from "./chart.js";
 import { curvesOf } from "./describe.js";
-import { colour, el, freshId } from "./dom.js";
+import { el, freshId, onLook } from "./dom.js";
 import { followPointer, Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
@@ -85,15 +85,7 @@ export class Curves {
       ArrowRight: { text: "keyLater", act: () => panBy(0.2) },
     };
     this.unsubscribe = clock.subscribe((time) => this.move(time));
-    this.observer = new ResizeObserver(() => this.resize());
-    this.observer.observe(root);
-    /** @type {Map<string, string>} colours of the style sheet, read once for each theme */
-    this.colours = new Map();
-    this.redraw = () => {
-      this.colours.clear();
-      this.charts.forEach(({ plot }) => plot.redraw());
-    };
-    window.addEventListener("themechange", this.redraw);
+    this.release = onLook(root, () => this.charts.forEach(({ plot }) => plot.redraw()), () => this.resize());
   }
 
   /**
@@ -163,16 +155,6 @@ export class Curves {
       values: resampled(pinned.time, curve.values, motion.time),
     }));
     return [...old, ...own];
-  }
-
-  /**
-   * Return a colour of the style sheet.
-   * @param {string} name
-   */
-  paint(name) {
-    const paint = this.colours.get(name) ?? colour(name, this.root);
-    this.colours.set(name, paint);
-    return paint;
   }
 
   /** @param {Curve[][]} all */
@@ -359,8 +341,7 @@ export class Curves {
 
   destroy() {
     this.unsubscribe();
-    this.observer.disconnect();
-    window.removeEventListener("themechange", this.redraw);
+    this.release();
     for (const { plot } of this.charts) plot.destroy();
   }
 }

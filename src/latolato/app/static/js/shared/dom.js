@@ -24,13 +24,37 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
+/** Colours that were read, by element and name. @type {WeakMap<Element, Map<string, string>>} */
+let colours = new WeakMap();
+// Listens before anything that draws; there is no theme where pages run without a window.
+globalThis.addEventListener?.("themechange", () => { colours = new WeakMap(); });
+
 /**
- * Return the value of a colour of the style sheet, as canvases need it.
+ * Return the value of a colour of the style sheet, as canvases need it: read once for each theme,
+ * and empty for an element that is not in the page.
  * @param {string} name
  * @param {Element} [element]
+ * @returns {string}
  */
 export function colour(name, element = document.documentElement) {
-  return getComputedStyle(element).getPropertyValue(`--${name}`).trim();
+  const own = colours.get(element) ?? new Map();
+  colours.set(element, own);
+  let value = own.get(name);
+  if (!value) {
+    value = getComputedStyle(element).getPropertyValue(`--${name}`).trim();
+    own.set(name, value);
+  }
+  return value;
+}
+
+/**
+ * Return colours of the style sheet by their names.
+ * @param {string[]} names
+ * @param {Element} element
+ * @returns {Record<string, string>}
+ */
+export function coloursOf(names, element) {
+  return Object.fromEntries(names.map((name) => [name, colour(name, element)]));
 }
 
 /**
@@ -67,13 +91,29 @@ export function tell(text) {
 let timer;
 
 /**
- * Return a drawing surface that keeps its size in device pixels; `draw` is called after a change
- * of size or theme.
+ * Call functions after a change of the theme, and of an element's size; returns what ends that.
+ * @param {Element} element
+ * @param {() => void} redraw
+ * @param {() => void} resize
+ */
+export function onLook(element, redraw, resize) {
+  const observer = new ResizeObserver(resize);
+  observer.observe(element);
+  window.addEventListener("themechange", redraw);
+  return () => {
+    observer.disconnect();
+    window.removeEventListener("themechange", redraw);
+  };
+}
+
+/**
+ * Keep the size of a canvas in device pixels; `draw` is called after a change of size or theme.
+ * Returns what ends that.
  * @param {HTMLCanvasElement} canvas
  * @param {() => void} draw
  */
 export function fitCanvas(canvas, draw) {
-  const fit = () => {
+  return onLook(canvas, draw, () => {
     const ratio = window.devicePixelRatio || 1;
     const box = canvas.getBoundingClientRect();
     const width = Math.max(1, Math.round(box.width * ratio));
@@ -83,14 +123,7 @@ export function fitCanvas(canvas, draw) {
       canvas.height = height;
     }
     draw();
-  };
-  const observer = new ResizeObserver(fit);
-  observer.observe(canvas);
-  window.addEventListener("themechange", draw);
-  return () => {
-    observer.disconnect();
-    window.removeEventListener("themechange", draw);
-  };
+  });
 }
 
 /**

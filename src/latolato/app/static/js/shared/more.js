@@ -5,10 +5,10 @@ import { Curves } from "./curves.js";
 import { el } from "./dom.js";
 import { Later } from "./later.js";
 import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
-import { Plane } from "./plane.js";
 import { KINDS } from "./swings.js";
 import { scaled } from "./traces.js";
 import { DEGREE, localShort } from "./units.js";
+import { XYPlot } from "./xyplot.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
@@ -19,6 +19,8 @@ const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_af
   radial_velocity_before: "outwardsBefore", radial_velocity_after: "outwardsAfter" };
 // Sections begin with this share of the run left out, which remembers the start.
 const SETTLED = 0.2;
+// Of the balls, from the back to the front.
+const PAINTS = ["left", "right"];
 
 /** A panel that computes and draws while it is open. */
 export class MoreCurves {
@@ -37,9 +39,8 @@ export class MoreCurves {
     this.drawn = null;
     this.later = new Later();
     const curves = el("div", { class: "curves" });
-    const plane = (/** @type {string} */ name) =>
-      el("canvas", { class: "plane", role: "img", "aria-label": t(name) });
-    const [phase, section] = [plane("phase"), plane("section")];
+    const [phase, section] = ["phase", "section"].map((name) =>
+      el("div", { class: "chart", role: "img", "aria-label": t(name) }));
     this.contacts = el("div", { class: "table-scroll", tabindex: "0", role: "region",
       "aria-label": t("contacts") });
     this.ledger = el("div", { class: "ledger" });
@@ -56,8 +57,8 @@ export class MoreCurves {
     this.curves = new Curves(curves, clock, ENERGY_PANELS);
     this.curves.onZoom = (from, to) => angles.zoom(from, to);
     const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
-    this.phase = new Plane(phase, labels);
-    this.section = new Plane(section, labels);
+    this.phase = new XYPlot(phase, labels, PAINTS);
+    this.section = new XYPlot(section, labels, PAINTS, { hasDots: true });
   }
 
   /**
@@ -105,34 +106,27 @@ export class MoreCurves {
   move(time) {
     const { drawn } = this;
     if (!drawn || drawn.grows || !this.root.open) return;
-    this.phase.mark(drawn.balls.map((ball) => ({
+    this.phase.mark(byPaint(drawn.balls, (ball) => ({
       x: drawn.angle(ball, time) / DEGREE,
       y: ball.sign * drawn.at("angular_velocity", time, ball.row),
-      paint: ball.name === "left" ? "left" : "right",
     })));
   }
 
   /** @param {Motion} motion */
   showPhase(motion) {
-    const shapes = motion.balls.map((ball) => ({
+    this.phase.show(byPaint(motion.balls, (ball) => ({
       xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE),
       ys: scaled(motion.values("angular_velocity", ball.row) ?? [], ball.sign),
-      paint: ball.name === "left" ? "left" : "right",
-    }));
-    this.phase.show(shapes.slice().reverse());
+    })));
   }
 
   /** @param {Motion} motion */
   showSection(motion) {
     const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
-    const dots = motion.balls.filter((b, i) => i === 0 || b.row > 0).map((ball) => ({
+    this.section.show(byPaint(motion.balls.filter((b, i) => i === 0 || b.row > 0), (ball) => ({
       xs: instants.map((s) => motion.angle(ball, s) / DEGREE),
       ys: instants.map((s) => ball.sign * motion.at("angular_velocity", s, ball.row)),
-      paint: ball.name === "left" ? "left" : "right",
-      dots: true,
-      size: 3,
-    }));
-    this.section.show(dots);
+    })));
   }
 
   /** @param {Motion} motion */
@@ -179,9 +173,20 @@ export class MoreCurves {
   destroy() {
     this.later.run([]);
     this.curves.destroy();
-    this.phase.release();
-    this.section.release();
+    this.phase.destroy();
+    this.section.destroy();
   }
+}
+
+/**
+ * Return something of each ball, by the paint of the ball.
+ * @template T
+ * @param {import("./motion.js").Ball[]} balls
+ * @param {(ball: import("./motion.js").Ball) => T} of
+ * @returns {Record<string, T>}
+ */
+function byPaint(balls, of) {
+  return Object.fromEntries(balls.map((ball) => [ball.name === "left" ? "left" : "right", of(ball)]));
 }
 
 /**

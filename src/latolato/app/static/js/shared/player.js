@@ -2,20 +2,21 @@
 
 import { t } from "../strings.js";
 import { Clock } from "./clock.js";
-import { el, freshId } from "./dom.js";
+import { el } from "./dom.js";
 import { slackText } from "./hang.js";
 import { followKeys } from "./keys.js";
 import { MoreCurves } from "./more.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
 import { Senses } from "./senses.js";
+import { speedMenu } from "./speed.js";
 import { Start } from "./start.js";
 import { logOf } from "./swings.js";
 import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 
-const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
+const FASTEST = 50;
 
 export class Player {
   /**
@@ -83,14 +84,10 @@ export class Player {
   }
 
   makeTransport() {
-    const id = freshId();
     this.button = el("button", { type: "button", class: "play", on: { click: () => this.clock.toggle() } },
       t("play"));
     this.timeText = el("output", { class: "time" });
-    this.speed = el("select", { id, on: { change: () => {
-      this.clock.speed = Number(this.speed.value);
-    } } }, ...SPEEDS.map((s) => el("option", { value: String(s), selected: s === 1 },
-      t("speedText", { speed: s }))));
+    const speed = speedMenu(FASTEST, (chosen) => { this.clock.speed = chosen; });
     this.loop = el("input", { type: "checkbox", checked: true, on: { change: () => {
       this.clock.looping = this.loop.checked;
     } } });
@@ -100,7 +97,7 @@ export class Player {
       el("button", { type: "button", class: "plain step", "aria-label": t("stepForward"),
         on: { click: () => this.stepBy(1) } }, "▸"),
       this.timeText, this.timeline.toggles,
-      el("span", { class: "check" }, el("label", { for: id }, t("speed")), this.speed),
+      el("span", { class: "check" }, ...speed),
       el("label", { class: "check of-run" }, this.loop, t("loop")));
   }
 

@@ -1,7 +1,7 @@
 /** The picture of a toy, to scale: the hand that holds the pivot, rods, balls, and what they do. */
 
 import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
-import { colour, el, fitCanvas } from "./dom.js";
+import { coloursOf, el, fitCanvas } from "./dom.js";
 import { drawAngle } from "./angle.js";
 import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
 import { contactPoint, Flashes, strengthOf } from "./flash.js";
@@ -49,18 +49,7 @@ export class Scene {
     this.colours = {};
     this.fist = 0;
     this.fastest = 1;
-    this.release = fitCanvas(canvas, () => {
-      this.colours = {};
-      this.draw();
-    });
-  }
-
-  /**
-   * Return the colours of the style sheet, read once for each theme.
-   * @returns {Record<string, string>}
-   */
-  readColours() {
-    return Object.fromEntries(NAMES.map((name) => [name, colour(name, this.canvas)]));
+    this.release = fitCanvas(canvas, () => this.draw());
   }
 
   /** @param {Motion} motion */
@@ -180,7 +169,7 @@ export class Scene {
     const context = canvas.getContext("2d");
     if (!context) return;
     context.clearRect(0, 0, canvas.width, canvas.height);
-    if (!this.colours.ink) this.colours = this.readColours();
+    this.colours = coloursOf(NAMES, canvas);
     const pose = this.pose();
     // A canvas that is not in the page has no colours.
     if (!this.colours.ink || !pose) return;

@@ -1,5 +1,7 @@
 /** Stretches of time behind curves, each in the colour of what it means. */
 
+import { colour } from "./dom.js";
+
 /** @typedef {{from: number, to: number, paint: string}} Shade */
 
 const STRENGTH = 0.28;
@@ -8,9 +10,8 @@ const STRENGTH = 0.28;
  * Draw stretches of time behind the curves of a chart.
  * @param {any} u the uPlot chart
  * @param {Shade[]} shades
- * @param {(name: string) => string} colour
  */
-export function drawShades(u, shades, colour) {
+export function drawShades(u, shades) {
   const { ctx: context, bbox } = u;
   context.save();
   context.beginPath();
@@ -20,7 +21,7 @@ export function drawShades(u, shades, colour) {
   for (const { from, to, paint } of shades) {
     const x = u.valToPos(from, "x", true);
     const width = Math.max(u.valToPos(to, "x", true) - x, 1);
-    context.fillStyle = colour(paint);
+    context.fillStyle = colour(paint, u.root);
     context.fillRect(x, bbox.top, width, bbox.height);
   }
   context.restore();

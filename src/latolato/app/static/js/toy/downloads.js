@@ -1,16 +1,17 @@
 /** The menu from which the run on show is stored: numbers, picture, animation, scenario. */
 
 import { columnsTable, contactsTable, tomlOf } from "../model/files.js";
-import { el, freshId, tell } from "../shared/dom.js";
+import { el, tell } from "../shared/dom.js";
 import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
 import { Runner } from "../shared/runner.js";
+import { speedMenu } from "../shared/speed.js";
 import { format } from "../shared/state.js";
 import { t } from "../strings.js";
 
 // What the page writes by itself, and what the installed program writes.
 const OWN = /** @type {const} */ (["csv", "contacts.csv", "toml"]);
 const OF_PROGRAM = ["nc", "png", "svg"];
-const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
+const FASTEST = 100;
 // Samples of a run that is stored; as many as its default has, up to this number.
 const MOST_SAMPLES = 200_000;
 
@@ -29,9 +30,8 @@ export class Downloads {
     this.contacts = own[1].item;
     this.scenario = own[2].item;
     this.links = OF_PROGRAM.map((kind) => ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
-    const id = freshId();
-    this.speed = el("select", { id }, ...SPEEDS.map((s) =>
-      el("option", { value: String(s), selected: s === 1 }, t("speedText", { speed: s }))));
+    const [label, speed] = speedMenu(FASTEST);
+    this.speed = speed;
     this.job = new JobLine();
     this.make = el("button", { type: "button", on: { click: () => void this.animate() } },
       t("file_mp4"));
@@ -43,7 +43,7 @@ export class Downloads {
       el("ul", {}, ...own.map(({ item }) => item),
         ...(page.registry.server ? this.links.map(({ kind, link }) => entry(kind, link)) : [])),
       ...(page.registry.server ? [this.ofProgram = el("div", {},
-        el("div", { class: "row" }, this.make, el("label", { for: id }, t("speed")), this.speed),
+        el("div", { class: "row" }, this.make, label, speed),
         el("p", { class: "hint" }, t("fileHint_mp4")), this.job.root)]
         : [el("p", { class: "hint" }, t("fileProgram"))]));
   }
