@@ -353,7 +353,8 @@ def test_files_that_are_kept_are_those_of_the_pages(web):
     text = (folder / "files.js").read_text().removeprefix("self.SITE = ").rstrip(";\n")
     paths = json.loads(text)["paths"]
     assert {"index.html", "latolato.js", "registry.json", "kernels/one.wasm"} <= set(paths)
-    assert {"languages/id.json", "stories/contents.json", "stories/why_twice.toml"} <= set(paths)
+    assert {"languages/en.json", "languages/id.json"} <= set(paths)
+    assert {"stories/contents.json", "stories/why_twice.toml"} <= set(paths)
     styles = re.findall(r'rel="stylesheet" href="(.+?)"', (folder / "index.html").read_text())
     assert styles
     assert set(styles) <= set(paths)

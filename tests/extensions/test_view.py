@@ -1,6 +1,7 @@
 """A view that a user brings: its module, a line among the views and its title."""
 
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import pytest
 
@@ -9,7 +10,7 @@ from app_pages import anchor, browser, page, server, watch
 
 __all__ = ["anchor", "browser", "page", "server", "watch"]
 
-STATIC = Path(latolato.app.__file__).parent / "static" / "js"
+STATIC = Path(latolato.app.__file__).parent / "static"
 MODULE = """
 import { el } from "../shared/dom.js";
 
@@ -22,31 +23,32 @@ export class HelloView {
 }
 """
 LINES = {
-    "main.js": (
+    "js/main.js": (
         "const VIEWS = {\n",
         '  hello: async () => (await import("./hello/view.js")).HelloView,\n',
     ),
-    "strings.js": ('  view_toy: "Toy",\n', '  view_hello: "Hello",\n'),
+    "languages/en.json": ('    "view_toy": "Toy",\n', '    "view_hello": "Hello",\n'),
 }
 
 
 @pytest.fixture
 def with_view(page):
     """A page whose server has the view's module and the two lines."""
-    files = {"hello/view.js": MODULE}
+    files = {"js/hello/view.js": MODULE}
     for name, (place, line) in LINES.items():
         text = (STATIC / name).read_text(encoding="utf-8")
         assert place in text
         files[name] = text.replace(place, place + line)
 
     def serve(route, request):
-        body = files.get(request.url.partition("/js/")[2])
-        if body is None:
-            route.continue_()
+        path = urlsplit(request.url).path.removeprefix("/")
+        if path in files:
+            kind = "application/json" if path.endswith(".json") else "text/javascript"
+            route.fulfill(body=files[path], content_type=kind)
         else:
-            route.fulfill(body=body, content_type="text/javascript")
+            route.continue_()
 
-    page.route("**/js/**", serve)
+    page.route("**/*", serve)
     return page
 
 

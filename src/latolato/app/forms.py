@@ -91,8 +91,8 @@ def _registry() -> dict[str, Any]:
 
 
 def _languages() -> dict[str, Any]:
-    """Return the languages of the pages by their codes: English, and each that has a file."""
-    languages = {"en": {"name": "English", "beta": False}}
+    """Return the languages of the pages by their codes: each that has a file."""
+    languages = {}
     for path in sorted((STATIC / "languages").glob("*.json")):
         table = json.loads(path.read_text(encoding="utf-8"))
         languages[path.stem] = {"name": table["name"], "beta": table.get("beta", False)}

@@ -223,6 +223,7 @@ def _content() -> str:
     held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
     held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}
     held["kernels/layout.json"] = (kernels / "layout.json").read_text("utf-8")
+    held["languages/en.json"] = _letters(_texts("en"))
     held["registry.json"] = _letters(json.dumps(_registry()))
     return f"""const FILES = {json.dumps(held, ensure_ascii=False)};
 export async function contentOf(path) {{

@@ -1,7 +1,7 @@
 /**
  * Sentences about a motion, from its events: what happens, where things are, what is drawn.
  *
- * Every function returns names of whole sentences of `strings.js` with the values of their gaps.
+ * Every function returns names of whole sentences of `languages/en.json` with the values of their gaps.
  */
 
 import { isSlack } from "./hang.js";
