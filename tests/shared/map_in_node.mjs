@@ -10,11 +10,13 @@ import { Pool } from "../../src/latolato/app/static/js/map/pool.js";
 
 import { csvOf, tablesOf } from "../../src/latolato/app/static/js/map/table.js";
 import { specify } from "../../src/latolato/app/static/js/model/case.js";
+import { learnRules } from "../../src/latolato/app/static/js/model/rules.js";
 import { run } from "../../src/latolato/app/static/js/model/simulate.js";
 import { PageWorker } from "./page_worker.mjs";
 
 const WORKER = new URL("../../src/latolato/app/static/js/map/worker.js", import.meta.url);
 const { plans = [], requests = [], registry, workers, scalar } = JSON.parse(readFileSync(0, "utf8"));
+if (registry) learnRules(registry.rules);
 // As in a browser that lacks vectors.
 if (scalar) WebAssembly.validate = () => false;
 const layout = await loadLayout();

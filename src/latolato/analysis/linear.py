@@ -29,6 +29,7 @@ from latolato.analysis.waveform import (
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import describe
+from latolato.core.rules import broken_rule
 from latolato.physics.drives import Drive, Harmonic, PeriodicDrive, drives
 from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.simulation.start import checked_system
@@ -290,12 +291,8 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
 def check_oscillates(problem: Linear) -> None:
     """Refuse a pendulum that is damped so strongly that it does not oscillate."""
     if problem.damping_ratio >= 1.0:
-        raise InputError(
-            f"must be below 2 m l w0 for a tongue to exist, got {problem.damping:g} "
-            f"({problem.damping_ratio:.3g} times that)",
-            parameter="damping",
-            way_out="use growth_rate for overdamped cases",
-        )
+        values = {"damping": problem.damping, "ratio": problem.damping_ratio}
+        raise broken_rule("tongue", values, parameter="damping")
 
 
 def tongue(problem: Linear, amplitude: float, order: int, method: str) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from latolato.app import STATIC
 from latolato.app.run_request import options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
+from latolato.core.rules import RULES
 from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
 from latolato.figures.cells import SCALES
@@ -81,6 +82,7 @@ def _registry() -> dict[str, Any]:
         "sweep_tolerance": Plan.tolerance,
         "scenarios": {name: _scenario(path) for name, path in shipped().items()},
         "ratios": RATIOS,
+        "rules": {name: rule._asdict() for name, rule in RULES.items()},
         "alternatives": [sorted(group) for group in ALTERNATIVES],
         "languages": _languages(),
         "trials": {"columns": COLUMN_UNITS, **asdict(MotionClass())},

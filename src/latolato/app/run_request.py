@@ -15,6 +15,7 @@ from typing import Any
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.registry import suggest
+from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import choose_step
 from latolato.scenario.options import changes, flat_options, law_options
 from latolato.scenario.scenario import Scenario, changed_tables, shipped
@@ -71,13 +72,14 @@ class RunRequest:
         given: dict[str, Any] = {}
         for name, value in (self.options or {}).items():
             if name not in known:
-                raise InputError(f"unknown option '{name}': {suggest(name, list(known))}")
+                hint = suggest(name, list(known))
+                raise broken_rule("unknown", {"kind": "option", "name": name, "hint": hint})
             given[name] = option_value(known[name], value)
         path = None
         if self.scenario is not None:
             if self.scenario not in shipped():
                 hint = suggest(self.scenario, list(shipped()))
-                raise InputError(f"there is no scenario '{self.scenario}': {hint}")
+                raise broken_rule("unknown_scenario", {"name": self.scenario, "hint": hint})
             path = shipped()[self.scenario]
         tables, folder = changed_tables(path, changes(given))
         return Scenario.from_dict(tables, folder=folder)
@@ -98,10 +100,10 @@ def option_value(option: Parameter, value: Any) -> Any:
                 f"may hold at most {MOST_LISTED} values", parameter=name, value=len(value)
             )
         if not all(isinstance(part, (str, int, float)) for part in value):
-            raise InputError("must be a list of quantities", parameter=name)
+            raise broken_rule("quantities", parameter=name)
         return list(value)
     if value is not None and not isinstance(value, (str, int, float, bool)):
-        raise InputError("must be a text or a number", parameter=name, value=value)
+        raise broken_rule("text_or_number", parameter=name, value=value)
     return value
 
 

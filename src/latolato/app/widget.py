@@ -244,7 +244,7 @@ def _registry() -> dict[str, Any]:
         part: {name: law for name, law in whole[part].items() if law["compiled"]}
         for part in ("systems", "drives", "contact_laws")
     }
-    names = ("version", "options", "ratios", "alternatives", "units", "prefixes")
+    names = ("version", "options", "ratios", "rules", "alternatives", "units", "prefixes")
     empty: dict[str, Any] = {"axes": {}, "observables": {}, "scenarios": {}}
     own = {"server": False, "upright": True}
     return {**{name: whole[name] for name in names}, **laws, **empty, **own}

@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-_NOT_GIVEN: Any = object()
+# Stands for a value that is not given, as None may be one.
+NOT_GIVEN: Any = object()
 # Where a rule names the parameter.
 _NAME = "{parameter}"
 # Letters of a value in a text.
@@ -55,14 +56,14 @@ class InputError(ValueError):
         rule: str,
         *,
         parameter: str | None = None,
-        value: Any = _NOT_GIVEN,
+        value: Any = NOT_GIVEN,
         way_out: str | None = None,
     ) -> None:
         super().__init__(rule)
         self.rule = rule
         self.parameter = parameter
-        self.value = None if value is _NOT_GIVEN else value
-        self.has_value = value is not _NOT_GIVEN
+        self.value = None if value is NOT_GIVEN else value
+        self.has_value = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
 

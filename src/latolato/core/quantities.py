@@ -7,6 +7,7 @@ their unit, symbol and label from here.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -68,13 +69,13 @@ _POWERS = {2.0**53: "2^53", 2.0**63: "2^63"}
 
 @dataclass(frozen=True)
 class Limit:
-    """One end of what a number may be; a refusal reads ``NAME {rule}, got VALUE; {way_out}``."""
+    """One end of what a number may be, and the name of its rule with what stands in the gaps."""
 
     is_lower: bool
     end: float
     is_open: bool
     rule: str
-    way_out: str
+    values: Mapping[str, str]
 
     def holds(self, value: Any) -> Any:
         """Return whether a value lies on the right side, element by element for an array."""
@@ -110,22 +111,22 @@ class Range:
         """
         tail = "" if unit == "1" else f" {unit}"
         largest = LARGEST_ANGLE if unit == "rad" else LARGEST
-        rule = f"must lie in {self}{tail}"
-        size = f"must lie in [{-largest if self.low < 0.0 else 0.0:g}, {largest:g}]{tail}"
-        advice = "leave out whole turns" if unit == "rad" else "check its unit"
-        least = f"give {'more than' if self.open_low else 'at least'} {_text(self.low)}"
-        most = f"give {'less than' if self.open_high else 'at most'} {_text(self.high)}"
+        least = "more_than" if self.open_low else "at_least"
+        most = "less_than" if self.open_high else "at_most"
+        low, high = ({"range": f"{self}{tail}", "end": _text(end)} for end in (self.low, self.high))
         ends = [
-            Limit(True, self.low, self.open_low, rule, least),
-            Limit(False, self.high, self.open_high, rule, most),
+            Limit(True, self.low, self.open_low, least, low),
+            Limit(False, self.high, self.open_high, most, high),
         ]
+        rule = "turns" if unit == "rad" else "size"
+        size = {"range": f"[{-largest if self.low < 0.0 else 0.0:g}, {largest:g}]{tail}"}
         if self.low < -largest:
-            ends.append(Limit(True, -largest, False, size, advice))
+            ends.append(Limit(True, -largest, False, rule, size))
         if self.high > largest:
-            ends.append(Limit(False, largest, False, size, advice))
+            ends.append(Limit(False, largest, False, rule, size))
         if self.low == 0.0 and self.open_low:
-            tiny = f"must be at least {SMALLEST:g}{tail}"
-            ends.append(Limit(True, SMALLEST, False, tiny, "check its unit"))
+            tiny = {"end": f"{SMALLEST:g}{tail}"}
+            ends.append(Limit(True, SMALLEST, False, "tiny", tiny))
         return tuple(limit for limit in ends if math.isfinite(limit.end))
 
 

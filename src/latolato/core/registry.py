@@ -16,6 +16,7 @@ from typing import Any, Generic, TypeVar, cast, get_type_hints
 
 from latolato.core.errors import InputError, is_quantity
 from latolato.core.quantities import ANY, COUNT, Range, in_brackets
+from latolato.core.rules import broken_rule, sentence
 
 Entry = TypeVar("Entry")
 Given = TypeVar("Given")
@@ -53,20 +54,25 @@ def suggest(name: object, known: list[str]) -> str:
     """
     _, _, within = str(name).partition("_")  # options name the law too, its parameters do not
     if within in known:
-        return f"did you mean '{within}'?"
+        return _meant(within)
     typed = _plain(str(name))
     is_long = len(typed) >= _SHORTEST_PART
     longer = [each for each in known if _plain(each).startswith(typed)]
     if len(longer) == 1 and is_long:
-        return f"did you mean '{longer[0]}'?"
+        return _meant(longer[0])
     likeness = {each: _likeness(typed, _plain(each)) for each in known}
     nearest = max(known, key=likeness.__getitem__, default="")
     if known and likeness[nearest] >= _LIKENESS:
-        return f"did you mean '{nearest}'?"
+        return _meant(nearest)
     holders = [each for each in known if typed in _plain(each)]
     if len(holders) == 1 and is_long:
-        return f"did you mean '{holders[0]}'?"
-    return f"known are {', '.join(known)}"
+        return _meant(holders[0])
+    return sentence("known", names=", ".join(known))
+
+
+def _meant(name: str) -> str:
+    """Return the clause that suggests a name."""
+    return sentence("meant", name=name)
 
 
 def _plain(name: str) -> str:
@@ -123,8 +129,8 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
 
     def __getitem__(self, name: str) -> Entry:
         if name not in self:
-            known = suggest(str(name), list(self._entries))
-            raise InputError(f"unknown {self.kind} '{name}': {known}")
+            hint = suggest(str(name), list(self._entries))
+            raise broken_rule("unknown", {"kind": self.kind, "name": name, "hint": hint})
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:
@@ -187,12 +193,8 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
         # Those of pint: of another dimension, of an offset unit, of a unit that it does not know.
         except (ArithmeticError, AttributeError, TypeError, ValueError):
             pass
-        raise InputError(
-            unit_rule(unit),
-            parameter=name,
-            value=value,
-            way_out="give it in rad/s or Hz" if unit == "rad/s" else None,
-        )
+        way_out = "give it in rad/s or Hz" if unit == "rad/s" else None
+        raise no_quantity(name, value, unit, way_out)
     stated = getattr(value, "attrs", {}).get("units", unit)
     if isinstance(stated, str) and stated not in (unit, ""):
         raise InputError(
@@ -203,10 +205,10 @@ def in_unit(name: str, value: Any, unit: str) -> Any:
     return value.to_numpy() if hasattr(value, "to_numpy") else value
 
 
-def unit_rule(unit: str) -> str:
-    """Return the rule that refuses a quantity whose unit does not convert."""
-    how = "as a plain number" if unit == "1" else f"in {unit} (or a unit that converts to it)"
-    return f"must be given {how}"
+def no_quantity(name: str, value: Any, unit: str, way_out: str | None) -> InputError:
+    """Return the error of a quantity whose unit does not convert."""
+    rule = "plain_number" if unit == "1" else "quantity_of_unit"
+    return broken_rule(rule, {"unit": unit}, parameter=name, value=value, way_out=way_out)
 
 
 def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
@@ -218,26 +220,23 @@ def checked_number(name: str, value: Any, allowed: Range, unit: str) -> float:
         If `value` is no real number, NaN, infinite, outside `allowed` or of a size that cannot be
         computed with, or if it has a unit that does not convert.
     """
-    kind = "a number" if unit == "1" else f"a number in {unit}"
+    rule, gaps = "number" if unit == "1" else "number_in_unit", {"unit": unit}
     if type(value) is not float:  # as most are
         value = in_unit(name, value, unit)
         dtype = getattr(getattr(value, "dtype", None), "kind", "f")
         if dtype not in _REAL or isinstance(value, (str, bytes, bytearray, bool)) or value is None:
-            raise InputError(
-                f"must be {kind}", parameter=name, value=value, way_out=_way_out(value)
-            )
+            raise broken_rule(rule, gaps, parameter=name, value=value, way_out=_way_out(value))
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise InputError(
-            f"must be {kind}", parameter=name, value=value, way_out=_way_out(value)
+        raise broken_rule(
+            rule, gaps, parameter=name, value=value, way_out=_way_out(value)
         ) from None
     except OverflowError:
-        raise InputError(
-            f"must be {kind}, got an integer too large for a float", parameter=name
-        ) from None
+        kind = sentence(rule, **gaps)
+        raise InputError(f"{kind}, got an integer too large for a float", parameter=name) from None
     if not math.isfinite(number):
-        raise InputError(f"must be {kind}", parameter=name, value=number)
+        raise broken_rule(rule, gaps, parameter=name, value=number)
     return _within(name, number, allowed, unit)
 
 
@@ -272,16 +271,16 @@ def checked_array(
     """
     values = in_unit(name, values, unit)
     shape, dtype = getattr(values, "shape", None), getattr(values, "dtype", None)
-    kinds = "numbers" if unit == "1" else f"numbers in {unit}"
+    rule, gaps = "numbers" if unit == "1" else "numbers_in_unit", {"unit": unit}
     no_row = isinstance(values, (str, bytes, bytearray, Mapping, Set)) or shape == ()
     if no_row or not hasattr(values, "__iter__"):
-        raise InputError(f"must be a sequence of {kinds}", parameter=name, value=values)
+        raise broken_rule(rule, gaps, parameter=name, value=values)
     if shape is not None and len(shape) != 1:
         raise InputError(f"must be one-dimensional, got shape {tuple(shape)}", parameter=name)
     kind = getattr(dtype, "kind", "O")
     if kind not in _REAL:
         raise InputError(
-            f"must be a sequence of {kinds}, got values of type {dtype}",
+            f"{sentence(rule, **gaps)}, got values of type {dtype}",
             parameter=name,
             way_out="divide them by np.timedelta64(1, 's')" if (kind, unit) == ("m", "s") else None,
         )
@@ -289,8 +288,10 @@ def checked_array(
         values = values.astype("f8").tolist()  # what a mask hides becomes None
     numbers = list(values)
     if len(numbers) < at_least:
-        raise InputError(
-            f"must hold at least {at_least} value{'s' * (at_least > 1)}, got {len(numbers)}",
+        noun = "values" if at_least > 1 else "value"
+        raise broken_rule(
+            "list_length",
+            {"least": at_least, "values": noun, "count": len(numbers)},
             parameter=name,
         )
     if set(map(type, numbers)) == {float} and all(map(math.isfinite, numbers)):
@@ -306,11 +307,8 @@ def check_increasing(name: str, values: Sequence[float]) -> None:
     """Raise InputError unless each value is larger than the one before."""
     for i, (a, b) in enumerate(pairwise(values)):
         if not b > a:
-            raise InputError(
-                f"must increase strictly, got {b:g} after {a:g} at position {i + 1}",
-                parameter=name,
-                way_out="sort them and remove repeats",
-            )
+            place = {"after": b, "before": a, "place": i + 1}
+            raise broken_rule("increasing", place, parameter=name)
 
 
 def checked_count(name: str, value: Any, allowed: Range = COUNT) -> int:
@@ -326,7 +324,7 @@ def checked_count(name: str, value: Any, allowed: Range = COUNT) -> int:
     except (TypeError, ValueError, OverflowError):
         is_whole = False
     if not is_whole:
-        raise InputError("must be a whole number", parameter=name, value=value)
+        raise broken_rule("whole_number", parameter=name, value=value)
     return _within(name, int(value), allowed, "1")
 
 
@@ -341,8 +339,9 @@ def checked_choice(name: str, value: Any, choices: Sequence[str]) -> str:
     if value not in choices:
         *others, last = map(repr, choices)
         guess = suggest(str(value), list(choices))
-        raise InputError(
-            f"must be {', '.join(others)} or {last}",
+        raise broken_rule(
+            "choice",
+            {"words": ", ".join(others), "last": last},
             parameter=name,
             value=value,
             way_out=guess if guess.startswith("did") else None,
@@ -354,7 +353,7 @@ def _within(name: str, number: Number, allowed: Range, unit: str) -> Number:
     """Return a number, or raise with the first limit that it does not keep."""
     for limit in allowed.limits(unit):
         if not limit.holds(number):
-            raise InputError(limit.rule, parameter=name, value=number, way_out=limit.way_out)
+            raise broken_rule(limit.rule, limit.values, parameter=name, value=number)
     return number
 
 
@@ -470,7 +469,7 @@ def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
         name = missing[0]
         quantity = known[name].metadata.get("quantity")
         unit = in_brackets(quantity.unit) if quantity else ""
-        raise InputError(f"{kind.__name__} needs '{{parameter}}'{unit}", parameter=name)
+        raise broken_rule("needed", {"law": kind.__name__, "unit": unit}, parameter=name)
 
 
 def rebuild(kind: type, described: Mapping[str, Any]) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
+from latolato.core.rules import broken_rule
 from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
 from latolato.physics.pendulum import GRAVITY
 
@@ -99,11 +100,7 @@ def trial_table(
         "drive_amplitude" not in arrays
         or not {"drive_frequency", "frequency_ratio"} & arrays.keys()
     ):
-        raise InputError(
-            "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, "
-            "and class or largest_angle and largest_angle_after_transient",
-            value=", ".join(columns) or "none",
-        )
+        raise broken_rule("trial_columns", value=", ".join(columns) or "none")
     count = len(arrays["drive_amplitude"])
     if count == 0:
         raise InputError("a trial table needs rows")
@@ -117,15 +114,16 @@ def trial_table(
             is_good |= np.isnan(values)
         bad = np.flatnonzero(~is_good)
         if bad.size:
-            raise InputError(
-                f"must be positive and finite in row {bad[0] + 1}",
+            raise broken_rule(
+                "positive_in_row",
+                {"row": bad[0] + 1},
                 parameter=name,
                 value=float(values[bad[0]]),
             )
     attributes = {"gravity": GRAVITY, **(attributes or {})}
     gravity = float(attributes["gravity"])
     if not 0.0 < gravity < math.inf:
-        raise InputError("must be positive and finite", parameter="gravity", value=gravity)
+        raise broken_rule("positive", parameter="gravity", value=gravity)
     for name in COLUMNS:
         arrays.setdefault(name, np.full(count, "" if name in TEXTS else np.nan))
     natural = np.sqrt(gravity / arrays["length"])
@@ -137,9 +135,7 @@ def trial_table(
     sigmas = arrays["largest_angle_sigma"], arrays["largest_angle_after_transient_sigma"]
     if "class" not in columns:
         if not (np.isfinite(largest) & np.isfinite(settled)).all():
-            raise InputError(
-                "a trial table without class needs largest_angle and largest_angle_after_transient"
-            )
+            raise broken_rule("trial_extremes")
         arrays["class"] = np.array([CLASSES[i] for i in class_of(largest, settled)])
     if "borderline" not in columns:
         arrays["borderline"] = is_borderline(largest, sigmas[0], settled, sigmas[1])
@@ -297,10 +293,7 @@ def trials_of_cells(
 
     for former in _FORMER:
         if any(name == former for name, _ in cells):
-            raise InputError(
-                f"the column {former} is now called {_FORMER[former]}",
-                way_out="rename it, and its _sigma",
-            )
+            raise broken_rule("renamed_column", {"former": former, "name": _FORMER[former]})
     columns: dict[str, Any] = {}
     for (name, written), values in cells.items():
         texts = [f"{value.strip()} {written}".strip() if value.strip() else "" for value in values]

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
+from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
 from latolato.physics.pendulum import Pendulum
@@ -59,11 +60,8 @@ class Context:
     def of(cls, grid: xr.Dataset, x: str, y: str) -> Context:
         """Return the context of a map; raise InputError if it is not of amplitude and frequency."""
         if not ((x in FREQUENCIES and y in AMPLITUDES) or (y in FREQUENCIES and x in AMPLITUDES)):
-            raise InputError(
-                f"overlays and points need a map of amplitude ({', '.join(AMPLITUDES)}) and "
-                f"frequency ({', '.join(FREQUENCIES)})",
-                value=[y, x],
-            )
+            names = {"amplitudes": ", ".join(AMPLITUDES), "frequencies": ", ".join(FREQUENCIES)}
+            raise broken_rule("overlay_axes", names, value=[y, x])
         side = "right_" if "right_length" in {*grid.attrs, *grid.coords} else ""
         if grid.attrs.get("drag_frame") == "lab" and _number(grid, side + "damping") > 0.0:
             raise InputError(
@@ -112,9 +110,7 @@ def _number(grid: xr.Dataset, name: str) -> float:
             )
         return float(grid[name])
     if name not in grid.attrs:
-        raise InputError(
-            "this map does not say its {parameter}, which overlays need", parameter=name
-        )
+        raise broken_rule("overlay_parameter", parameter=name)
     return float(grid.attrs[name])
 
 
@@ -148,9 +144,7 @@ def curve(
         x, y = context.place(both, np.concatenate([low[::-1], high]))
     elif name == "lift_off":
         if not context.has_walls:
-            raise InputError(
-                "overlay lift_off needs a system with contact: nothing rests on a wall"
-            )
+            raise broken_rule("lift_off")
         _, _, slow, fast = _limits(context, x_limits, y_limits)
         slow = max(slow, 1e-3 * fast)
         # Even also along a logarithmic axis.

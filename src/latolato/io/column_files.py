@@ -11,6 +11,7 @@ from typing import Any
 
 from latolato.core.errors import InputError, import_extra
 from latolato.core.quantities import QUANTITIES, in_brackets
+from latolato.core.rules import broken_rule
 
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, Any]]]
@@ -76,11 +77,12 @@ def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:
             attributes[key] = value
     rows = [row for row in csv.reader(body) if row]
     if not rows:
-        raise InputError("it holds no columns")
+        raise broken_rule("columns")
     names = [name.strip() for name in rows[0]]
     for number, row in enumerate(rows[1:], start=1):
         if len(row) != len(names):
-            raise InputError(f"row {number} has {len(row)} cells below {len(names)} column names")
+            sizes = {"row": number, "cells": len(row), "names": len(names)}
+            raise broken_rule("cells_of_row", sizes)
     cells = zip(*rows[1:], strict=True) if rows[1:] else [()] * len(names)
     columns = {
         name: (list(values), about.get(name, {})) for name, values in zip(names, cells, strict=True)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.core.rules import sentence
 from latolato.numerics import records
 from latolato.numerics.abi import words_of
 from latolato.numerics.callbacks import (
@@ -70,11 +71,6 @@ LARGEST = 1e100
 TOLERANCES = (1e-14, 1e-2)
 
 _EXACT = ExactContact()
-
-_TANGLED = (
-    "a string ran into a ball, or balls rested on each other on a slack string, which is not "
-    "described"
-)
 
 
 @dataclass(frozen=True)
@@ -375,16 +371,16 @@ def integrate(
             if lost.any():
                 reached = float(sample_times[np.argmax(lost)])
                 samples[:, np.argmax(lost) :] = np.nan
-            status = f"failed at t = {reached:.9g} s: the motion left the range of numbers"
+            status = sentence("left_numbers", time=reached)
             failed = True
             break
         if state.is_outside_model != 0:
-            status = f"stopped at t = {reached:.9g} s: {_TANGLED}"
+            status = sentence("left_model", time=reached)
             break
         if reached >= duration:
             break
         if count >= contact_limit:
-            status = f"stopped at t = {reached:.9g} s by contact_limit = {contact_limit}"
+            status = sentence("contact_limit", time=reached, limit=contact_limit)
             break
         room = min(max(room, 2 * written), 65536)
     return Trajectory(

@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, quantity_field
 from latolato.core.registry import Registry, check_fields
+from latolato.core.rules import broken_rule
 from latolato.core.scalar import formula
 from latolato.physics import problems
 
@@ -92,11 +92,7 @@ class ClampContact(ContactLaw):
     def check_system(self, system: Any) -> None:
         """Raise InputError for two balls that move independently."""
         if system.angles == 2:
-            raise InputError(
-                "{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
-                parameter="contact",
-                way_out="use 'exact' for a BallPair",
-            )
+            raise broken_rule("clamped_toy", parameter="contact")
 
 
 @contact_laws.register("none")

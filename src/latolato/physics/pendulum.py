@@ -25,6 +25,7 @@ from latolato.core.quantities import (
     quantity_field,
 )
 from latolato.core.registry import Registry, check_fields, checked_number, named
+from latolato.core.rules import broken_rule
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics import contacts
 
@@ -154,20 +155,11 @@ class System:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.suspension == "rod" and self.string_restitution > 0.0:
-            raise InputError(
-                "must be 0 with suspension 'rod', as a rod never goes slack",
-                parameter="string_restitution",
-                value=self.string_restitution,
-                way_out="give 0, or suspension='string'",
+            raise broken_rule(
+                "rigid_rod", parameter="string_restitution", value=self.string_restitution
             )
         if self.drag_frame == "lab" and any(ball.quadratic_damping > 0.0 for ball in self.balls):
-            raise InputError(
-                "must be 'pivot' with quadratic_damping, as drag relative to the room is described "
-                "for linear damping only",
-                parameter="drag_frame",
-                value=self.drag_frame,
-                way_out="give quadratic_damping=0 for 'lab'",
-            )
+            raise broken_rule("lab_drag", parameter="drag_frame", value=self.drag_frame)
 
     @cached_property
     def balls(self) -> tuple[Ball, ...]:

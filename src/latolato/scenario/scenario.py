@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.registry import describe, suggest
+from latolato.core.rules import broken_rule
 from latolato.core.versions import FORMAT, check_format
 from latolato.physics.contacts import ContactLaw, contact_laws
 from latolato.physics.drives import Drive, FixedPivot, drives
@@ -180,10 +181,8 @@ class Scenario:
         """Return the arguments of `latolato.simulate`."""
         if self.varied:
             name = self.name or "this scenario"
-            raise InputError(
-                f"{name} is a sweep over {', '.join(self.varied['axes'])}, not one run",
-                way_out=f"use `latolato sweep {self.name or 'FILE'}`, or Scenario.sweep in Python",
-            )
+            axes, file = ", ".join(self.varied["axes"]), self.name or "FILE"
+            raise broken_rule("one_run", {"name": name, "axes": axes, "file": file})
         return _replaced({"system": self.system, "drive": self.drive, **self.run}, overrides)
 
     def sweep(self, **overrides: Any) -> xr.Dataset:
@@ -317,7 +316,7 @@ def overridden(tables: Tables, changes: Mapping[str, Mapping[str, Any]]) -> Tabl
         old = dict(checked_table(tables.get(part, {}), part))
         kind = new.get("kind")
         if kind is not None and not isinstance(kind, str):
-            raise InputError(f"the kind of {part} must be a text", value=kind)
+            raise broken_rule("kind_of_law", {"part": part}, value=kind)
         if part in ("system", "drive") and kind is not None and kind != old.get("kind"):
             law = (systems if part == "system" else drives)[kind]
             known = {f.name for f in fields(law)}
@@ -355,10 +354,7 @@ def changed_tables(
 ) -> tuple[dict[str, Any], Path | None]:
     """Return the tables of a scenario with the options put in, and where its files begin."""
     if path is None and tables is None and "kind" not in changed.get("system", {}):
-        raise InputError(
-            "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
-            f"--from FILE or --system with one of {', '.join(systems)}"
-        )
+        raise broken_rule("what_to_run", {"systems": ", ".join(systems)})
     if tables is None:
         tables = read_tables(path) if path else {}
     if "drive" in changed and tables.get("drive", {}).get("kind", "fixed_pivot") == "fixed_pivot":

@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
+from latolato.core.rules import broken_rule
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, drives
@@ -65,10 +66,11 @@ def _with_contact(run: Tables) -> Tables:
     for name in own:
         if run.get("contact") not in owners[name]:
             contact = run.get("contact", RUN_OPTIONS["contact"].default) or "none"
-            raise ForeignParameterError(
-                f"belongs to contact {' or '.join(owners[name])}, not to {contact}",
+            raise broken_rule(
+                "foreign",
+                {"part": "contact", "owners": " or ".join(owners[name]), "kind": contact},
                 parameter=name,
-                way_out="leave it out or change the contact",
+                kind=ForeignParameterError,
             )
     if not own:
         return run
@@ -93,7 +95,7 @@ def law_from(value: Any, registry: Any, part: str, folder: Path) -> Any:
         raise InputError(f"[{part}] needs a kind: {', '.join(registry)}")
     kind = table.pop("kind")
     if not isinstance(kind, str):
-        raise InputError(f"the kind of {part} must be a text", value=kind)
+        raise broken_rule("kind_of_law", {"part": part}, value=kind)
     for name, inner in table.items():
         _check_owner(name, inner, registry, part, kind)
     return build_from(registry[kind], table, folder)
@@ -108,10 +110,11 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     if not owners or name in own | of_parts:
         return
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
-    raise ForeignParameterError(
-        f"belongs to {part} {' or '.join(owners)}, not to {kind}",
+    raise broken_rule(
+        "foreign_part" if inner in own else "foreign",
+        {"part": part, "owners": " or ".join(owners), "kind": kind, "name": inner},
         parameter=f"{name}_{inner}" if inner else name,
-        way_out=f"{f'use {inner}' if inner in own else 'leave it out'} or change the {part}",
+        kind=ForeignParameterError,
     )
 
 
@@ -138,9 +141,8 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
         elif name not in known:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
-                raise InputError(
-                    f"{law.__name__} has no '{{parameter}}' of its own: give {each}",
-                    parameter=name,
+                raise broken_rule(
+                    "of_each_part", {"law": law.__name__, "parts": each}, parameter=name
                 )
             plain[name] = value  # the law names it together with the closest known one
         elif "quantity" in known[name].metadata:
@@ -148,7 +150,7 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
             where = {"folder": folder} if known[name].metadata.get("array") else {}
             plain[name] = convert(name, value, known[name].metadata["quantity"].unit, **where)
         elif hints[name] is bool and not isinstance(value, bool):
-            raise InputError("must be true or false", parameter=name, value=value)
+            raise broken_rule("switch", parameter=name, value=value)
         else:
             plain[name] = value
     return law(**plain)
@@ -170,12 +172,12 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         if ratio not in plain:
             continue
         if name in plain:
-            raise InputError(f"give either {name} or {{parameter}}, got both", parameter=ratio)
+            raise broken_rule("either", {"name": name}, parameter=ratio)
         value = plain.pop(ratio)
         several = name == "drive_frequencies"
         ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
         if not isinstance(ratios, list):
-            raise InputError("must be a sequence of numbers", parameter=ratio, value=value)
+            raise broken_rule("numbers", parameter=ratio, value=value)
         result = [
             checked_number(ratio, number, NON_NEGATIVE, "1") * system.natural_frequency
             for number in ratios
@@ -282,8 +284,8 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
 
     count = RUN_PARAMETERS["samples"].checked(samples)
     if "times" in run:
-        raise InputError("give either times or {parameter}, got both", parameter="samples")
+        raise broken_rule("either", {"name": "times"}, parameter="samples")
     if "duration" not in run:
-        raise InputError("needs a duration", parameter="samples")
+        raise broken_rule("duration_of_samples", parameter="samples")
     duration = RUN_PARAMETERS["duration"].checked(run["duration"])
     return tuple(np.linspace(0.0, duration, count).tolist())

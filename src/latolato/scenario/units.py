@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest, unit_rule
+from latolato.core.registry import no_quantity, suggest
+from latolato.core.rules import broken_rule, sentence
 from latolato.io.shown_units import name_and_unit
 
 _PI = "3.1415926535897932384626433833"
@@ -173,8 +174,8 @@ def _plain_unit(written: str) -> str:
 def _refusal(name: str, value: str, written: str, unit: str) -> InputError:
     """Return the error for a text that is no such quantity, with another unit that is meant."""
     meant = _in_other_letters(written, unit) if written and unit != "1" else None
-    way_out = None if meant is None else f"did you mean '{meant}'?"
-    return InputError(unit_rule(unit), parameter=name, value=value, way_out=way_out)
+    way_out = None if meant is None else sentence("meant", name=meant)
+    return no_quantity(name, value, unit, way_out)
 
 
 def _in_other_letters(written: str, unit: str) -> str | None:
@@ -232,9 +233,7 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
         parts = [part.strip() for part in value.strip().rstrip(",").split(",")]
         plain = [_plain_number(part) for part in parts]
         if None in plain and any(plain):  # a 0 needs no unit
-            raise InputError(
-                "must carry a unit on every value or on none", parameter=name, value=value
-            )
+            raise broken_rule("units_of_list", parameter=name, value=value)
         return [to_si(name, part, unit) for part in parts]
     path, column = _file_and_column(value, folder or Path())
     if path.is_file():

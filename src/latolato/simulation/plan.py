@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.core.registry import check_increasing, checked_array, in_unit
+from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Floats, Start, choose_step
 from latolato.physics.contacts import ContactLaw
 from latolato.physics.drives import Drive
@@ -100,12 +100,7 @@ def make_run_plan(
     warn_of_degrees("initial_angle", start.angles, stacklevel=3)
     kick_times, kick_sizes = kicks_of(noise, system, end)
     if law.fixed_step is not None and law.fixed_step > end:
-        raise InputError(
-            f"must not exceed the duration {end:g} s",
-            parameter="clamp_step",
-            value=law.fixed_step,
-            way_out="a thousandth of a second is usual",
-        )
+        raise broken_rule("clamp_step", {"end": end}, parameter="clamp_step", value=law.fixed_step)
     step = choose_step(system, drive, start, tolerance, law, duration=end)
     return RunPlan(
         system=system,
@@ -131,17 +126,13 @@ def _checked_times(
     """Return the sample instants and the end of the run [s]."""
     if times is None:
         if duration is None:
-            raise InputError(
-                "is needed: give the end of the run in s, or times", parameter="duration"
-            )
+            raise broken_rule("duration_needed", parameter="duration")
         end = RUN_PARAMETERS["duration"].checked(duration)
         fastest = max(system.natural_frequency, drive.fastest_frequency)
         periods = end * fastest / (2.0 * math.pi)
         if periods * SAMPLES_PER_PERIOD > MOST_SAMPLES:
-            raise InputError(
-                f"{periods * SAMPLES_PER_PERIOD:.3g} default samples exceed the limit of "
-                f"{MOST_SAMPLES}; shorten the duration or name fewer instants with times"
-            )
+            count = periods * SAMPLES_PER_PERIOD
+            raise broken_rule("default_samples", {"count": count, "limit": MOST_SAMPLES})
         count = math.ceil(periods * SAMPLES_PER_PERIOD) + 1
         return np.linspace(0.0, end, max(count, 2)), end
     parameter = RUN_PARAMETERS["times"]
@@ -153,13 +144,9 @@ def _checked_times(
     if np.any(np.diff(instants) <= 0.0):
         check_increasing("times", numbers)
     if duration is None and instants[-1] <= 0.0:
-        raise InputError(
-            f"must reach beyond 0 s, where a run begins, got {instants[-1]:g} as the last",
-            parameter="times",
-            way_out="add a later instant or give duration",
-        )
+        raise broken_rule("later_times", {"last": instants[-1]}, parameter="times")
     end = RUN_PARAMETERS["duration"].checked(instants[-1] if duration is None else duration)
     if instants[0] < 0.0 or instants[-1] > end:
         outside = instants[0] if instants[0] < 0.0 else instants[-1]
-        raise InputError(f"must lie in [0, duration = {end:g}] s", parameter="times", value=outside)
+        raise broken_rule("times_of_run", {"end": end}, parameter="times", value=outside)
     return instants, end

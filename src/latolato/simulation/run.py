@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.rules import broken_rule, sentence
 from latolato.numerics import records
 from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.numerics.engine.samples import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
@@ -175,13 +176,9 @@ def run_plan(plan: RunPlan, progress: Callable[[float], None] | None = None) -> 
     residual = float(trajectory.state.ledger_error)
     if trajectory.status != "complete":
         if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
-            raise InputError(
-                f"the run {trajectory.status}; no sample and no contact is known",
-                way_out="ask for earlier times",
-            )
-        warnings.warn(
-            f"the run {trajectory.status}; later samples are NaN", RuntimeWarning, stacklevel=3
-        )
+            raise broken_rule("no_sample", {"status": trajectory.status})
+        early = sentence("ended_early", status=trajectory.status)
+        warnings.warn(early, RuntimeWarning, stacklevel=3)
     quantities = _observe(plan, trajectory)
     attrs = attributes_of(plan)
     attrs.update(
@@ -235,14 +232,14 @@ def _closed(
         if residual <= allowed or trajectory.status != "complete":
             return trajectory, halvings
         if halvings == MOST_HALVINGS or int(state.total_steps) > MOST_STEPS_TO_REPEAT:
-            share = residual / max(float(state.largest_energy), np.finfo(float).tiny)
-            warnings.warn(
-                f"the energy ledger closes only to {residual:.3g} J, {share:.2g} of "
-                f"the largest energy: tolerance {plan.tolerance:g} was not reached with step "
-                f"{trajectory.step:.3g} s",
-                RuntimeWarning,
-                stacklevel=4,
+            text = sentence(
+                "open_ledger",
+                residual=residual,
+                share=residual / max(float(state.largest_energy), np.finfo(float).tiny),
+                tolerance=plan.tolerance,
+                step=trajectory.step,
             )
+            warnings.warn(text, RuntimeWarning, stacklevel=4)
             return trajectory, halvings
         halvings += 1
         trajectory = _integrated(plan, plan.step * 0.5**halvings, progress)

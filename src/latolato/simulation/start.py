@@ -12,6 +12,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, QUANTITIES, Range
 from latolato.core.registry import checked_array, checked_number, in_unit
+from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Floats, Start, prepared_runs
 from latolato.numerics.prepare import cases_of, choose_stepper, move_between
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
@@ -42,21 +43,10 @@ def checked_drive(drive: Drive | None, system: System | None = None) -> Drive:
     if getattr(drive, "moves_across", False) and system is not None:
         name = type(drive).__name__
         if isinstance(system, LatoLato):
-            raise InputError(
-                "moves the pivot sideways, which breaks the mirror symmetry of a LatoLato: "
-                "{parameter} must be vertical",
-                parameter="drive",
-                value=name,
-                way_out="use a BallPair",
-            )
+            raise broken_rule("mirrored_pivot", {"law": "LatoLato"}, parameter="drive", value=name)
         if system.is_linear:
-            raise InputError(
-                f"moves the pivot sideways, which a {type(system).__name__} does not describe: "
-                "{parameter} must be vertical",
-                parameter="drive",
-                value=name,
-                way_out="use a Pendulum",
-            )
+            law = type(system).__name__
+            raise broken_rule("vertical_pivot", {"law": law}, parameter="drive", value=name)
     return drive
 
 
@@ -80,26 +70,23 @@ def checked_contact(contact: Any, system: System) -> ContactLaw:
         return PassThrough()
     law = contact_laws[contact]() if isinstance(contact, str) else contact
     if not isinstance(law, ContactLaw):
-        raise InputError(
-            f"must be one of {', '.join(contact_laws)}", parameter="contact", value=contact
-        )
+        names = ", ".join(contact_laws)
+        raise broken_rule("one_of", {"names": names}, parameter="contact", value=contact)
     if not system.has_contacts:
         if not isinstance(law, (ExactContact, PassThrough)):
-            raise InputError(
-                f"{{parameter}} '{contact_laws.name_of(law)}' is for balls that meet, and a "
-                f"{type(system).__name__} has none",
+            raise broken_rule(
+                "meeting_balls",
+                {"name": contact_laws.name_of(law), "law": type(system).__name__},
                 parameter="contact",
-                way_out="leave it out",
             )
         return PassThrough()
     law.check_system(system)
     if law.motion != "exact" and (system.suspension != "rod" or system.drag_frame != "pivot"):
         what = "strings" if system.suspension != "rod" else "drag_frame 'lab'"
-        raise InputError(
-            f"{{parameter}} '{contact_laws.name_of(law)}' is described for rods and for drag "
-            f"relative to the pivot only, not for {what}",
+        raise broken_rule(
+            "clamped_rods",
+            {"name": contact_laws.name_of(law), "what": what},
             parameter="contact",
-            way_out="use 'exact' or 'none'",
         )
     return law
 
@@ -127,52 +114,34 @@ def checked_numbers(name: str, value: Any, count: int, allowed: Range = ANY) -> 
     value = in_unit(name, value, unit)
     if count == 1:
         if isinstance(value, (list, tuple)) or np.ndim(value) > 0:
-            raise InputError(
-                f"must be one number in {unit} for one angle", parameter=name, value=value
-            )
+            raise broken_rule("one_number", {"unit": unit}, parameter=name, value=value)
         return (checked_number(name, value, allowed, unit),)
     if np.isscalar(value) and value == 0.0 and not isinstance(value, str):
         value = (0.0, 0.0)
     if isinstance(value, str) or not hasattr(value, "__len__") or len(value) != 2:
-        raise InputError(
-            "of a BallPair must be two numbers (right, left)", parameter=name, value=value
-        )
+        raise broken_rule("two_numbers", parameter=name, value=value)
     return tuple(checked_array(name, value, allowed, unit=unit))
 
 
 def checked_offset(system: System, angle: Any, offset: Any) -> float:
     """Return an offset that replaces an angle [rad]."""
     if not isinstance(system, LatoLato):
-        raise InputError(
-            "counts from the low contact angle of a LatoLato",
-            parameter="initial_offset",
-            way_out="use initial_angle for other systems",
-        )
+        raise broken_rule("offset_of_toy", parameter="initial_offset")
     if angle is not None:
-        raise InputError(
-            "give only one of {parameter} and initial_offset", parameter="initial_angle"
-        )
+        raise broken_rule("angle_or_offset", parameter="initial_angle")
     return checked_number("initial_offset", offset, NON_NEGATIVE, "rad")
 
 
 def check_strings(system: System, parameter: str) -> None:
     """Raise InputError for a parameter of strings unless the system hangs on them."""
     if system.suspension != "string":
-        raise InputError(
-            "is for balls on strings: a rod keeps its ball at its length and never goes slack",
-            parameter=parameter,
-            way_out="leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair",
-        )
+        raise broken_rule("of_strings", parameter=parameter)
 
 
 def check_perturbations(system: System, what: str) -> None:
     """Raise InputError for a result on small perturbations where it is not known."""
     if system.suspension == "string" and any(ball.coulomb_damping > 0.0 for ball in system.balls):
-        raise InputError(
-            f"must be 0 for {what} on strings: dry friction ends at once where a string goes slack",
-            parameter="coulomb_damping",
-            way_out="leave it out, or give suspension='rod'",
-        )
+        raise broken_rule("no_friction", {"what": what}, parameter="coulomb_damping")
 
 
 def checked_distances(system: System, value: Any) -> tuple[float, ...]:
@@ -202,10 +171,7 @@ def checked_start(
         With what `latolato.numerics.prepare` reports: balls that overlap and the like.
     """
     if angle is None and offset is None:
-        raise InputError(
-            "is needed [rad] (a LatoLato also accepts initial_offset)",
-            parameter="initial_angle",
-        )
+        raise broken_rule("angle_needed", parameter="initial_angle")
     numbers: dict[str, Any] = {}
     if offset is not None:
         numbers["initial_offset"] = checked_offset(system, angle, offset)
@@ -215,11 +181,7 @@ def checked_start(
     if distances:
         numbers["initial_distance"] = (*distances, math.nan)[:2]
     if system.angles == 2 and not hasattr(angle, "__len__"):  # not even 0: the balls would overlap
-        raise InputError(
-            "of a BallPair must be two numbers (right, left)",
-            parameter="initial_angle",
-            value=angle,
-        )
+        raise broken_rule("two_numbers", parameter="initial_angle", value=angle)
     angles = checked_numbers("initial_angle", angle, system.angles)
     case = cases_of(
         system, law, angles=angles, velocities=velocities, bounds=(0.0, 0.0), tolerance=1.0,

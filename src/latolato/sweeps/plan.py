@@ -20,6 +20,7 @@ from latolato.core.registry import (
     rebuild,
     suggest,
 )
+from latolato.core.rules import broken_rule
 from latolato.core.versions import FORMAT, check_format
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import ContactLaw, ExactContact, contact_laws
@@ -326,10 +327,7 @@ def make_plan(
             way_out="take fewer values along an axis, or split the map",
         )
     if noise is not None and plan.own_streams and noise.noise_stream + plan.size not in STREAMS:
-        raise InputError(
-            f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
-            "lie in [0, 2^53): begin with a smaller one"
-        )
+        raise broken_rule("streams", {"count": plan.size, "first": noise.noise_stream})
     for name, values in _start_angles(plan).items():
         warn_of_degrees(name, values, stacklevel=3)
     return plan if chunk_size is not None else replace(plan, chunk_size=_usual_chunk_size(plan))
@@ -444,9 +442,7 @@ def _check_observables(
             raise InputError(f"two observables both give '{name}': drop one")
     counts = sorted({o.marks for o in watched} - {0})
     if counts and not isinstance(drive, PeriodicDrive):
-        raise InputError(
-            f"a {drives.name_of(drive)} drive has no single period that a stroboscope could follow"
-        )
+        raise broken_rule("single_period", {"name": drives.name_of(drive)})
     if len(counts) > 1:  # marks are numbered for all observables together
         raise InputError(
             f"observables that look once per drive period must mark equally many periods, got "
@@ -463,18 +459,11 @@ def _check_observables(
         if observable.of_strings:
             check_strings(system, name)
         if "compression" in observable.needs and system.suspension == "string":
-            raise InputError(
-                "is for balls on rods: a string never pushes, it goes slack",
-                parameter=name,
-                way_out="ask for slack_fraction, or give suspension='rod'",
-            )
+            raise broken_rule("of_rods", parameter=name)
         if observable.tangent is not None:
             check_perturbations(system, name)
         if observable.tangent is not None and law.fixed_step is not None:
-            raise InputError(
-                f"{name} needs exact contact: a clamped motion depends on its step, so small "
-                "perturbations have no meaning there"
-            )
+            raise broken_rule("exact_contact", {"name": name})
 
 
 def _start(
@@ -512,10 +501,7 @@ def _start(
         fixed = {k: v for k, v in fixed.items() if k not in starts}
     missing = [f"initial_angle{s}" for s in sides if f"initial_angle{s}" not in {*fixed, *varied}]
     if missing and "initial_offset" not in {*fixed, *varied}:
-        raise InputError(
-            f"{missing[0]} is needed [rad], as a value or an axis (a LatoLato also accepts "
-            "initial_offset)"
-        )
+        raise broken_rule("axis_needed", {"name": missing[0]})
     return tuple(sorted((k, v) for k, v in fixed.items() if k not in varied))
 
 

@@ -1,14 +1,20 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { InputError } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inPagesWords } from "../../../src/latolato/app/static/js/shared/refusals.js";
+import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
+import { inLanguage, inPagesWords } from "../../../src/latolato/app/static/js/shared/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/shared/reading.js";
 import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js";
 import { setLanguage, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
 const LANGUAGES = { en: { name: "English", beta: false }, id: { name: "Bahasa Indonesia", beta: true } };
 const REGISTRY = /** @type {any} */ ({ options: { length: { label: "duljina", unit: "m" } } });
+// The sentences of Python.
+learnRules(JSON.parse(/** @type {string} */ (process.env.LATOLATO_RULES)));
+
+/** @type {(name: string, rule: string, values: Record<string, number>, wayOut: string) => any} */
+const problem = (name, rule, values, wayOut) => ({ name, rule, way_out: wayOut, values: Object.keys(values),
+  reported: Object.values(values), parameter: "angle", value: "angle" });
 
 test("of the languages that a reader wants the first that there is is taken, else English", () => {
   assert.equal(firstOf(LANGUAGES, ["id"]), "id");
@@ -18,26 +24,33 @@ test("of the languages that a reader wants the first that there is is taken, els
 });
 
 test("a refusal has the unit and the label of the screen", () => {
-  const option = { label: "Where it starts", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }] };
+  const limits = [{ is_lower: true, end: 0, is_open: false, rule: "at_least", values: {} },
+    { is_lower: false, end: Math.PI / 2, is_open: false, rule: "at_most", values: {} }];
+  const option = { label: "Where it starts", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }], limits };
   const registry = /** @type {any} */ ({ options: { angle: option } });
-  const beyond = new InputError("must lie in [0, 1.570796327] rad", { parameter: "angle", value: 2,
-    wayOut: "give at most 1.570796327" });
+  const beyond = brokenRule("at_most", { parameter: "angle", value: 2 }, { range: "[0, 1.570796327] rad", end: "1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
     ["“Where it starts” must lie between 0 and 90°, got 114.592", "angle"]);
-  const walls = new InputError("{parameter} must lie between the contact angles [0.3490658504, pi] rad",
-    { parameter: "angle", value: Math.PI / 360, wayOut: "give one at which the balls do not overlap" });
+  limits[1].is_open = true;
+  assert.equal(inPagesWords(registry, beyond)[0],
+    "“Where it starts” must be at least 0° and below 90°, got 114.592");
+  const walls = refusal(problem("angle", "{parameter} must lie between the contact angles [{low:.13g}, {high:.13g}] rad",
+    { low: 0.3490658504, high: Math.PI, angle: Math.PI / 360 }, "give one at which the balls do not overlap"));
+  assert.equal(walls.message, "angle must lie between the contact angles [0.3490658504, 3.14159265359] rad, "
+    + "got 0.00872664626; give one at which the balls do not overlap");
   assert.equal(inPagesWords(registry, walls)[0], "“Where it starts” must lie between the contact angles, "
     + "20 and 180°, got 0.5; give one at which the balls do not overlap");
-  const apart = new InputError("the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
-    { parameter: "angle", value: -Math.PI / 2 });
+  const apart = refusal(problem("turn", "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
+    { angle: -Math.PI / 2 }, ""));
   assert.equal(inPagesWords(registry, apart)[0], "the separation “Where it starts”[0] - “Where it starts”[1] "
     + "must lie between 0 and 360°, got -90");
-  const words = new InputError("must be given in rad (or a unit)", { parameter: "angle", value: "x" });
+  const words = brokenRule("quantity_of_unit", { parameter: "angle", value: "x" }, { unit: "rad" });
+  assert.equal(words.message, "angle must be given in rad (or a unit that converts to it), got 'x'");
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {
-  const lacks = new InputError("Chirp needs '{parameter}' [m]", { parameter: "length" });
+  const lacks = brokenRule("needed", { parameter: "length" }, { law: "Chirp", unit: " [m]" });
   assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina” [m].");
   assert.equal(sentence(REGISTRY, new InputError("did you mean 'length'?")), "Did you mean 'length'?");
 });
@@ -55,17 +68,16 @@ test("a language has its own plural forms, and data is translated by its English
       mapTrialCount: { one: "{count} pokus", few: "{count} pokusa", other: "{count} pokusā" } },
     texts: {
       "The first push": "Prvi zamah",
-      "right ball": "desna kugla",
-      "{name}, right ball": "{name}, desna kugla",
       "length": "duljina",
-      "must be {kind}": "mora biti {kind}",
-      "{one} and {other}": "{one} i {other}",
-      "at least {value}": "barem {value}",
-      "below {value}": "ispod {value}",
-      "the length": "duljine",
-      "give less than {value}": "zadajte manje od {value}",
-      "give only one of {parameter} and {other}": "zadajte ili {parameter} ili {other}",
+      "drive": "pogon",
       "got": "zadano je",
+    },
+    rules: {
+      less_than: { rule: "mora biti u {range}", way_out: "zadajte manje od {end}" },
+      angle_or_offset: { rule: "zadajte ili {parameter} ili initial_offset" },
+      shortest_stage: { rule: "ne smije biti duže od najkraće etape, {shortest} s" },
+      unknown: { rule: "{kind} '{name}' nije poznat: {hint}" },
+      meant: { rule: "jeste li mislili '{name}'?" },
     },
   });
   assert.equal(t("play"), "Pokreni");
@@ -73,16 +85,32 @@ test("a language has its own plural forms, and data is translated by its English
   assert.deepEqual([1, 3, 5].map((count) => t("mapTrialCount", { count })), ["1 pokus", "3 pokusa", "5 pokusā"]);
   assert.equal(tr("The first\npush"), "Prvi zamah", "lines are broken anywhere");
   assert.equal(tr("Length"), "Duljina", "labels begin with a capital on a line of their own");
-  assert.equal(tr("length, right ball"), "duljina, desna kugla");
   assert.equal(tr("toString"), "toString");
 });
 
-test("a refusal is translated in its parts, and its English sentence stays", () => {
-  const error = new InputError("must lie in [0, length)",
-    { parameter: "length", value: 0.5, wayOut: "give less than 0.4" });
-  assert.equal(error.message, "length must lie in [0, length), got 0.5; give less than 0.4");
-  assert.deepEqual(inPagesWords(REGISTRY, error),
-    ["“duljina” mora biti barem 0 m i ispod duljine, zadano je 0,5; zadajte manje od 0,4", "length"]);
-  const two = new InputError("give only one of {parameter} and initial_offset", { parameter: "length" });
+test("a refusal is translated by the name of its rule, and its English sentence stays", () => {
+  const range = { range: "[0, 1) m", end: "1" };
+  const error = brokenRule("less_than", { parameter: "radius", value: 1.5 }, range);
+  assert.equal(error.message, "radius must lie in [0, 1) m, got 1.5; give less than 1");
+  assert.equal(inLanguage(error), "radius mora biti u [0, 1) m, zadano je 1,5; zadajte manje od 1");
+  const two = brokenRule("angle_or_offset", { parameter: "length" });
   assert.equal(inPagesWords(REGISTRY, two)[0], "zadajte ili “duljina” ili initial_offset");
+});
+
+test("numbers in a translation have the digits of the English sentence", () => {
+  const error = brokenRule("shortest_stage", { parameter: "ramp", value: 2 }, { shortest: 1 / 3 });
+  assert.equal(error.message, "ramp must not exceed the shortest stage 0.333333 s, got 2");
+  assert.equal(inLanguage(error), "ramp ne smije biti duže od najkraće etape, 0,333333 s, zadano je 2");
+});
+
+test("words and sentences in the gaps of a sentence are translated, names are not", () => {
+  const error = unknown("drive", "lengt", ["length", "mass"]);
+  assert.equal(error.message, "unknown drive 'lengt': did you mean 'length'?");
+  assert.equal(inLanguage(error), "pogon 'lengt' nije poznat: jeste li mislili 'length'?");
+});
+
+test("a rule without a translation is in English", () => {
+  assert.equal(inLanguage(brokenRule("rigid_rod", { parameter: "string_restitution", value: 0.5 })),
+    "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, zadano je 0,5; "
+    + "give 0, or suspension='string'");
 });

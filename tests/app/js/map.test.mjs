@@ -10,7 +10,11 @@ import { ended, misread, spaced, turned } from "../../../src/latolato/app/static
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
+import { learnRules } from "../../../src/latolato/app/static/js/model/rules.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/shared/units.js";
+
+// The sentences of Python.
+learnRules(JSON.parse(/** @type {string} */ (process.env.LATOLATO_RULES)));
 
 const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
 

@@ -12,6 +12,7 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity
 from latolato.core.registry import checked_choice, checked_count, suggest
+from latolato.core.rules import broken_rule
 from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -217,7 +218,7 @@ def number(name: str, value: Any) -> float:
     known = {**law_options(), **VIDEO_PARAMETERS, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
     unit = known[name].unit
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-        raise InputError("must be a text or a number", parameter=name, value=value)
+        raise broken_rule("text_or_number", parameter=name, value=value)
     converted = to_si(name, value, unit)
     if not isinstance(converted, float) or not math.isfinite(converted):
         raise InputError("must be a finite number", parameter=name, value=value)

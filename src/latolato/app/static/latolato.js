@@ -14,6 +14,7 @@
 import { loadLayout } from "./js/kernels/load.js";
 import { loadRegistry } from "./js/model/registry.js";
 import { specify } from "./js/model/case.js";
+import { say } from "./js/model/rules.js";
 import { run } from "./js/model/simulate.js";
 
 export { InputError } from "./js/model/rules.js";
@@ -67,7 +68,8 @@ export async function simulate({ scenario = null, ...options }) {
     contact_kind: Array.from(contacts.kind, (kind) => layout.contact_kinds[kind]),
     angular_velocity_before: each(contacts.before), angular_velocity_after: each(contacts.after),
     ...Object.fromEntries(Object.entries(contacts.others).map(([name, rows]) => [name, each(rows)])),
-    energy_residual: result.energyResidual, status: result.status, warnings: result.warnings,
+    energy_residual: result.energyResidual, status: say(result.status),
+    warnings: result.warnings.map((each) => say(each)),
     step: result.step, step_halvings: result.halvings, grazing_contacts: result.grazes,
     ...Object.fromEntries(Object.entries(result.pulls).map(([name, values]) => [name, single(values)])),
     natural_frequency: system.naturalFrequency, parameters,

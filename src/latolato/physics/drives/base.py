@@ -8,9 +8,9 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, quantity_field
 from latolato.core.registry import Registry, check_fields, check_increasing, checked_array
+from latolato.core.rules import broken_rule
 from latolato.physics.drives.segment import (
     Segment,
     fastest_frequency,
@@ -160,8 +160,9 @@ class PeriodicDrive(Drive):
         super().__post_init__()
         if self.amplitude_limit and not self.drive_amplitude < self.largest_amplitude:
             name, otherwise = self.amplitude_limit
-            raise InputError(
-                f"must be less than {name} {self.largest_amplitude:g}, or {otherwise}",
+            raise broken_rule(
+                "amplitude_limit",
+                {"name": name, "end": self.largest_amplitude, "otherwise": otherwise},
                 parameter="drive_amplitude",
                 value=self.drive_amplitude,
             )
@@ -194,6 +195,5 @@ def checked_lists(drive: Drive) -> dict[str, tuple[float, ...]]:
 def check_stage_times(times: tuple[float, ...]) -> None:
     """Raise InputError unless the starts of a drive's stages begin with 0 and increase."""
     if times[0] != 0.0:
-        rule = "must begin with 0, the start of the first stage"
-        raise InputError(rule, parameter="times", value=times[0])
+        raise broken_rule("first_stage", parameter="times", value=times[0])
     check_increasing("times", times)

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, array_field, quantity_field
 from latolato.core.registry import check_increasing, checked_array
+from latolato.core.rules import broken_rule
 from latolato.physics.drives.base import Drive, drives
 from latolato.physics.drives.segment import POLYNOMIAL, Segment
 
@@ -72,9 +73,12 @@ class MeasuredPivot(Drive):
                 continue
             values = tuple(checked_array(name, values, at_least=6, unit="m"))
             if len(times) != len(values):
-                raise InputError(
-                    f"{{parameter}} and {name} must be of one length, got "
-                    f"{len(times)} and {len(values)}",
+                raise broken_rule(
+                    "one_length",
+                    {
+                        "names": f"{{parameter}} and {name}",
+                        "counts": f"{len(times)} and {len(values)}",
+                    },
                     parameter="times",
                 )
             object.__setattr__(self, name, values)

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.core.rules import broken_rule
 from latolato.core.scalar import formula, sine
 from latolato.physics.drives.base import (
     Drive,
@@ -88,9 +89,12 @@ class FrequencySchedule(Drive):
         super().__post_init__()
         times, rates = checked_lists(self).values()
         if len(times) != len(rates):
-            raise InputError(
-                "{parameter} and drive_frequencies must be of one length, got "
-                f"{len(times)} and {len(rates)}",
+            raise broken_rule(
+                "one_length",
+                {
+                    "names": "{parameter} and drive_frequencies",
+                    "counts": f"{len(times)} and {len(rates)}",
+                },
                 parameter="times",
             )
         if not isinstance(self.step_impulse, bool):
@@ -100,10 +104,8 @@ class FrequencySchedule(Drive):
         check_stage_times(times)
         gaps = [b - a for a, b in pairwise(times)]
         if gaps and self.ramp > min(gaps) * (1.0 + _ROUNDING):
-            raise InputError(
-                f"must not exceed the shortest stage {min(gaps):g} s",
-                parameter="ramp",
-                value=self.ramp,
+            raise broken_rule(
+                "shortest_stage", {"shortest": min(gaps)}, parameter="ramp", value=self.ramp
             )
 
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, array_field, quantity_field
+from latolato.core.rules import broken_rule
 from latolato.core.scalar import formula
 from latolato.physics.drives.base import (
     Drive,
@@ -69,9 +69,7 @@ class StagedHarmonic(Drive):
         super().__post_init__()
         columns = checked_lists(self)
         if len({len(column) for column in columns.values()}) > 1:
-            result = ", ".join(str(len(column)) for column in columns.values())
-            others = ", ".join(name for name in columns if name != "times")
-            raise InputError(
-                f"{{parameter}}, {others} must be of one length, got {result}", parameter="times"
-            )
+            counts = ", ".join(str(len(column)) for column in columns.values())
+            names = ", ".join(["{parameter}", *(name for name in columns if name != "times")])
+            raise broken_rule("one_length", {"names": names, "counts": counts}, parameter="times")
         check_stage_times(columns["times"])

@@ -10,9 +10,9 @@ import { Inset } from "./shared/inset.js";
 import { Knobs } from "./shared/knobs.js";
 import { speakTable } from "./shared/language.js";
 import { withOptions } from "./shared/links.js";
-import { inPagesWords } from "./shared/refusals.js";
+import { inPagesWords, warningsText } from "./shared/refusals.js";
 import { withStart } from "./shared/start.js";
-import { t, tr } from "./strings.js";
+import { t } from "./strings.js";
 
 /** @typedef {import("./model/registry.js").Registry} Registry */
 /** @typedef {import("./shared/block.js").Block} Block */
@@ -65,8 +65,7 @@ class Controls {
     const motion = /** @type {import("./shared/motion.js").Motion} */ (this.inset.player.motion);
     const { options, warnings = [] } = motion.about;
     this.knobs.showRun(motion, own, OWN);
-    this.notes.textContent = warnings.map((/** @type {string} */ text) =>
-      t("warning", { text: tr(text) })).join(" ");
+    this.notes.textContent = warningsText(warnings);
     this.code.replaceChildren(...codeBlocks([pythonLines, commandLine].map((lines) => lines(registry, options))));
     this.back.disabled = Object.keys(own).length === 0;
   }

@@ -4,10 +4,11 @@
  * A text is a string with gaps, or one for each plural form of its gap `count`.
  * @typedef {string | Record<string, string>} Text
  *
- * A language: its own name, the texts of the pages by their names, and texts that are born as data
- * (titles of presets, labels of parameters, rules of refusals) by the English ones. There a gap
- * stands for whatever the English text has in its place.
- * @typedef {{name: string, beta?: boolean, strings: Record<string, Text>, texts: Record<string, string>}} Language
+ * A language: its own name, the texts of the pages by their names, the sentences of rules by the names
+ * of the rules, and texts that are born as data (titles of presets, labels of parameters) by the
+ * English ones.
+ * @typedef {{name: string, beta?: boolean, strings: Record<string, Text>, texts: Record<string, string>,
+ *   rules: Record<string, {rule?: string, way_out?: string}>}} Language
  */
 
 import { loadJson } from "./kernels/load.js";
@@ -28,8 +29,8 @@ const spoken = {
   strings: STRINGS,
   /** @type {Map<string, string>} */
   texts: new Map(),
-  /** Texts with gaps, those with most letters first. @type {{shape: RegExp, gaps: string[], text: string}[]} */
-  shapes: [],
+  /** @type {Language["rules"]} */
+  rules: {},
 };
 
 /** Return the code of the language of the page. */
@@ -42,15 +43,9 @@ export function languageCode() {
  * @param {string} code
  * @param {Language} language
  */
-export function setLanguage(code, { strings, texts }) {
-  const letters = (/** @type {string} */ text) => text.replace(GAP, "").length;
-  const shapes = Object.keys(texts).filter((text) => text.search(GAP) >= 0)
-    .sort((a, b) => letters(b) - letters(a)).map((text) => ({ text: texts[text],
-      gaps: Array.from(text.matchAll(GAP), ([, gap]) => gap),
-      shape: new RegExp(`^${text.split(GAP).map((part, i) =>
-        (i % 2 ? "(.*?)" : part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"))).join("")}$`) }));
+export function setLanguage(code, { strings, texts, rules }) {
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
-    shapes, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
+    rules, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
 }
 
 /**
@@ -79,12 +74,16 @@ export function tr(text) {
   if (known !== undefined) return known;
   const [begun, capital] = [line.charAt(0).toLowerCase(), line.charAt(0).toUpperCase()];
   const label = capital === begun ? undefined : spoken.texts.get(begun + line.slice(1));
-  if (label !== undefined) return label.charAt(0).toUpperCase() + label.slice(1);
-  for (const { shape, gaps, text: other } of spoken.shapes) {
-    const parts = shape.exec(line);
-    if (parts) return filled(other, Object.fromEntries(gaps.map((gap, i) => [gap, tr(parts[i + 1])])));
-  }
-  return text;
+  return label === undefined ? text : label.charAt(0).toUpperCase() + label.slice(1);
+}
+
+/**
+ * Return a sentence of a rule in the language of the page, undefined where it is the English one.
+ * @param {string} rule
+ * @param {"rule" | "way_out"} part
+ */
+export function ruleText(rule, part) {
+  return spoken.rules[rule]?.[part];
 }
 
 /**

@@ -4,7 +4,7 @@ import { variedBy } from "./choices.js";
 import { sweepCommand, sweepLines } from "./lines.js";
 import { variablesOf } from "./plan.js";
 import { edgesOf } from "./question.js";
-import { tr } from "../strings.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./question.js").Question} Question */
 /** @typedef {import("./grid.js").Axis} Axis */
@@ -68,8 +68,8 @@ function variableOf({ registry, layout, options, watched }, { name, ball }) {
   const { label, ...rest } = registry.observables[owner].variables[name];
   const { angles, contacts } = registry.systems[options.system];
   const both = angles === 2 && layout.observables[owner].joint;
-  const whose = contacts && rest.unit === "J" ? both ? ", both balls" : ", per ball" : "";
-  return { name, ball: ball === null ? null : SIDES[ball], label: tr(label + whose), ...rest };
+  const whose = contacts && rest.unit === "J" ? `, ${t(both ? "bothBalls" : "perBall")}` : "";
+  return { name, ball: ball === null ? null : SIDES[ball], label: label + whose, ...rest };
 }
 
 /**

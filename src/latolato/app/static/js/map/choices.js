@@ -1,7 +1,9 @@
 /** What a map may be made of: parameters with ranges to begin with, and observables. */
 
 import { checkStrings } from "../model/case.js";
-import { general, InputError, suggest } from "../model/rules.js";
+import { brokenRule, general, InputError, unknown } from "../model/rules.js";
+import { endsText } from "../shared/refusals.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -99,14 +101,13 @@ export function spansOf(registry, origin, asked) {
   const chosen = [x, y].map((own, k) => {
     const { name = own, ...rest } = asked[k] ?? {};
     if (!known.includes(name))
-      throw new InputError(`unknown parameter '${name}': ${suggest(name, known)}`);
+      throw unknown("parameter", name, known);
     return checked(registry.axes[name], { ...spanOf(registry, origin, name, rest), name },
       k === 0 ? "x" : "y");
   });
   const [a, b] = chosen.map(({ name }) => registry.axes[name].label);
   if (setBy(chosen[0].name) === setBy(chosen[1].name))
-    throw new InputError(a === b ? `both axes show the ${a}: choose another one`
-      : `${a} and ${b} set the same thing: choose another axis`);
+    throw new InputError(a === b ? t("refuseSameAxes", { label: a }) : t("refuseSameThing", { one: a, other: b }));
   return [chosen[0], chosen[1]];
 }
 
@@ -152,15 +153,13 @@ function checked(about, span, which) {
   const [first, last] = [`${which}low`, `${which}high`];
   const words = (/** @type {number} */ value) => inWords(about, value);
   if (!(span.low < span.high))
-    throw new InputError(
-      `${label}: the end must lie above the start, got ${words(span.low)} to ${words(span.high)}`,
+    throw new InputError(t("refuseOrder", { label, low: words(span.low), high: words(span.high) }),
       { fields: [first, last] });
   for (const [field, value] of /** @type {[string, number][]} */ ([[first, span.low], [last, span.high]]))
     if (!isAllowed(about, value))
-      throw new InputError(`${label}: values must be ${ruleOf(about)}, got ${words(value)}`, { fields: [field] });
+      throw new InputError(t("refuseValues", { label, ends: ruleOf(about), value: words(value) }), { fields: [field] });
   if (span.log && !(span.low > 0))
-    throw new InputError(`${label}: a logarithmic axis must begin above zero, got `
-      + `${words(span.low)}: raise the start, or make the axis linear`, { fields: [first] });
+    throw new InputError(t("refuseLog", { label, low: words(span.low) }), { fields: [first] });
   return span;
 }
 
@@ -176,9 +175,8 @@ function isAllowed({ low, high, open_low: openLow, open_high: openHigh }, value)
  */
 function ruleOf(about) {
   const { low, high, open_low: openLow, open_high: openHigh } = about;
-  const least = low === null ? [] : [`${openLow ? "above" : "at least"} ${inWords(about, low)}`];
-  const most = high === null ? [] : [`${openHigh ? "below" : "at most"} ${inWords(about, high)}`];
-  return [...least, ...most].join(" and ");
+  return endsText(low === null ? null : { end: inWords(about, low), is_open: openLow },
+    high === null ? null : { end: inWords(about, high), is_open: openHigh });
 }
 
 /**
@@ -241,8 +239,7 @@ export function watchedOf(registry, layout, { options, sweep }, asked) {
   const about = Object.values(layout.observables).find(({ widths }) => asked !== null && asked in widths);
   if (about?.of_strings) checkStrings(suspension, String(asked));
   if (suspension === "string" && about?.needs.includes("compression"))
-    throw new InputError("is for balls on rods: a string never pushes, it goes slack",
-      { parameter: String(asked), wayOut: "ask for slack_fraction, or give suspension='rod'" });
+    throw brokenRule("of_rods", { parameter: String(asked) });
   const fits = (/** @type {string} */ name) => mappable(layout, name, angles, suspension);
   /** @type {any[]} */
   const entries = sweep?.observables ?? registry.default_observables;
@@ -263,7 +260,7 @@ export function watchedOf(registry, layout, { options, sweep }, asked) {
   const known = [...choices.keys()];
   const shown = asked ?? known[0];
   const choice = choices.get(shown);
-  if (!choice) throw new InputError(`unknown observable '${shown}': ${suggest(shown, known)}`);
+  if (!choice) throw unknown("observable", shown, known);
   return { watched: choice.together ? own : [{ name: choice.owner, parameters: {} }], shown,
     choices: [...choices.values()].map(({ owner, ...rest }) => rest) };
 }

@@ -1,6 +1,7 @@
 /** Lines along which the values of a map are equal, and round levels for them. */
 
 import { InputError } from "../model/rules.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{xs: Float64Array, ys: Float64Array}} Line */
@@ -82,7 +83,7 @@ export function linesOf(grid, variable, levels) {
   const all = levels.flatMap((level) =>
     linesAt(values, x.length, level).map(({ xs, ys }) => ({ level, xs, ys })));
   if (all.reduce((sum, { xs }) => sum + xs.length, 0) > MOST_CORNERS)
-    throw new InputError("the contour lines have too many corners: choose fewer levels");
+    throw new InputError(t("refuseCorners"));
   const isSmall = Math.min(x.length, y.length) < FEW;
   const kept = all.filter(({ xs, ys }) => isSmall || Math.max(extent(xs), extent(ys)) >= TINY);
   return { tiny: all.length - kept.length, lines: kept.map(({ level, xs, ys }) => ({ level,

@@ -8,6 +8,7 @@ import { OF_COLOURS } from "./overcontrols.js";
 import { withUnit } from "./tell.js";
 import { liftOff, Placing, tongue } from "./theory.js";
 import { parseTrials, placedTrials } from "./trials.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -142,10 +143,10 @@ function contoursOf(grid, { variable, levels, log }) {
  */
 function checkedLevels(levels) {
   if (levels.length > MOST_LEVELS)
-    throw new InputError(`at most ${MOST_LEVELS} contour lines, got ${levels.length} levels`);
+    throw new InputError(t("refuseLevels", { most: MOST_LEVELS, count: levels.length }));
   const bad = levels.find((level) => !Number.isFinite(level));
   if (bad !== undefined)
-    throw new InputError("must be a number in SI units", { parameter: "a level", value: bad });
+    throw new InputError(t("refuseLevel"), { value: bad });
   return [...new Set(levels)].sort((a, b) => a - b);
 }
 

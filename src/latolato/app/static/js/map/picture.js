@@ -1,6 +1,7 @@
 /** The picture of a map as it is on the screen: its title, the map, the colour bar, the legend. */
 
 import { colour } from "../shared/dom.js";
+import { t } from "../strings.js";
 import { axisLabel } from "./axes.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
@@ -48,7 +49,7 @@ export async function pictureOf({ chart, bar, grid, barTitle, classes }) {
     top += place(1);
   }
   return new Promise((resolve, reject) => {
-    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("the browser makes no picture"))));
+    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(t("refusePicture")))));
   });
 }
 

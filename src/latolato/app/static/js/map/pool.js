@@ -4,6 +4,7 @@ import { loadKernels, loadLayout, loadModule } from "../kernels/load.js";
 import { countSteps, moduleOf } from "../kernels/map.js";
 import { cellsOf, Memory, pointsAt, put } from "./known.js";
 import { inOrder, pointsOf, variablesOf } from "./plan.js";
+import { t } from "../strings.js";
 
 /**
  * @typedef {import("./plan.js").Plan} Plan
@@ -169,7 +170,7 @@ export class Pool {
       const [estimate, layout, module] = await Promise.all([
         known, loadLayout(), loadModule(name)]);
       if (job !== this.job) return;
-      if (estimate.problem) throw new Error("no point of this map can run");
+      if (estimate.problem) throw new Error(t("refusePoints"));
       job.estimate = estimate;
       job.start = { module, name, layout };
       if (estimate.in_lanes) job.least = FILLS * layout.lanes.lanes;
@@ -307,7 +308,7 @@ export class Pool {
     if (!job || job !== this.job || !batch) return;
     batch.tries += 1;
     if (batch.tries >= TRIES) {
-      this.fail(job, new Error(`some points of this map cannot be computed: ${message}`));
+      this.fail(job, new Error(t("refuseSome", { error: message })));
       return;
     }
     job.again.push(batch);

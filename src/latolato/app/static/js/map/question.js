@@ -6,7 +6,8 @@ import { resolvedOf } from "../model/block.js";
 import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
-import { checkedNumber, general, InputError, refusal, suggest } from "../model/rules.js";
+import { brokenRule, checkedNumber, general, InputError, refusal, unknown } from "../model/rules.js";
+import { t } from "../strings.js";
 import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
@@ -36,10 +37,12 @@ const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
 
 /** A map that the installed program computes. */
 class BeyondMapError extends InputError {
-  /** @param {string} what the subject of a sentence */
-  constructor(what) {
-    super(`a map with ${what} is computed by the installed program: run \`latolato sweep\` and open its `
-      + "file with `latolato app --open`");
+  /**
+   * @param {string} kind of what pages do not have
+   * @param {string} name
+   */
+  constructor(kind, name) {
+    super(t("beyondMap", { what: t(`beyond_${kind}`, { name }) }));
   }
 }
 
@@ -82,8 +85,8 @@ export async function questionOf(registry, layout, request) {
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
   if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
-    throw new InputError(`${request.width * request.height} points need as many streams from `
-      + `${noise.noise_stream} on, but streams lie in [0, 2^53): begin with a smaller one`);
+    throw brokenRule("streams", {},
+      { count: request.width * request.height, first: Number(noise.noise_stream) });
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
@@ -115,7 +118,7 @@ export async function questionOf(registry, layout, request) {
 /** @param {Request} request */
 function checkSize({ width, height }) {
   if (width * height > MOST_CELLS)
-    throw new InputError(`a map has at most ${MOST_CELLS} points, got ${width} x ${height}: choose fewer`);
+    throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
 }
 
 /**
@@ -129,14 +132,13 @@ function checkLaws(registry, layout, options, observable) {
   const { contact = "exact", drive = "fixed_pivot" } = options;
   for (const [part, laws, kind] of /** @type {const} */ ([["system", registry.systems, options.system],
     ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
-    if (!Object.hasOwn(laws, kind))
-      throw new InputError(`unknown ${part} '${kind}': ${suggest(String(kind), Object.keys(laws))}`);
-    if (!laws[kind].compiled) throw new BeyondMapError(`the ${part} ${kind}`);
+    if (!Object.hasOwn(laws, kind)) throw unknown(part, String(kind), Object.keys(laws));
+    if (!laws[kind].compiled) throw new BeyondMapError(part.split(" ")[0], kind);
   }
   const owners = Object.entries(registry.observables)
     .filter(([, { variables }]) => observable !== null && observable in variables);
   if (owners.length && !owners.some(([name]) => name in layout.observables))
-    throw new BeyondMapError(`the observable ${owners[0][0]}`);
+    throw new BeyondMapError("observable", owners[0][0]);
 }
 
 /**
@@ -168,9 +170,9 @@ function timesOf(registry, layout, request, options, sweep) {
   const duration = request.duration ?? own ?? times?.at(-1) ?? USUAL_DURATION;
   const transient = request.transient ?? sweep?.transient ?? 0;
   if (!(duration > 0))
-    throw new InputError(`each run must last longer than 0 s, got ${general(duration)} s`, { fields: ["duration"] });
+    throw new InputError(t("refuseDuration", { value: general(duration) }), { fields: ["duration"] });
   if (!(transient >= 0))
-    throw new InputError(`the transient must be at least 0 s, got ${general(transient)} s`, { fields: ["transient"] });
+    throw new InputError(t("refuseTransient", { value: general(transient) }), { fields: ["transient"] });
   if (transient >= duration)
     throw refusal(problemOf(layout, "transient", [transient, duration]), ["transient", "duration"]);
   checkedNumber(registry.options.duration, "duration", duration);
@@ -199,8 +201,7 @@ function startOf(registry, system, options, varied) {
   const missing = sides.map((side) => START[0] + side)
     .find((name) => !(name in start) && !varied.includes(name));
   if (missing && !("initial_offset" in start) && !varied.includes("initial_offset"))
-    throw new InputError(`${missing} is needed [rad], as a value or an axis (a LatoLato also `
-      + "accepts initial_offset)");
+    throw brokenRule("axis_needed", {}, { name: missing });
   return start;
 }
 
@@ -216,10 +217,9 @@ function checkWatched(registry, layout, watched, drive, contact) {
   for (const { name } of watched) {
     const { marks, callbacks, widths } = layout.observables[name];
     if (marks && !registry.drives[drive].periodic)
-      throw new InputError(`a ${drive} drive has no single period that a stroboscope could follow`);
+      throw brokenRule("single_period", {}, { name: drive });
     if ("jacobian_report" in callbacks && contact === "clamp")
-      throw new InputError(`${Object.keys(widths)[0]} needs exact contact: a clamped motion depends on its `
-        + "step, so small perturbations have no meaning there");
+      throw brokenRule("exact_contact", {}, { name: Object.keys(widths)[0] });
   }
 }
 

@@ -4,6 +4,7 @@ import { tablesOf as tablesOfRun, withUnit } from "../model/files.js";
 import { InputError } from "../model/rules.js";
 import { isShown, shownText } from "../model/shown.js";
 import { NOT_YET } from "./grid.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./question.js").Question} Question */
@@ -37,8 +38,7 @@ export function csvOf(question, grid) {
   const { registry, layout, plan, watched } = question;
   const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
   if (several)
-    throw new InputError("has several numbers for each point: it fits no table",
-      { parameter: Object.keys(layout.observables[several.name].widths)[0], wayOut: "use NetCDF" });
+    throw new InputError(t("refuseTable", { name: Object.keys(layout.observables[several.name].widths)[0] }));
   const own = grid.status.map((status, cell) => (grid.stride[cell] === 1 ? status : NOT_YET));
   const missing = own.filter((status) => status === NOT_YET).length;
   const { width } = grid;

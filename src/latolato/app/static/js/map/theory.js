@@ -1,6 +1,6 @@
 /** Amplitudes and frequencies in the coordinates of a map, and the curves of theory over it. */
 
-import { general, InputError } from "../model/rules.js";
+import { brokenRule } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -26,14 +26,13 @@ export class Placing {
     const [x, y] = [xAxis.name, yAxis.name];
     if (!(FREQUENCIES.includes(x) && AMPLITUDES.includes(y))
       && !(FREQUENCIES.includes(y) && AMPLITUDES.includes(x)))
-      throw new InputError(`overlays and points need a map of amplitude (${AMPLITUDES.join(", ")}) `
-        + `and frequency (${FREQUENCIES.join(", ")})`, { value: [y, x] });
+      throw brokenRule("overlay_axes", { value: [y, x] },
+        { amplitudes: AMPLITUDES.join(", "), frequencies: FREQUENCIES.join(", ") });
     const side = "right_length" in about.parameters ? "right_" : "";
     const number = (/** @type {string} */ name) => {
       const value = about.parameters[name];
       if (typeof value !== "number")
-        throw new InputError("this map does not say its {parameter}, which overlays need",
-        { parameter: name });
+        throw brokenRule("overlay_parameter", { parameter: name });
       return value;
     };
     this.x = x;
@@ -109,9 +108,7 @@ export function tongue(placing) {
   const { length, mass, damping, gravity, naturalFrequency } = placing;
   const zeta = damping / (2 * mass * length * naturalFrequency);
   if (zeta >= 1)
-    throw new InputError("must be below 2 m l w0 for a tongue to exist, "
-      + `got ${general(damping)} (${general(zeta, 3)} times that)`, { parameter: "damping",
-      wayOut: "use growth_rate for overdamped cases" });
+    throw brokenRule("tongue", { parameter: "damping" }, { damping, ratio: zeta });
   const edges = (/** @type {number} */ amplitude) => tongueEdges(2 * amplitude / length, zeta);
   const isClosed = (/** @type {number} */ amplitude) => Number.isNaN(edges(amplitude)[0]);
   const largest = Math.min(placing.largestAmplitude(), CLOSED * length);
@@ -134,7 +131,7 @@ export function tongue(placing) {
  */
 export function liftOff(placing) {
   if (!placing.hasContact)
-    throw new InputError("overlay lift_off needs a system with contact: nothing rests on a wall");
+    throw brokenRule("lift_off");
   const [slow, fast] = placing.frequencies();
   // Even also along a logarithmic axis.
   const frequencies = [...evenly(slow, fast, SAMPLES),

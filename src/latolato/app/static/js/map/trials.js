@@ -1,7 +1,9 @@
 /** Trials of an experiment from the text of a trial table: `latolato.experiment.trial_table`. */
 
-import { InputError } from "../model/rules.js";
+import { brokenRule, InputError } from "../model/rules.js";
 import { toSi } from "../model/units.js";
+import { inLanguage } from "../shared/refusals.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./theory.js").Placing} Placing */
@@ -46,8 +48,8 @@ export function parseTrials(registry, text) {
   const lines = text.replace(/^\ufeff/, "").split(LINE_END);
   const columns = columnsOf(lines.filter((line) => !line.startsWith("#")));
   if (columns.has("stabilised_angle"))
-    throw new InputError("the column stabilised_angle is now called largest_angle_after_transient",
-      { wayOut: "rename it, and its _sigma" });
+    throw brokenRule("renamed_column", {},
+      { former: "stabilised_angle", name: "largest_angle_after_transient" });
   /** @type {Columns} */
   const read = new Map();
   for (const [heading, values] of columns) {
@@ -62,16 +64,13 @@ export function parseTrials(registry, text) {
   const kinds = read.get("class")?.map(numberOfClass);
   const amplitude = read.get("drive_amplitude");
   if (!amplitude || !(read.has("drive_frequency") || read.has("frequency_ratio")))
-    throw new InputError("a trial table needs the columns drive_amplitude, drive_frequency or "
-      + "frequency_ratio, and class or largest_angle and largest_angle_after_transient",
-    { value: [...read.keys()].join(", ") || "none" });
+    throw brokenRule("trial_columns", { value: [...read.keys()].join(", ") || "none" });
   for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio", "length"]) {
     const isUnknown = (/** @type {number} */ value) => name === "length" && Number.isNaN(value);
     const at = read.get(name)?.findIndex((value) =>
       !((value > 0 && Number.isFinite(value)) || isUnknown(value))) ?? -1;
     if (at >= 0)
-      throw new InputError(`must be positive and finite in row ${at + 1}`,
-        { parameter: name, value: read.get(name)?.[at] });
+      throw brokenRule("positive_in_row", { parameter: name, value: read.get(name)?.[at] }, { row: at + 1 });
   }
   const unknown = amplitude.map(() => NaN);
   const natural = (read.get("length") ?? unknown).map((length) => Math.sqrt(gravity / length));
@@ -81,8 +80,7 @@ export function parseTrials(registry, text) {
   const [largest, settled] = ["largest_angle", "largest_angle_after_transient"].map((name) =>
     read.get(name) ?? unknown);
   if (!kinds && ![...largest, ...settled].every(Number.isFinite))
-    throw new InputError(
-      "a trial table without class needs largest_angle and largest_angle_after_transient");
+    throw brokenRule("trial_extremes");
   return { amplitude, ratio, frequency: frequency ?? ratio.map((each, i) => each * natural[i]),
     kinds: kinds ?? largest.map((each, i) => (each >= strong ? 2 : settled[i] >= weak ? 1 : 0)) };
 }
@@ -91,7 +89,7 @@ export function parseTrials(registry, text) {
 function numberOfClass(text) {
   const name = text.toLowerCase();
   if (!CLASSES.includes(name))
-    throw new InputError("must be 'none', 'weak' or 'strong'", { parameter: "class", value: name });
+    throw brokenRule("choice", { parameter: "class", value: name }, { words: "'none', 'weak'", last: "'strong'" });
   return CLASSES.indexOf(name);
 }
 
@@ -106,7 +104,7 @@ function gravityOf(registry, lines) {
   if (given === undefined) return registry.options.gravity.default;
   const gravity = toSi(registry, "gravity", given, "m/s^2");
   if (gravity > 0 && Number.isFinite(gravity)) return gravity;
-  throw new InputError("must be positive and finite", { parameter: "gravity", value: gravity });
+  throw brokenRule("positive", { parameter: "gravity", value: gravity });
 }
 
 /**
@@ -123,7 +121,7 @@ function numbersOf(registry, name, cells, unit) {
       return toSi(registry, name, cell, unit);
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
-      throw new InputError(`trial ${i + 1}: ${error.message}`);
+      throw new InputError(t("refuseTrial", { number: i + 1, text: inLanguage(error) }));
     }
   });
 }
@@ -135,11 +133,10 @@ function numbersOf(registry, name, cells, unit) {
  */
 function columnsOf(lines) {
   const [names, ...rows] = rowsOf(lines);
-  if (!names) throw new InputError("it holds no columns");
+  if (!names) throw brokenRule("columns");
   rows.forEach((row, i) => {
     if (row.length !== names.length)
-      throw new InputError(
-        `row ${i + 1} has ${row.length} cells below ${names.length} column names`);
+      throw brokenRule("cells_of_row", {}, { row: i + 1, cells: row.length, names: names.length });
   });
   return new Map(names.map((name, k) => [name.trim(), rows.map((row) => row[k].trim())]));
 }

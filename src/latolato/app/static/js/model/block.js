@@ -2,6 +2,7 @@
 
 import { tablesOf } from "./files.js";
 import { commandLine, pythonLines } from "./lines.js";
+import { say } from "./rules.js";
 import { LEDGER } from "./simulate.js";
 
 /** @typedef {import("./simulate.js").Run} Run */
@@ -76,7 +77,7 @@ function attributesOf(run, options) {
     ...(!system.contacts ? {} : system.angles === 2 ? { contact_separation: system.low }
       : { contact_angle_low: system.low, contact_angle_high: system.high }),
     scenario: JSON.stringify(tablesOf(registry, whole)),
-    energy_residual: run.energyResidual, status: run.status, step: run.step, step_halvings: run.halvings,
+    energy_residual: run.energyResidual, status: say(run.status), step: run.step, step_halvings: run.halvings,
     grazing_contacts: run.grazes, contacts: run.contacts.time.length,
     ...Object.fromEntries(Object.entries(run.pulls).map(([name, values]) => [name, single(values)])),
   };

@@ -4,7 +4,7 @@ import { begin, shake } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { checkAcross, checkedList, checkIncreasing, driveOf, fieldsOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { BeyondPageError, checkedChoice, checkedNumber, general, InputError, refusal, suggest } from "./rules.js";
+import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, refusal, unknown } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -32,18 +32,17 @@ export async function specify(registry, request) {
   const options = optionsOf(registry, request);
   const preset = registry.scenarios[request.scenario ?? ""];
   if (preset?.sweep)
-    throw new InputError(`${request.scenario} is a sweep over ${Object.keys(preset.sweep.axes).join(", ")}, `
-      + `not one run; use \`latolato sweep ${request.scenario}\`, or Scenario.sweep in Python`);
+    throw brokenRule("one_run", {}, { name: String(request.scenario), axes: Object.keys(preset.sweep.axes).join(", "),
+      file: String(request.scenario) });
   const kind = String(options.system);
   if (!Object.hasOwn(registry.systems, kind))
-    throw new InputError(`unknown system '${kind}': ${suggest(kind, Object.keys(registry.systems))}`);
+    throw unknown("system", kind, Object.keys(registry.systems));
   const drive = options.drive ?? "fixed_pivot";
-  if (!registry.systems[kind].compiled) throw new BeyondPageError(`the {parameter} ${kind} is`, "system");
-  if (!registry.drives[drive]?.compiled) throw new BeyondPageError(`the {parameter} ${drive} is`, "drive");
+  if (!registry.systems[kind].compiled) throw new BeyondPageError("beyond_page", "system", kind);
+  if (!registry.drives[drive]?.compiled) throw new BeyondPageError("beyond_page", "drive", drive);
   const planar = planarOption(registry, options);
   if (planar && registry.upright)
-    throw new InputError(`players in notebooks leave out the code for {parameter} ${options[planar]}, to stay small`,
-      { parameter: planar, wayOut: "compute the run in Python and show it with ll.play" });
+    throw brokenRule("beyond_notebook", { parameter: planar }, { name: String(options[planar]) });
   const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
   const system = systemOf(registry, kernels, kind, parts.system);
@@ -64,8 +63,8 @@ export function noiseOf(registry, noise) {
   if (!Object.keys(noise).length) return null;
   const strength = registry.options.noise_strength;
   if (noise.noise_strength === undefined)
-    throw new InputError(`VelocityKicks needs '{parameter}' [${strength.unit}]`,
-      { parameter: "noise_strength" });
+    throw brokenRule("needed", { parameter: "noise_strength" },
+      { law: "VelocityKicks", unit: ` [${strength.unit}]` });
   return /** @type {Noise} */ (Object.fromEntries(Object.entries(noise).map(([name, value]) =>
     [name, checkedNumber(registry.options[name], name, value)])));
 }
@@ -80,35 +79,31 @@ export function contactOf(registry, system, run) {
   const laws = registry.contact_laws;
   const name = run.contact ?? registry.options.contact.default;
   if (typeof name !== "string")
-    throw new InputError(`must be one of ${Object.keys(laws).join(", ")}`,
-      { parameter: "contact", value: name });
+    throw brokenRule("one_of", { parameter: "contact", value: name }, { names: Object.keys(laws).join(", ") });
   if (!Object.hasOwn(laws, name))
-    throw new InputError(`unknown contact law '${name}': ${suggest(name, Object.keys(laws))}`);
-  if (!laws[name].compiled) throw new BeyondPageError(`the {parameter} law ${name} is`, "contact");
+    throw unknown("contact law", name, Object.keys(laws));
+  if (!laws[name].compiled) throw new BeyondPageError("law_beyond_page", "contact", name);
   const owners = (/** @type {string} */ option) =>
     Object.keys(laws).filter((law) => laws[law].options.includes(option));
   for (const option of Object.keys(run)) {
     if (!owners(option).length || owners(option).includes(name)) continue;
-    const kinds = owners(option).join(" or ");
-    throw new InputError(`belongs to contact ${kinds}, not to ${name}`,
-      { parameter: option, wayOut: "leave it out or change the contact" });
+    throw brokenRule("foreign", { parameter: option },
+      { part: { word: "contact" }, owners: owners(option).join(" or "), kind: name });
   }
   const own = laws[name].options.map((option) => {
     const about = registry.options[option];
     return checkedNumber(about, option, run[option] ?? about.default);
   });
   if (!system.contacts && laws[name].options.length)
-    throw new InputError(`{parameter} '${name}' is for balls that meet, and a `
-      + `${registry.systems[system.kind].title} has none`, { parameter: "contact", wayOut: "leave it out" });
+    throw brokenRule("meeting_balls", { parameter: "contact" },
+      { name, law: registry.systems[system.kind].title });
   if (!system.contacts) return { contact: "none", clampStep: 0 };
   if (name === "clamp" && system.angles === 2)
-    throw new InputError("{parameter} 'clamp' exists for the mirror-symmetric LatoLato only",
-      { parameter: "contact", wayOut: "use 'exact' for a BallPair" });
+    throw brokenRule("clamped_toy", { parameter: "contact" });
   const { suspension, drag_frame: frame } = system;
   if (name === "clamp" && (suspension !== "rod" || frame !== "pivot"))
-    throw new InputError("{parameter} 'clamp' is described for rods and for drag relative to the pivot only, "
-      + `not for ${suspension !== "rod" ? "strings" : "drag_frame 'lab'"}`,
-    { parameter: "contact", wayOut: "use 'exact' or 'none'" });
+    throw brokenRule("clamped_rods", { parameter: "contact" },
+      { name, what: { word: suspension !== "rod" ? "strings" : "drag_frame 'lab'" } });
   return { contact: name, clampStep: name === "clamp" ? own[0] : 0 };
 }
 
@@ -134,9 +129,7 @@ function checkedRun(registry, kernels, options, system, drive, law, run) {
     ...startOf(registry, system, run), times, duration };
   checkStart(each);
   if (law.clampStep > duration)
-    throw new InputError(
-      `must not exceed the duration ${general(duration)} s, got ${general(law.clampStep)}`,
-      { parameter: "clamp_step", wayOut: "a thousandth of a second is usual" });
+    throw brokenRule("clamp_step", { parameter: "clamp_step", value: law.clampStep }, { end: duration });
   return each;
 }
 
@@ -182,14 +175,14 @@ function instantsOf(registry, { times: given = null, samples = null, duration = 
   if (samples !== null) {
     checkedNumber(registry.options.samples, "samples", samples);
     if (times !== null)
-      throw new InputError("give either times or {parameter}, got both", { parameter: "samples" });
-    if (duration === null) throw new InputError("needs a duration", { parameter: "samples" });
+      throw brokenRule("either", { parameter: "samples" }, { name: "times" });
+    if (duration === null) throw brokenRule("duration_of_samples", { parameter: "samples" });
     const end = endOf(duration);
     return { times: evenly(end, samples), duration: end };
   }
   if (times === null) {
     if (duration === null)
-      throw new InputError("is needed: give the end of the run in s, or times", { parameter: "duration" });
+      throw brokenRule("duration_needed", { parameter: "duration" });
     return { times: null, duration: endOf(duration) };
   }
   const parameter = "times";
@@ -197,12 +190,10 @@ function instantsOf(registry, { times: given = null, samples = null, duration = 
   checkIncreasing(parameter, times);
   const last = times[times.length - 1];
   if (duration === null && last <= 0)
-    throw new InputError(`must reach beyond 0 s, where a run begins, got ${general(last)} as the last`,
-      { parameter, wayOut: "add a later instant or give duration" });
+    throw brokenRule("later_times", { parameter }, { last });
   const end = endOf(duration ?? last);
   if (times[0] < 0 || last > end)
-    throw new InputError(`must lie in [0, duration = ${general(end)}] s, got `
-      + `${general(times[0] < 0 ? times[0] : last)}`, { parameter });
+    throw brokenRule("times_of_run", { parameter, value: times[0] < 0 ? times[0] : last }, { end });
   return { times: Float64Array.from(times), duration: end };
 }
 
@@ -232,12 +223,12 @@ export function numbersFor(registry, parameter, value, count) {
   const isList = Array.isArray(value);
   if (count === 1) {
     if (isList)
-      throw new InputError(`must be one number in ${option.unit} for one angle`, { parameter, value });
+      throw brokenRule("one_number", { parameter, value }, { unit: option.unit });
     return [checkedNumber(option, parameter, value)];
   }
   const both = value === 0 ? [0, 0] : value;
   if (!Array.isArray(both) || both.length !== 2)
-    throw new InputError("of a BallPair must be two numbers (right, left)", { parameter, value });
+    throw brokenRule("two_numbers", { parameter, value });
   return both.map((each, i) => checkedNumber(option, `${parameter}[${i}]`, each));
 }
 
@@ -250,10 +241,9 @@ export function numbersFor(registry, parameter, value, count) {
 export function offsetOf(registry, system, { initial_angle: angle = null, initial_offset: offset = null }) {
   if (offset === null) return null;
   if (system.kind !== "latolato")
-    throw new InputError("counts from the low contact angle of a LatoLato",
-      { parameter: "initial_offset", wayOut: "use initial_angle for other systems" });
+    throw brokenRule("offset_of_toy", { parameter: "initial_offset" });
   if (angle !== null)
-    throw new InputError("give only one of {parameter} and initial_offset", { parameter: "initial_angle" });
+    throw brokenRule("angle_or_offset", { parameter: "initial_angle" });
   return checkedNumber(registry.options.initial_offset, "initial_offset", offset);
 }
 
@@ -267,12 +257,12 @@ function startOf(registry, system, run) {
   const { initial_angle: angle = null } = run;
   const parameter = "initial_angle";
   if (angle === null && (run.initial_offset ?? null) === null)
-    throw new InputError("is needed [rad] (a LatoLato also accepts initial_offset)", { parameter });
+    throw brokenRule("angle_needed", { parameter });
   const offset = offsetOf(registry, system, run);
   const velocities = numbersFor(registry, "initial_angular_velocity",
     run.initial_angular_velocity ?? 0, system.angles);
   if (system.angles === 2 && !Array.isArray(angle))
-    throw new InputError("of a BallPair must be two numbers (right, left)", { parameter, value: angle });
+    throw brokenRule("two_numbers", { parameter, value: angle });
   const angles = numbersFor(registry, parameter, offset === null ? angle : system.low + offset,
     system.angles);
   const distances = distancesOf(registry, system, run.initial_distance ?? null);
@@ -286,8 +276,7 @@ function startOf(registry, system, run) {
  */
 export function checkStrings(suspension, parameter) {
   if (suspension !== "string")
-    throw new InputError("is for balls on strings: a rod keeps its ball at its length and never goes slack",
-      { parameter, wayOut: "leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair" });
+    throw brokenRule("of_strings", { parameter });
 }
 
 /**
@@ -298,8 +287,7 @@ export function checkStrings(suspension, parameter) {
  */
 export function checkPerturbations(suspension, friction, what) {
   if (suspension === "string" && friction > 0)
-    throw new InputError(`must be 0 for ${what} on strings: dry friction ends at once where a string goes slack`,
-      { parameter: "coulomb_damping", wayOut: "leave it out, or give suspension='rod'" });
+    throw brokenRule("no_friction", { parameter: "coulomb_damping" }, { what });
 }
 
 /**

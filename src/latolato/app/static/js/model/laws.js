@@ -1,7 +1,7 @@
 /** Systems, drives and contact laws from their parameters, checked as Python checks them. */
 
 import { begin, shake } from "../kernels/begin.js";
-import { checkedChoice, checkedNumber, general, InputError, noList, refusal } from "./rules.js";
+import { brokenRule, checkedChoice, checkedNumber, noList, refusal } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -74,14 +74,12 @@ export function foreign(registry, part, kind, name, called = name) {
   const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
   if (inside.length) {
     const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
-    return new InputError(`${laws[kind].title} has no '{parameter}' of its own: give ${each}`,
-      { parameter: path[0] });
+    return brokenRule("of_each_part", { parameter: path[0] }, { law: laws[kind].title, parts: each });
   }
   const inner = path[1] ?? "";
   const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
-  return new InputError(
-    `belongs to ${part} ${Object.keys(laws).filter(owns).join(" or ")}, not to ${kind}`,
-    { parameter: called, wayOut: `${knows ? `use ${inner}` : "leave it out"} or change the ${part}` });
+  return brokenRule(knows ? "foreign_part" : "foreign", { parameter: called },
+    { part: { word: part }, owners: Object.keys(laws).filter(owns).join(" or "), kind, name: inner });
 }
 
 /**
@@ -95,10 +93,10 @@ export function foreign(registry, part, kind, name, called = name) {
 function missing(registry, title, name, own, input) {
   const { path, unit } = registry.options[name];
   const inUnit = unit ? ` [${unit}]` : "";
-  if (path.length === 1) return new InputError(`${title} needs '{parameter}'${inUnit}`, { parameter: name });
+  if (path.length === 1) return brokenRule("needed", { parameter: name }, { law: title, unit: inUnit });
   const isWhole = !own.some((each) => each in input && registry.options[each].path[0] === path[0]);
-  if (isWhole) return new InputError(`${title} needs '{parameter}'`, { parameter: path[0] });
-  return new InputError(`Ball needs '{parameter}'${inUnit}`, { parameter: name });
+  if (isWhole) return brokenRule("needed", { parameter: path[0] }, { law: title, unit: "" });
+  return brokenRule("needed", { parameter: name }, { law: "Ball", unit: inUnit });
 }
 
 /**
@@ -129,12 +127,9 @@ export function systemOf(registry, kernels, kind, input) {
  */
 export function checkHanging({ suspension, string_restitution: value, drag_frame: frame, balls }) {
   if (suspension === "rod" && value > 0)
-    throw new InputError("must be 0 with suspension 'rod', as a rod never goes slack",
-      { parameter: "string_restitution", value, wayOut: "give 0, or suspension='string'" });
+    throw brokenRule("rigid_rod", { parameter: "string_restitution", value });
   if (frame === "lab" && balls.some((ball) => ball.quadratic_damping > 0))
-    throw new InputError("must be 'pivot' with quadratic_damping, as drag relative to the room is described "
-      + "for linear damping only", { parameter: "drag_frame", value: frame,
-      wayOut: "give quadratic_damping=0 for 'lab'" });
+    throw brokenRule("lab_drag", { parameter: "drag_frame", value: frame });
 }
 
 /**
@@ -161,11 +156,8 @@ export function checkAcross(registry, { kind, linear, contacts, angles }, drive)
   const value = registry.drives[drive.kind].title;
   const parameter = "drive";
   if (contacts && angles === 1)
-    throw new InputError(`moves the pivot sideways, which breaks the mirror symmetry of a ${title}: `
-      + "{parameter} must be vertical", { parameter, value, wayOut: "use a BallPair" });
-  if (linear)
-    throw new InputError(`moves the pivot sideways, which a ${title} does not describe: `
-      + "{parameter} must be vertical", { parameter, value, wayOut: "use a Pendulum" });
+    throw brokenRule("mirrored_pivot", { parameter, value }, { law: title });
+  if (linear) throw brokenRule("vertical_pivot", { parameter, value }, { law: title });
 }
 
 /**
@@ -208,8 +200,8 @@ export function driveOf(registry, kind, input) {
   for (const name of lists) values[name] = checkedList(registry, name, values[name]);
   const { moves, amplitude_limit: limit } = registry.drives[kind];
   if (limit && !(values.drive_amplitude < values[limit[0]]))
-    throw new InputError(`must be less than ${limit[0]} ${general(values[limit[0]])}, or ${limit[1]}`,
-      { parameter: "drive_amplitude", value: values.drive_amplitude });
+    throw brokenRule("amplitude_limit", { parameter: "drive_amplitude", value: values.drive_amplitude },
+      { name: limit[0], end: values[limit[0]], otherwise: { word: limit[1] } });
   if (lists.length) checkStages(values, lists);
   const parameters = Object.fromEntries(Object.entries(values).map(([name, value]) => {
     const { path, choices } = registry.options[name];
@@ -230,7 +222,7 @@ export function checkedList(registry, name, values) {
   if (!Array.isArray(values))
     throw noList(option.unit, { parameter, value: values });
   if (values.length < 1)
-    throw new InputError("must hold at least 1 value, got 0", { parameter });
+    throw brokenRule("list_length", { parameter }, { least: 1, values: { word: "value" }, count: 0 });
   return values.map((value, i) => checkedNumber(option, `${name}[${i}]`, value));
 }
 
@@ -245,17 +237,17 @@ function checkStages(values, lists) {
   const lengths = [parameter, ...others].map((name) => values[name].length);
   if (new Set(lengths).size > 1) {
     const isPair = others.length === 1;
-    throw new InputError(`{parameter}${isPair ? " and " : ", "}${others.join(", ")} must be of one length, `
-      + `got ${lengths.join(isPair ? " and " : ", ")}`, { parameter });
+    const joined = (/** @type {any[]} */ each) => each.join(isPair ? " and " : ", ");
+    throw brokenRule("one_length", { parameter },
+      { names: joined(["{parameter}", ...others]), counts: joined(lengths) });
   }
   if (times[0] !== 0)
-    throw new InputError("must begin with 0, the start of the first stage", { parameter, value: times[0] });
+    throw brokenRule("first_stage", { parameter, value: times[0] });
   checkIncreasing(parameter, times);
   const gaps = times.slice(1).map((/** @type {number} */ time, /** @type {number} */ i) => time - times[i]);
   const shortest = Math.min(...gaps);
   if (gaps.length && values.ramp > shortest * (1 + ROUNDING))
-    throw new InputError(
-      `must not exceed the shortest stage ${general(shortest)} s`, { parameter: "ramp", value: values.ramp });
+    throw brokenRule("shortest_stage", { parameter: "ramp", value: values.ramp }, { shortest });
 }
 
 /**
@@ -266,8 +258,6 @@ function checkStages(values, lists) {
 export function checkIncreasing(parameter, values) {
   for (let i = 1; i < values.length; i += 1) {
     if (values[i] > values[i - 1]) continue;
-    throw new InputError(`must increase strictly, got ${general(values[i])} after `
-      + `${general(values[i - 1])} at position ${i}`,
-    { parameter, wayOut: "sort them and remove repeats" });
+    throw brokenRule("increasing", { parameter }, { after: values[i], before: values[i - 1], place: i });
   }
 }

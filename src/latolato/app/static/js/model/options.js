@@ -1,7 +1,7 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
 import { foreign } from "./laws.js";
-import { checkedNumber, InputError, literal, suggest } from "./rules.js";
+import { brokenRule, checkedNumber, suggest, unknown } from "./rules.js";
 import { toSi } from "./units.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -24,7 +24,7 @@ function toSiList(registry, name, value, unit) {
   const plain = parts.map((part) => part !== "" && Number.isFinite(Number(part)) ? Number(part) : null);
   // A 0 needs no unit.
   if (plain.includes(null) && plain.some((number) => number))
-    throw new InputError("must carry a unit on every value or on none", { parameter: name, value });
+    throw brokenRule("units_of_list", { parameter: name, value });
   return parts.map((part) => toSi(registry, name, part, unit));
 }
 
@@ -40,7 +40,7 @@ export function valueOf(registry, name, value) {
   if (option.several) return toSiList(registry, name, value, unit);
   if (option.switch) {
     const read = { true: true, false: false }[String(value).trim().toLowerCase()];
-    if (read === undefined) throw new InputError("must be true or false", { parameter: name, value });
+    if (read === undefined) throw brokenRule("switch", { parameter: name, value });
     return read;
   }
   if (option.whole && typeof value === "string" && /^\s*[-+]?\d{1,15}\s*$/.test(value)) return Number(value);
@@ -62,20 +62,19 @@ export function optionsOf(registry, { scenario = null, options = {} }) {
   /** @type {Record<string, any>} */
   const input = {};
   for (const [name, value] of Object.entries(options)) {
-    if (!known.includes(name)) throw new InputError(`unknown option '${name}': ${suggest(name, known)}`);
+    if (!known.includes(name)) throw unknown("option", name, known);
     if (value === null || value === undefined) continue;
     if (typeof value === "object" && !Array.isArray(value) && !ArrayBuffer.isView(value))
-      throw new InputError("must be a text or a number", { parameter: name, value });
+      throw brokenRule("text_or_number", { parameter: name, value });
     if (Array.isArray(value) && value.some((part) => part === null || typeof part === "object"))
-      throw new InputError("must be a list of quantities", { parameter: name });
+      throw brokenRule("quantities", { parameter: name });
     input[name] = valueOf(registry, name, value);
   }
   const presets = Object.keys(registry.scenarios);
   if (scenario && !presets.includes(scenario))
-    throw new InputError(`there is no scenario '${scenario}': ${suggest(scenario, presets)}`);
+    throw brokenRule("unknown_scenario", {}, { name: scenario, hint: suggest(scenario, presets) });
   if (!scenario && !("system" in input))
-    throw new InputError("name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
-      + `--from FILE or --system with one of ${Object.keys(registry.systems).join(", ")}`);
+    throw brokenRule("what_to_run", {}, { systems: Object.keys(registry.systems).join(", ") });
   let kept = scenario ? registry.scenarios[scenario].given : {};
   const owned = (/** @type {string} */ name) => registry.options[name].owner === "drive";
   if (Object.keys(input).some(owned) && (kept.drive ?? "fixed_pivot") === "fixed_pivot")
@@ -121,9 +120,9 @@ function withoutForeign(registry, kept, input) {
     if (kind === undefined) continue;
     const laws = registry[`${part}s`];
     if (typeof kind !== "string")
-      throw new InputError(`the kind of ${part} must be a text, got ${literal(kind)}`);
+      throw brokenRule("kind_of_law", { value: kind }, { part: { word: part } });
     if (!Object.hasOwn(laws, kind))
-      throw new InputError(`unknown ${part} '${kind}': ${suggest(kind, Object.keys(laws))}`);
+      throw unknown(part, kind, Object.keys(laws));
     if (kind === kept[part]) continue;
     const own = laws[kind].options;
     values = without(values, (name) => registry.options[name].owner === part && name !== part
@@ -161,12 +160,12 @@ export function withoutRatios(registry, kind, drive, naturalFrequency) {
     if (!(ratio in drive)) continue;
     if (!registry.drives[kind].options.includes(name)) throw foreign(registry, "drive", kind, name, ratio);
     if (name in drive)
-      throw new InputError(`give either ${name} or {parameter}, got both`, { parameter: ratio });
+      throw brokenRule("either", { parameter: ratio }, { name });
     const value = drive[ratio];
     delete drive[ratio];
     const several = registry.options[ratio].several;
     if (several && !Array.isArray(value))
-      throw new InputError("must be a sequence of numbers", { parameter: ratio, value });
+      throw brokenRule("numbers", { parameter: ratio, value });
     const numbers = (several ? value : [value]).map((/** @type {any} */ number) =>
       checkedNumber(registry.options[ratio], ratio, number) * naturalFrequency);
     drive[name] = several ? numbers : numbers[0];

@@ -7,7 +7,7 @@
  *   units: {name: string, size: number}[], several: boolean, for_each_ball: boolean,
  *   choices: string[], switch: boolean, whole: boolean, default: any, usual: any,
  *   low: number | null, high: number | null,
- *   limits: {is_lower: boolean, end: number, is_open: boolean, rule: string, way_out: string}[],
+ *   limits: {is_lower: boolean, end: number, is_open: boolean, rule: string, values: Record<string, string>}[],
  *   suggested: [number, number] | null, owner: "system" | "drive" | "run" | "noise",
  *   path: string[], is_later: boolean}} Option
  *
@@ -43,7 +43,7 @@
  *   quantities: Record<string, {unit: string, symbol: string, label: string, shown_unit: string}>,
  *   axes: Record<string, Varied>, noise_axes: string[], observables: Record<string, Observable>,
  *   default_observables: string[], sweep_tolerance: number, scenarios: Record<string, Preset>,
- *   ratios: Record<string, string>, alternatives: string[][],
+ *   ratios: Record<string, string>, alternatives: string[][], rules: Record<string, import("./rules.js").Rule>,
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
  *   languages: Record<string, {name: string, beta: boolean}>, server: boolean, docs?: boolean, report?: boolean, upright?: boolean}} Registry
@@ -52,6 +52,7 @@
  */
 
 import { loadJson } from "../kernels/load.js";
+import { learnRules } from "./rules.js";
 
 /**
  * Put the texts of a registry, which are English, in another language. What Python calls a law
@@ -79,9 +80,11 @@ export function translateRegistry({ systems, drives, contact_laws: laws, options
 }
 
 /**
- * Return the registry of this site; it is loaded once.
+ * Return the registry of this site; it is loaded once, and brings the sentences of rules.
  * @returns {Promise<Registry>}
  */
-export function loadRegistry() {
-  return loadJson("registry.json");
+export async function loadRegistry() {
+  const registry = await loadJson("registry.json");
+  learnRules(registry.rules);
+  return registry;
 }

@@ -1,17 +1,79 @@
-/** What parameters must be, in the sentences that Python says: `latolato.core.registry`. */
+/** What parameters must be, in the sentences that Python says: `latolato.core.registry` and `latolato.core.rules`. */
 
-/** @typedef {import("./registry.js").Option} Option */
+/**
+ * @typedef {import("./registry.js").Option} Option
+ *
+ * The rule and the way out of an error, with gaps as in Python's format strings: `latolato.core.rules`.
+ * @typedef {{rule: string, way_out: string}} Rule
+ *
+ * A sentence of a rule: its English text, and what stands in its gaps, which may be a word of English
+ * or a sentence itself.
+ * @typedef {{name: string, part: "rule" | "way_out", text: string, values: Record<string, Value>}} Sentence
+ * @typedef {string | number | {word: string} | Sentence} Value
+ *
+ * Another language: a sentence by the name of its rule, undefined where it lacks that, and words.
+ * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined,
+ *   word: (text: string) => string}} Language
+ */
+
+/** @type {Record<string, Rule>} */
+const RULES = {};
+/** @type {Language} */
+const ENGLISH = { sentence: () => undefined, word: (text) => text };
+// A gap, and how many digits a number in it has.
+const GAP = /\{(\w+)(?::(?:\.(\d+))?(g))?\}/g;
+const DIGITS = 6;
+
+/**
+ * Take the rules of a registry.
+ * @param {Record<string, Rule>} rules by name
+ */
+export function learnRules(rules) {
+  Object.assign(RULES, rules);
+}
+
+/**
+ * Return a sentence of a rule.
+ * @param {string} name
+ * @param {Sentence["values"]} [values]
+ * @param {Sentence["part"]} [part]
+ * @returns {Sentence}
+ */
+export function sentenceOf(name, values = {}, part = "rule") {
+  return { name, part, text: RULES[name][part], values };
+}
+
+/**
+ * Return the text of a sentence; a text stays, or is translated as a whole.
+ * @param {string | Sentence} sentence
+ * @param {Language} [language]
+ * @returns {string}
+ */
+export function say(sentence, language = ENGLISH) {
+  if (typeof sentence === "string") return language.word(sentence);
+  const { name, part, text, values } = sentence;
+  // A translation leaves it to the English text how numbers are written.
+  const digits = Object.fromEntries(Array.from(text.matchAll(GAP), ([, gap, count, isGeneral]) =>
+    [gap, isGeneral ? Number(count ?? DIGITS) : 0]));
+  return (language.sentence(name, part) ?? text).replace(GAP, (whole, gap) => {
+    const value = values[gap];
+    if (value === undefined) return whole;
+    if (typeof value === "number" && digits[gap]) return general(value, digits[gap]);
+    if (typeof value !== "object") return String(value);
+    return "word" in value ? language.word(value.word) : say(value, language);
+  });
+}
 
 /** Input that breaks a rule; its parts are those of `latolato.core.errors.InputError`. */
 export class InputError extends Error {
   /**
-   * @param {string} rule the rest of a sentence that begins with the parameter's name, or a whole
+   * @param {string | Sentence} rule the rest of a sentence that begins with the parameter's name, or a whole
    *   one in which `{parameter}` stands for it
-   * @param {{parameter?: string, value?: any, wayOut?: string, fields?: string[]}} [about] `value` is what
-   *   was given, `fields` name those of a map that hold what is wrong
+   * @param {{parameter?: string, value?: any, wayOut?: string | Sentence, fields?: string[]}} [about] `value` is
+   *   what was given, `fields` name those of a map that hold what is wrong
    */
   constructor(rule, about = {}) {
-    super(worded(rule, about, about.parameter));
+    super(worded(rule, about, about.parameter, ENGLISH));
     this.name = "InputError";
     this.rule = rule;
     this.about = about;
@@ -19,23 +81,35 @@ export class InputError extends Error {
   }
 
   /**
-   * Return the whole text with another name for the parameter.
+   * Return the whole text in another language, with another name for the parameter.
    * @param {string} name
-   * @param {(text: string) => string} [translated] each of its parts
+   * @param {Language} language
    */
-  worded(name, translated) {
-    return worded(this.rule, this.about, name, translated);
+  worded(name, language) {
+    return worded(this.rule, this.about, name, language);
   }
+}
+
+/**
+ * Return the error of input that breaks a rule, as `latolato.core.rules.broken_rule`.
+ * @param {string} name
+ * @param {InputError["about"]} [about] a way out that is given takes the place of the rule's
+ * @param {Sentence["values"]} [values]
+ */
+export function brokenRule(name, about = {}, values = {}) {
+  const wayOut = RULES[name].way_out ? { wayOut: sentenceOf(name, values, "way_out") } : {};
+  return new InputError(sentenceOf(name, values), { ...wayOut, ...about });
 }
 
 /** What is right, and left to the installed program. */
 export class BeyondPageError extends InputError {
   /**
-   * @param {string} what the subject of a sentence
+   * @param {string} rule
    * @param {string} parameter
+   * @param {string} name of what pages do not have
    */
-  constructor(what, parameter) {
-    super(`${what} computed by the installed program, not in a page`, { parameter });
+  constructor(rule, parameter, name) {
+    super(sentenceOf(rule, { name }), { parameter });
   }
 }
 
@@ -44,29 +118,28 @@ export class BeyondPageError extends InputError {
  * @param {import("../kernels/begin.js").Reported} problem
  * @param {string[]} [fields] those of a map that hold what is wrong
  */
-export function refusal({ rule, way_out: wayOut, values, reported, parameter, value }, fields) {
-  const named = Object.fromEntries(values.map((name, i) => [name, reported[i]]));
-  const filled = (/** @type {string} */ text) => text.replace(/\{(\w+):(?:\.(\d+))?g\}/g,
-    (_, name, digits) => general(named[name], Number(digits ?? 6)));
-  return new InputError(filled(rule), { ...(parameter ? { parameter } : {}), ...(value ? { value: named[value] } : {}),
-    ...(wayOut ? { wayOut: filled(wayOut) } : {}), ...(fields ? { fields } : {}) });
+export function refusal({ name, rule, way_out: wayOut, values: names, reported, parameter, value }, fields) {
+  const values = Object.fromEntries(names.map((each, i) => [each, reported[i]]));
+  return new InputError({ name, part: "rule", text: rule, values }, {
+    ...(parameter ? { parameter } : {}), ...(value ? { value: values[value] } : {}),
+    ...(wayOut ? { wayOut: { name, part: "way_out", text: wayOut, values } } : {}), ...(fields ? { fields } : {}) });
 }
 
 /**
- * @param {string} rule
- * @param {{parameter?: string, value?: any, wayOut?: string}} about
- * @param {string} [name]
- * @param {(text: string) => string} [translated]
+ * @param {string | Sentence} rule
+ * @param {InputError["about"]} about
+ * @param {string | undefined} name
+ * @param {Language} language
  */
-function worded(rule, about, name, translated = (text) => text) {
-  let text = translated(rule);
+function worded(rule, about, name, language) {
+  let text = say(rule, language);
   if (about.parameter !== undefined)
     text = !text.includes("{parameter}") ? `${name} ${text}`
       // A label has quotes of its own.
       : (name?.startsWith("\u201c") ? text.replaceAll("'{parameter}'", "{parameter}") : text)
         .replaceAll("{parameter}", String(name));
-  if ("value" in about) text += `, ${translated("got")} ${literal(about.value)}`;
-  if (about.wayOut !== undefined) text += `; ${translated(about.wayOut)}`;
+  if ("value" in about) text += `, ${language.word("got")} ${literal(about.value)}`;
+  if (about.wayOut !== undefined) text += `; ${say(about.wayOut, language)}`;
   return text.replace(/\s+/g, " ").trim();
 }
 
@@ -114,9 +187,9 @@ export function general(value, digits = 6) {
  * @returns {number}
  */
 export function checkedNumber({ unit, limits, whole }, parameter, value) {
-  const kind = unit === "1" ? "a number" : `a number in ${unit}`;
   if (whole) return checkedWhole(limits, parameter, value);
-  if (typeof value !== "number" || !Number.isFinite(value)) throw new InputError(`must be ${kind}`, { parameter, value });
+  if (typeof value !== "number" || !Number.isFinite(value))
+    throw brokenRule(unit === "1" ? "number" : "number_in_unit", { parameter, value }, { unit });
   return within(limits, parameter, value);
 }
 
@@ -127,7 +200,7 @@ export function checkedNumber({ unit, limits, whole }, parameter, value) {
  * @returns {number}
  */
 function checkedWhole(limits, parameter, value) {
-  if (!Number.isInteger(value)) throw new InputError("must be a whole number", { parameter, value });
+  if (!Number.isInteger(value)) throw brokenRule("whole_number", { parameter, value });
   return within(limits, parameter, value, BigInt(value));
 }
 
@@ -138,9 +211,9 @@ function checkedWhole(limits, parameter, value) {
  * @param {number | bigint} [shown] as errors write it
  */
 function within(limits, parameter, value, shown = value) {
-  for (const { is_lower, end, is_open, rule, way_out: wayOut } of limits) {
+  for (const { is_lower, end, is_open, rule, values } of limits) {
     const holds = is_lower ? value > end : value < end;
-    if (!holds && (is_open || value !== end)) throw new InputError(rule, { parameter, value: shown, wayOut });
+    if (!holds && (is_open || value !== end)) throw brokenRule(rule, { parameter, value: shown }, values);
   }
   return value;
 }
@@ -155,10 +228,10 @@ function within(limits, parameter, value, shown = value) {
 export function checkedChoice({ choices }, parameter, value) {
   if (choices.includes(value)) return value;
   const words = choices.map(literal);
-  const last = words.pop();
+  const last = String(words.pop());
   const guess = suggest(String(value), choices);
-  throw new InputError(`must be ${words.join(", ")} or ${last}`,
-    { parameter, value, ...(guess.startsWith("did") ? { wayOut: guess } : {}) });
+  throw brokenRule("choice", { parameter, value, ...(guess.name === "meant" ? { wayOut: guess } : {}) },
+    { words: words.join(", "), last });
 }
 
 // The part of a name that a typo leaves, and the shortest part of one that is recognised.
@@ -169,21 +242,33 @@ const SHORTEST_PART = 3;
  * Return a closing clause such as "did you mean 'length'?", or a list of what is known.
  * @param {string} name
  * @param {string[]} known
+ * @returns {Sentence}
  */
 export function suggest(name, known) {
+  const meant = (/** @type {string} */ each) => sentenceOf("meant", { name: each });
   const within = name.includes("_") ? name.slice(name.indexOf("_") + 1) : "";
-  if (known.includes(within)) return `did you mean '${within}'?`;
+  if (known.includes(within)) return meant(within);
   const plain = (/** @type {string} */ text) => text.toLowerCase().replaceAll("-", "_");
   const typed = plain(name);
   const isLong = typed.length >= SHORTEST_PART;
   const longer = known.filter((each) => plain(each).startsWith(typed));
-  if (longer.length === 1 && isLong) return `did you mean '${longer[0]}'?`;
+  if (longer.length === 1 && isLong) return meant(longer[0]);
   const likeness = known.map((each) => likenessOf(typed, plain(each)));
   const best = Math.max(...likeness);
-  if (best >= LIKENESS) return `did you mean '${known[likeness.indexOf(best)]}'?`;
+  if (best >= LIKENESS) return meant(known[likeness.indexOf(best)]);
   const holders = known.filter((each) => plain(each).includes(typed));
-  if (holders.length === 1 && isLong) return `did you mean '${holders[0]}'?`;
-  return `known are ${known.join(", ")}`;
+  if (holders.length === 1 && isLong) return meant(holders[0]);
+  return sentenceOf("known", { names: known.join(", ") });
+}
+
+/**
+ * Return the error of a name that nothing has.
+ * @param {string} kind of what it should name
+ * @param {string} name
+ * @param {string[]} known
+ */
+export function unknown(kind, name, known) {
+  return brokenRule("unknown", {}, { kind: { word: kind }, name, hint: suggest(name, known) });
 }
 
 /**
@@ -218,6 +303,5 @@ function likenessOf(name, other) {
  * @param {{parameter: string, value: any}} about
  */
 export function noList(unit, about) {
-  return unit === "1" ? new InputError("must be a sequence of numbers", about)
-    : new InputError(`must be a sequence of numbers in ${unit}`, about);
+  return brokenRule(unit === "1" ? "numbers" : "numbers_in_unit", about, { unit: String(unit) });
 }

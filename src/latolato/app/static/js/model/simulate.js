@@ -4,18 +4,19 @@ import { begin, problemOf, shake } from "../kernels/begin.js";
 import { drawKicks } from "../kernels/noise.js";
 import { integrate, observe } from "../kernels/run.js";
 import { evenly, recordOf } from "./case.js";
-import { general, InputError, refusal } from "./rules.js";
+import { brokenRule, refusal, sentenceOf } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./case.js").Case} Case */
+/** @typedef {import("./rules.js").Sentence} Sentence */
 
 /**
  * A run: columns over the instants, one for each ball of those quantities that balls have.
  * @typedef {{time: Float64Array, columns: Record<string, Float64Array[]>, strobes: Float64Array,
  *   contacts: {time: Float64Array, kind: Uint8Array, before: Float64Array[], after: Float64Array[],
  *     others: Record<string, Float64Array[]>},
- *   status: string, energyResidual: number, step: number, halvings: number, grazes: number,
- *   pulls: Record<string, number[]>, warnings: string[], case: Case}} Run
+ *   status: string | Sentence, energyResidual: number, step: number, halvings: number, grazes: number,
+ *   pulls: Record<string, number[]>, warnings: Sentence[], case: Case}} Run
  */
 
 const SAMPLES_PER_PERIOD = 100;
@@ -31,8 +32,6 @@ export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_los
 const PER_BALL = 2;
 // Of strings: distance, its rate and whether it is slack.
 export const PER_STRING = 3;
-export const OUTSIDE_MODEL = "a string ran into a ball, or balls rested on each other on a slack string, which is not "
-  + "described";
 const MOST_STROBES = 20_000;
 // Forms of segments that have a phase: cosine, swept cosine, crank; see `physics.drives.segment`.
 const PHASED = [1, 2, 3];
@@ -125,8 +124,7 @@ function usualTimes({ system, duration }, driveRate, most) {
   const fastest = Math.max(system.naturalFrequency, driveRate);
   const count = ((duration * fastest) / (2 * Math.PI)) * SAMPLES_PER_PERIOD;
   if (count > Math.min(MOST_DEFAULT_SAMPLES, most) && most === Infinity)
-    throw new InputError(`${general(count, 3)} default samples exceed the limit of `
-      + `${MOST_DEFAULT_SAMPLES}; shorten the duration or name fewer instants with times`);
+    throw brokenRule("default_samples", {}, { count, limit: MOST_DEFAULT_SAMPLES });
   return evenly(duration, Math.max(Math.min(Math.ceil(count) + 1, most), 2));
 }
 
@@ -183,8 +181,7 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   const { times: contactTimes, kinds, values } = result.contacts;
   const status = statusOf(each, result);
   if (status !== "complete" && !contactTimes.length && !columns.angle[0].some(Number.isFinite))
-    throw new InputError(`the run ${status}; no sample and no contact is known`,
-      { wayOut: "ask for earlier times" });
+    throw brokenRule("no_sample", {}, { status });
   const residual = kernels.get(record, "state.ledger_error");
   const known = result.status === "failed" ? NaN : 1;
   const ofState = (/** @type {string} */ name) =>
@@ -194,12 +191,11 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   const pulls = system.linear ? {} : { [first]: ofState(`${what}_start`),
     [share]: ofState(`${what}_time`).map((value) => value / result.reached),
     ...(isString ? { largest_string_impulse: [known * kernels.get(record, "state.string_impulse")] } : {}) };
-  const warnings = status === "complete" ? [] : [`the run ${status}; later samples are NaN`];
+  const warnings = status === "complete" ? [] : [sentenceOf("ended_early", { status })];
   if (isLoose) {
     const share = residual / kernels.get(record, "state.largest_energy");
-    warnings.push(`the energy ledger closes only to ${general(residual, 3)} J, ${general(share, 2)} of the `
-      + `largest energy: tolerance ${general(each.tolerance)} was not reached with step `
-      + `${general(kernels.get(record, "settings.step"), 3)} s`);
+    warnings.push(sentenceOf("open_ledger",
+      { residual, share, tolerance: each.tolerance, step: kernels.get(record, "settings.step") }));
   }
   return {
     time, columns, status, warnings, halvings, case: each, strobes: strobesOf(kernels, segments, duration),
@@ -237,16 +233,15 @@ function sum(one, other) {
 }
 
 /**
- * Return how a run ended, as Python says it.
+ * Return how a run ended.
  * @param {Case} each
  * @param {import("../kernels/run.js").Run} result
  */
-function statusOf(each, { status, isOutsideModel, reached }) {
+function statusOf(each, { status, isOutsideModel, reached: time }) {
   if (status === "complete") return status;
-  const when = `${status} at t = ${general(reached, 9)} s`;
-  if (isOutsideModel) return `${when}: ${OUTSIDE_MODEL}`;
-  return status === "failed" ? `${when}: the motion left the range of numbers`
-    : `${when} by contact_limit = ${each.contactLimit}`;
+  if (isOutsideModel) return sentenceOf("left_model", { time });
+  return status === "failed" ? sentenceOf("left_numbers", { time })
+    : sentenceOf("contact_limit", { time, limit: each.contactLimit });
 }
 
 /**

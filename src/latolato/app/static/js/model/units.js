@@ -1,6 +1,6 @@
 /** Quantities as people write them, such as "24.5 cm", "20 deg" or "1.6 Hz": see `latolato.scenario.units`. */
 
-import { InputError } from "./rules.js";
+import { brokenRule, sentenceOf } from "./rules.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 
@@ -108,10 +108,9 @@ function unitOf({ units, prefixes }, text) {
  * @param {string} unit
  */
 function notInUnits(registry, parameter, value, written, unit) {
-  const rule = unit === "1" ? "as a plain number" : `in ${unit} (or a unit that converts to it)`;
   const meant = written && unit !== "1" ? inOtherLetters(registry, written, unit) : undefined;
-  return new InputError(`must be given ${rule}`,
-    { parameter, value, ...(meant ? { wayOut: `did you mean '${meant}'?` } : {}) });
+  return brokenRule(unit === "1" ? "plain_number" : "quantity_of_unit",
+    { parameter, value, ...(meant ? { wayOut: sentenceOf("meant", { name: meant }) } : {}) }, { unit });
 }
 
 /**

@@ -2,8 +2,8 @@
 
 import { checkedNumber, InputError } from "../model/rules.js";
 import { splitQuantity, toSi } from "../model/units.js";
-import { local, localList, t, tr } from "../strings.js";
-import { inPagesWords } from "./refusals.js";
+import { local, localList, t } from "../strings.js";
+import { inPagesWords, sentenceInLanguage } from "./refusals.js";
 import { short, shownUnit } from "./units.js";
 import { capitalised } from "./words.js";
 
@@ -113,7 +113,7 @@ export function readQuantity(registry, text, unit) {
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
     const { wayOut } = error.about;
-    return { value: NaN, wayOut: wayOut && capitalised(tr(wayOut)) };
+    return { value: NaN, wayOut: wayOut && capitalised(sentenceInLanguage(wayOut)) };
   }
 }
 

@@ -1,29 +1,71 @@
 /** Errors in the words of the pages. */
 
-import { InputError } from "../model/rules.js";
-import { local, tr } from "../strings.js";
+import { InputError, say } from "../model/rules.js";
+import { local, ruleText, t, tr } from "../strings.js";
 import { short, shownUnit } from "./units.js";
+
+/** @type {import("../model/rules.js").Language} */
+const LANGUAGE = { sentence: ruleText, word: tr };
+// Rules that refuse what is no number in the unit of an option.
+const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
+// Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
+const ENDS = ["at_least", "more_than", "at_most", "less_than"];
+const SIZES = ["size", "turns"];
+const RADII = ["radius", "right radius", "left radius"];
+// Problems with the start, and the texts for them in the unit on the screen.
+const STARTS = /** @type {Record<string, string>} */ ({
+  angle: "refuseContact", "angle in degrees": "refuseContact",
+  separation: "refuseSeparation", "separation in degrees": "refuseSeparation",
+  offset: "refuseOffset", "offset in degrees": "refuseOffset",
+  "half turn": "refuseBetween", turn: "refuseTurn" });
+const TURNS = /** @type {Record<string, number>} */ ({ "half turn": Math.PI, turn: 2 * Math.PI });
 
 /**
  * Return the text of an error in the language of the page; it calls parameters by their names.
  * @param {Error} error
  */
 export function inLanguage(error) {
-  return error instanceof InputError ? error.worded(String(error.parameter), tr) : tr(error.message);
+  return error instanceof InputError ? local(error.worded(String(error.parameter), LANGUAGE)) : tr(error.message);
 }
 
-// A range as Python writes it, after what lies in it and what its ends are where they have a name; and the
-// plain words for each kind of end.
-const RANGE = /^(.*?)must lie (?:in|between (.+)) ([[(])(.+), (.+)([\])])(?: \S+)?$/;
-const ENDS = { "[": "at least", "(": "above", "]": "at most", ")": "below" };
+/**
+ * Return a sentence of a rule in the language of the page.
+ * @param {string | import("../model/rules.js").Sentence} sentence
+ */
+export function sentenceInLanguage(sentence) {
+  return local(say(sentence, LANGUAGE));
+}
 
 /**
- * Return a number as rules write it, also as a multiple of pi; NaN for another text.
- * @param {string | number} text
+ * Return the warnings of a run as one text; those of the installed program are texts already.
+ * @param {(string | import("../model/rules.js").Sentence)[]} warnings
  */
-function numberOf(text) {
-  const turns = /^(\d*) ?pi$/.exec(String(text));
-  return turns ? Number(turns[1] || 1) * Math.PI : Number(text);
+export function warningsText(warnings) {
+  return warnings.map((each) => t("warning", { text: sentenceInLanguage(each) })).join(" ");
+}
+
+/**
+ * Return in words where numbers may lie, as "at least 0 m and below 1 m".
+ * @param {{end: string, is_open: boolean} | null} least null where there is no end
+ * @param {{end: string, is_open: boolean} | null} most
+ */
+export function endsText(least, most) {
+  const texts = [least && t(least.is_open ? "endAbove" : "endAtLeast", { end: least.end }),
+    most && t(most.is_open ? "endBelow" : "endAtMost", { end: most.end })].filter((text) => text !== null);
+  return texts.length === 2 ? t("endBoth", { one: texts[0], other: texts[1] }) : texts.join("");
+}
+
+/**
+ * Return the ends of the range that a rule of an option names, null where there is none.
+ * @param {import("../model/registry.js").Option["limits"]} limits
+ * @param {string} rule
+ */
+function endsOf(limits, rule) {
+  const names = ENDS.includes(rule) ? ENDS : [rule];
+  const end = (/** @type {boolean} */ isLower) =>
+    limits.find((limit) => limit.is_lower === isLower && names.includes(limit.rule)) ?? null;
+  // A size has no limit below where it cannot be negative.
+  return [end(true) ?? (SIZES.includes(rule) ? { end: 0, is_open: false } : null), end(false)];
 }
 
 /**
@@ -31,32 +73,39 @@ function numberOf(text) {
  * @param {import("../model/registry.js").Option} option
  * @param {InputError} error
  */
-function inPlainWords({ unit, units = [] }, error) {
-  const { name, size } = units[0] ?? { name: unit, size: 1 };
+function inPlainWords({ unit, units = [], limits }, error) {
   const { rule, about: { wayOut, ...about } } = error;
-  const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
+  if (typeof rule === "string") return error;
+  const { name, size } = units[0] ?? { name: unit, size: 1 };
   const shown = shownUnit(name);
-  const tail = shown && (shown.startsWith("°") ? shown : ` ${shown}`);
-  if (/^must be (given in|a number in|given as a plain number)/.test(rule))
+  const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
+  if (NUMBERS.includes(rule.name))
     // A phrase such as "per second" is no unit in which numbers are.
-    return new InputError(shown && !shown.includes(" ") ? `must be a number in ${shown}` : "must be a number",
+    return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
       { ...error.about, value });
-  const range = RANGE.exec(rule);
-  if (!range || typeof value !== "number") return error;
-  const number = (/** @type {string | number} */ each) => short(numberOf(each) / size);
-  // A range may end at another parameter: [0, length).
-  const end = (/** @type {string} */ text) => (!Number.isNaN(numberOf(text)) ? `${number(text)}${tail}`
-    : /^[a-z_]+$/.test(text) ? `the ${text.replaceAll("_", " ")}` : `${text}${tail}`);
-  const [, before, named, open, low, high, close] = /** @type {any} */ (range);
-  const ends = [[low, open], [high, close]].filter(([text]) => !text.endsWith("inf"));
-  const isClosed = ends.length === 2 && open + close === "[]" && low !== high;
-  const listed = ends.map(([text, mark]) => `${/** @type {any} */ (ENDS)[mark]} ${end(text)}`).join(" and ");
-  const plain = isClosed ? `must lie between ${named ? `${named}, ` : ""}${number(low)} and ${end(high)}`
-    : `must be ${listed}`;
-  // A way out that only repeats an end is left out.
-  const isNews = wayOut && !ends.some(([text]) => wayOut.endsWith(` ${text}`));
-  return new InputError(before === "{parameter} " ? plain : before + plain, { ...about, value: Number(number(value)),
-    ...(isNews ? { wayOut: wayOut.replace(/(?<=(than|least|most) )[-\d.e+]+$/, number) } : {}) });
+  if (typeof value !== "number") return error;
+  const number = (/** @type {any} */ each) => short(each / size);
+  const withUnit = (/** @type {any} */ each) =>
+    `${number(each)}${shown && (shown.startsWith("°") ? shown : ` ${shown}`)}`;
+  const own = { ...about, value: Number(number(value)) };
+  if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
+    const [least, most] = endsOf(limits, rule.name);
+    const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
+    const shownEnd = (/** @type {{end: number, is_open: boolean} | null} */ end) =>
+      end && { end: withUnit(end.end), is_open: end.is_open };
+    return new InputError(isClosed ? t("refuseBetween", { low: number(least.end), high: withUnit(most.end) })
+      : t("refuseEnds", { ends: endsText(shownEnd(least), shownEnd(most)) }),
+    // The way out of an end only repeats it.
+    { ...own, ...(SIZES.includes(rule.name) && { wayOut }) });
+  }
+  const { low = 0, high = TURNS[rule.name], length } = rule.values;
+  if (rule.name in STARTS)
+    return new InputError(t(STARTS[rule.name], { parameter: "{parameter}", low: number(low), high: withUnit(high) }),
+      { ...own, ...(wayOut && { wayOut }) });
+  if (RADII.includes(rule.name))
+    return new InputError(t("refuseEnds", { ends: endsText({ end: withUnit(0), is_open: false },
+      { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: number(length) }) });
+  return error;
 }
 
 /**
@@ -71,5 +120,5 @@ export function inPagesWords(registry, error) {
   const [name] = error.parameter.split("[");
   const option = registry.options[name];
   if (!option) return [inLanguage(error), null];
-  return [local(inPlainWords(option, error).worded(`\u201c${option.label}\u201d`, tr)), name];
+  return [local(inPlainWords(option, error).worded(`\u201c${option.label}\u201d`, LANGUAGE)), name];
 }

@@ -3,6 +3,8 @@
 import { optionsOf } from "../model/options.js";
 import { InputError, suggest } from "../model/rules.js";
 import { toSi } from "../model/units.js";
+import { inLanguage, sentenceInLanguage } from "../shared/refusals.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {Record<string, any>} Table */
@@ -14,19 +16,20 @@ import { toSi } from "../model/units.js";
  *   need_angle: string[]}} Schema
  */
 
-/** @type {Record<string, [(value: any) => boolean, string]>} */
+/** @type {Record<string, (value: any) => boolean>} */
 const TYPES = {
-  text: [(value) => typeof value === "string" && value.trim() !== "", "a text"],
-  number: [(value) => typeof value === "number" && value > 0, "a number above zero"],
-  whole: [(value) => Number.isInteger(value), "a whole number"],
-  switch: [(value) => typeof value === "boolean", "true or false"],
-  options: [(value) => isTable(value) && Object.values(value).every((part) =>
-    ["string", "number"].includes(typeof part) || Array.isArray(part)), "a table of options"],
-  extra: [(value) => isTable(value) && Object.entries(value).every(([name, part]) =>
-    name.includes(".") && typeof part === "string"), 'a table of texts with names such as "map.x"'],
+  text: (value) => typeof value === "string" && value.trim() !== "",
+  number: (value) => typeof value === "number" && value > 0,
+  whole: (value) => Number.isInteger(value),
+  switch: (value) => typeof value === "boolean",
+  options: (value) => isTable(value) && Object.values(value).every((part) =>
+    ["string", "number"].includes(typeof part) || Array.isArray(part)),
+  extra: (value) => isTable(value) && Object.entries(value).every(([name, part]) =>
+    name.includes(".") && typeof part === "string"),
 };
-// All other types are written as texts.
-const [isText, TEXT] = TYPES.text;
+
+/** @type {(name: string, known: string[]) => string} */
+const hintFor = (name, known) => sentenceInLanguage(suggest(String(name), known));
 
 /** @param {any} value */
 function isTable(value) {
@@ -61,11 +64,11 @@ class Check {
     const names = Object.keys(fields).map((field) => field.replace("?", ""));
     for (const name of Object.keys(table))
       if (!names.includes(name))
-        throw new InputError(`${where}there is no entry '${name}': ${suggest(name, names)}`);
+        throw new InputError(t("storyEntry", { where, name, text: hintFor(name, names) }));
     for (const [field, entry] of Object.entries(fields)) {
       const name = field.replace("?", "");
       if (Object.hasOwn(table, name)) this.value(table[name], entry, name, where);
-      else if (name === field) throw new InputError(`${where}${name} is missing`);
+      else if (name === field) throw new InputError(t("storyMissing", { where, name }));
     }
     this.checks[kind]?.call(this, table, where);
   }
@@ -79,22 +82,23 @@ class Check {
   value(value, entry, name, where) {
     if (Array.isArray(entry)) {
       const [kind, least, most] = entry;
-      if (!Array.isArray(value)) throw new InputError(`${where}${name} must be a list`);
+      if (!Array.isArray(value)) throw new InputError(t("storyList", { where, name }));
       if (!(value.length >= least && value.length <= most))
-        throw new InputError(`${where}${name} must be ${least} to ${most}, got ${value.length}`);
+        throw new InputError(t("storyCount", { where, name, least, most, count: value.length }));
       value.forEach((part, i) => this.value(part, kind, `${kind} ${i + 1}`, where));
       return;
     }
     if (Object.hasOwn(this.schema.tables, entry)) {
-      if (!isTable(value)) throw new InputError(`${where}${name} must be a table`);
+      if (!isTable(value)) throw new InputError(t("storyTable", { where, name }));
       this.table(value, entry, `${where ? where.replace(/: $/, ", ") : ""}${name}: `);
       return;
     }
-    const [isRight, words] = TYPES[entry] ?? [isText, TEXT];
-    if (!isRight(value)) throw new InputError(`${where}${name} must be ${words}`);
+    // All other types are written as texts.
+    const type = Object.hasOwn(TYPES, entry) ? entry : "text";
+    if (!TYPES[type](value)) throw new InputError(t("storyType", { where, name, kind: t(`storyType_${type}`) }));
     const known = this.known[entry];
     if (known && !known.includes(value))
-      throw new InputError(`${where}there is no ${entry} '${value}': ${suggest(value, known)}`);
+      throw new InputError(t(`storyUnknown_${entry}`, { where, name: value, text: hintFor(value, known) }));
     if (entry === "angle") this.within(where, () => toSi(this.registry, name, value, "rad"));
   }
 
@@ -107,7 +111,7 @@ class Check {
     try {
       work();
     } catch (error) {
-      throw error instanceof InputError ? new InputError(`${where}${error.message}`) : error;
+      throw error instanceof InputError ? new InputError(`${where}${inLanguage(error)}`) : error;
     }
   }
 
@@ -119,13 +123,13 @@ class Check {
   /** @type {(predict: Table, where: string) => void} */
   predict({ choices }, where) {
     const right = choices.filter((/** @type {Table} */ choice) => choice.right).length;
-    if (right !== 1) throw new InputError(`${where}one choice must be right, got ${right}`);
+    if (right !== 1) throw new InputError(t("storyChoice", { where, count: right }));
   }
 
   /** @type {(condition: Table, where: string) => void} */
   condition(condition, where) {
     const subjects = ["parameter", "quantity", "address"].filter((name) => name in condition);
-    if (subjects.length !== 1) throw new InputError(`${where}name one of parameter, quantity, address`);
+    if (subjects.length !== 1) throw new InputError(t("storySubject", { where }));
     if (subjects[0] !== "address")
       this.within(where, () => limitsOf(this.registry, this.schema, condition));
     this.angle(condition, where);
@@ -135,14 +139,14 @@ class Check {
   angle(table, where) {
     const name = table.quantity ?? table.rule;
     if (this.schema.need_angle.includes(name) && !("angle" in table))
-      throw new InputError(`${where}angle is missing: ${name} needs one`);
+      throw new InputError(t("storyAngle", { where, name }));
   }
 
   /** @type {(task: Table, where: string) => void} */
   task(task, where) {
     this.angle(task, where);
     if (task.rule === "guess_tongue" && !("ratios" in task))
-      throw new InputError(`${where}ratios is missing: guess_tongue needs them`);
+      throw new InputError(t("storyRatios", { where }));
     this.within(where, () => toSi(this.registry, "par", task.par, this.schema.rules[task.rule]));
   }
 }
@@ -170,8 +174,8 @@ export function limitsOf(registry, schema, condition) {
 export function check(registry, schema, tables) {
   const { format = 1, kind = "story" } = tables;
   if (!(Number.isInteger(format) && format >= 1 && format <= schema.format))
-    throw new InputError(`it has format ${format}, and this version reads ${schema.format} at most`);
+    throw new InputError(t("storyFormat", { format, newest: schema.format }));
   if (!schema.kinds.includes(kind))
-    throw new InputError(`there is no kind '${kind}': ${suggest(kind, schema.kinds)}`);
+    throw new InputError(t("storyUnknown_kind", { where: "", name: kind, text: hintFor(kind, schema.kinds) }));
   new Check(registry, schema).table(tables, kind, "");
 }

@@ -6,6 +6,7 @@ import { changeBetween, tongueEdges } from "../model/tongue.js";
 import { toSi } from "../model/units.js";
 import { withOptions } from "../shared/links.js";
 import { quantity } from "./numbers.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./check.js").Table} Table */
 /** @typedef {import("../model/registry.js").Registry} Registry */
@@ -49,7 +50,7 @@ export function scoreOfGuess(registry, challenge, guess) {
   const guesses = guess.split(",").map((part) => checkedNumber(
     { ...registry.options.drive_amplitude, limits: [] }, "guess", toSi(registry, "guess", part.trim(), "m")));
   if (guesses.length !== ratios.length)
-    throw new InputError(`guess must hold ${ratios.length} amplitudes, got ${guesses.length}`);
+    throw new InputError(t("refuseGuess", { count: ratios.length, given: guesses.length }));
   const edges = edgesOf(registry, challenge);
   return guesses.reduce((sum, each, i) => sum + Math.abs(each - edges[i]), 0) / guesses.length;
 }

@@ -10,7 +10,7 @@ import { textOf } from "../shared/laws.js";
 import { textsOf } from "../shared/links.js";
 import { before } from "../shared/motion.js";
 import { FIRST } from "../shared/state.js";
-import { t, tr } from "../strings.js";
+import { t } from "../strings.js";
 import { withControls } from "./address.js";
 import { fit, KEYS } from "./controls.js";
 import { cosineOf } from "./drive.js";
@@ -332,7 +332,7 @@ export class Hand {
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       // The memory that it computed in may be spoiled: begin in a new one.
-      void this.begin().then(() => this.say(t("handFault", { text: tr(error.message) })));
+      void this.begin().then(() => this.say(t("handFault", { text: error.message })));
     }
     motion.rise();
     return toy.time;

@@ -3,7 +3,8 @@
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
 import { recordOf } from "../model/case.js";
-import { OUTSIDE_MODEL, PER_STRING } from "../model/simulate.js";
+import { PER_STRING } from "../model/simulate.js";
+import { t } from "../strings.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Minute, RATE } from "./minute.js";
 
@@ -290,12 +291,12 @@ export class Toy {
     });
     for (let calls = 1; ; calls += 1) {
       this.noteContacts(kernels.exports.engine(run.at, stop, STEPS_PER_CALL), contacts);
-      if (kernels.get(run, "state.is_outside_model")) throw new Error(OUTSIDE_MODEL);
+      if (kernels.get(run, "state.is_outside_model")) throw new Error(t("toyBeyondModel"));
       if (time(kernels, run) >= stop) break;
-      if (calls === MOST_CALLS) throw new Error("the motion cannot be followed in real time");
+      if (calls === MOST_CALLS) throw new Error(t("toyTooFast"));
     }
     if (![...this.angles, ...this.velocities].every(Number.isFinite))
-      throw new Error("the motion left the range of numbers");
+      throw new Error(t("toyBeyondNumbers"));
     kernels.set(run, "state.t_base", stop);
     kernels.set(run, "state.steps", 0);
     this.time = stop;

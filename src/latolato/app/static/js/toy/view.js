@@ -11,7 +11,7 @@ import { Motion } from "../shared/motion.js";
 import { Player } from "../shared/player.js";
 import { presetField } from "../shared/presets.js";
 import { sentence, waysOn } from "../shared/reading.js";
-import { inPagesWords } from "../shared/refusals.js";
+import { inPagesWords, warningsText } from "../shared/refusals.js";
 import { LongRunError, Runner } from "../shared/runner.js";
 import { withStart } from "../shared/start.js";
 import { FIRST } from "../shared/state.js";
@@ -307,7 +307,7 @@ export class ToyView {
       this.form.show(block.about.options);
       this.showKnobs(motion, scenario);
       this.player.show(motion);
-      this.note(block.about.warnings.map((/** @type {string} */ text) => t("warning", { text: tr(text) })).join(" "));
+      this.note(warningsText(block.about.warnings));
       this.showCode(block.about);
       this.downloads.show({ scenario, options }, block.about.balls.length > 1, kept);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);

@@ -1,0 +1,53 @@
+"""Sentences of rules that Python and the pages share."""
+
+import pickle
+import re
+from string import Formatter
+
+import pytest
+
+from latolato.core.errors import InputError
+from latolato.core.rules import RULES, broken_rule
+from latolato.physics.problems import PROBLEMS
+
+SENTENCES = {
+    **RULES,
+    **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
+}
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_pages_can_fill_every_gap(name):
+    for text in SENTENCES[name]:
+        for _, gap, digits, conversion in Formatter().parse(text):
+            if gap is None:
+                continue
+            assert re.fullmatch(r"\w+", gap)
+            assert re.fullmatch(r"((\.\d+)?g)?", digits)
+            assert conversion is None
+
+
+def test_a_broken_rule_has_the_parts_of_its_sentence():
+    error = broken_rule("at_least", {"range": "[0, 1]", "end": "0"}, parameter="e", value=-1.0)
+    assert (error.rule, error.way_out) == ("must lie in [0, 1]", "give at least 0")
+    assert (error.parameter, error.value) == ("e", -1.0)
+    assert str(error) == "e must lie in [0, 1], got -1; give at least 0"
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_values_may_name_the_parameter():
+    names = {"names": "{parameter} and heights", "counts": "2 and 3"}
+    error = broken_rule("one_length", names, parameter="times")
+    assert str(error) == "times and heights must be of one length, got 2 and 3"
+
+
+def test_a_given_way_out_takes_the_place_of_the_usual_one():
+    error = broken_rule("at_least", {"range": "[0, 1]", "end": "0"}, way_out="ask")
+    assert str(error) == "must lie in [0, 1]; ask"
+
+
+def test_the_kind_of_an_error_can_be_another():
+    class OddError(InputError):
+        pass
+
+    assert type(broken_rule("switch", parameter="x", value=2, kind=OddError)) is OddError
