@@ -244,7 +244,7 @@ PLACES = f"""() => {{
   const {{ scrub }} = timeline;
   const box = scrub.getBoundingClientRect();
   const thumb = parseFloat(getComputedStyle(scrub).getPropertyValue("--thumb"));
-  const line = curves.charts[0].instant.head.getBoundingClientRect();
+  const line = curves.charts[0].playhead.line.getBoundingClientRect();
   return [box.left + 0.5 * thumb + (scrub.value / scrub.max) * (box.width - thumb),
     0.5 * (line.left + line.right)];
 }}"""

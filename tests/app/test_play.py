@@ -210,10 +210,10 @@ def test_the_phase_portrait_goes_through_its_marks_in_both_themes(page, width):
 CURSOR = """(share) => {
   const { clock, curves } = window.latolato.views.toy.player;
   clock.seek(share * clock.end);
-  return curves.charts.map(({ plot, instant }) => {
+  return curves.charts.map(({ plot, playhead }) => {
     const box = plot.over.getBoundingClientRect();
     const { min, max } = plot.scales.x;
-    const line = instant.head.getBoundingClientRect();
+    const line = playhead.line.getBoundingClientRect();
     return {
       drawn: 0.5 * (line.left + line.right),
       wanted: box.left + ((clock.time - min) / (max - min)) * box.width,

@@ -2,6 +2,7 @@
 
 import { axisLimits } from "../shared/axis.js";
 import { colour, fitCanvas } from "../shared/dom.js";
+import { outline } from "../shared/strokes.js";
 import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
@@ -206,12 +207,9 @@ export class MapChart {
     if (this.band) {
       const [a, b] = this.place(this.band[0], this.band[3]);
       const [c, d] = this.place(this.band[1], this.band[2]);
-      context.strokeStyle = "#ffffff";
-      context.lineWidth = 3 * ratio;
-      context.strokeRect(a, b, c - a, d - b);
-      context.strokeStyle = "#000000";
-      context.lineWidth = ratio;
-      context.strokeRect(a, b, c - a, d - b);
+      const path = new Path2D();
+      path.rect(a, b, c - a, d - b);
+      outline(context, path, ["#ffffff", 3 * ratio], ["#000000", ratio]);
     }
     drawAxes(this, context, ratio);
   }

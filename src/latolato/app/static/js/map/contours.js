@@ -1,6 +1,7 @@
 /** Contour lines over a map, with their values on them. */
 
 import { before } from "../shared/motion.js";
+import { outline } from "../shared/strokes.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */
@@ -31,22 +32,10 @@ export function drawContours(chart, context, contours, ratio) {
       path[i ? "lineTo" : "moveTo"](points[i], points[i + 1]);
   context.lineJoin = "round";
   context.globalAlpha = 0.6;
-  stroke(context, path, HALO, 2.8 * ratio);
+  outline(context, path, [HALO, 2.8 * ratio]);
   context.globalAlpha = 1;
-  stroke(context, path, INK, 1.2 * ratio);
+  outline(context, path, [INK, 1.2 * ratio]);
   return () => drawValues(chart, context, lines, ratio);
-}
-
-/**
- * @param {CanvasRenderingContext2D} context
- * @param {Path2D} path
- * @param {string} paint
- * @param {number} width
- */
-function stroke(context, path, paint, width) {
-  context.strokeStyle = paint;
-  context.lineWidth = width;
-  context.stroke(path);
 }
 
 /**

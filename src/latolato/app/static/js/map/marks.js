@@ -1,6 +1,7 @@
 /** What lies over the cells of a map: curves, trials and the cross. */
 
 import { colour } from "../shared/dom.js";
+import { outline } from "../shared/strokes.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./chart.js").Line} Line */
@@ -17,27 +18,20 @@ const MARK = 5.5;
  */
 export function drawLine(chart, context, { xs, ys, dashed }, ratio) {
   const { top, height } = chart.frame();
-  context.beginPath();
+  const path = new Path2D();
   let open = false;
   for (let i = 0; i < xs.length; i += 1) {
     const [x, y] = chart.place(xs[i], ys[i]);
     // Browsers do not dash what reaches far beyond the picture.
     if (!Number.isFinite(x + y) || Math.abs(y - top) > 3 * height) open = false;
-    else if (open) context.lineTo(x, y);
+    else if (open) path.lineTo(x, y);
     else {
-      context.moveTo(x, y);
+      path.moveTo(x, y);
       open = true;
     }
   }
-  context.setLineDash([]);
-  context.strokeStyle = "#1f2430";
-  context.lineWidth = 3.6 * ratio;
-  context.stroke();
-  context.setLineDash(dashed ? [7 * ratio, 4 * ratio] : []);
-  context.strokeStyle = "#ffffff";
-  context.lineWidth = 1.8 * ratio;
-  context.stroke();
-  context.setLineDash([]);
+  outline(context, path, ["#1f2430", 3.6 * ratio],
+    ["#ffffff", 1.8 * ratio, dashed ? [7 * ratio, 4 * ratio] : []]);
 }
 
 /**
@@ -64,18 +58,12 @@ export function drawTrials(chart, context, { xs, ys, kinds }, ratio) {
  */
 export function drawCross(chart, context, cross, ratio) {
   const [x, y] = chart.place(...cross);
-  /** @type {[string, number][]} */
-  const strokes = [["#000000", 4], ["#ffffff", 2]];
-  for (const [paint, width] of strokes) {
-    context.strokeStyle = paint;
-    context.lineWidth = width * ratio;
-    context.beginPath();
-    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
-      context.moveTo(x + 4 * dx * ratio, y + 4 * dy * ratio);
-      context.lineTo(x + 13 * dx * ratio, y + 13 * dy * ratio);
-    }
-    context.stroke();
+  const path = new Path2D();
+  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+    path.moveTo(x + 4 * dx * ratio, y + 4 * dy * ratio);
+    path.lineTo(x + 13 * dx * ratio, y + 13 * dy * ratio);
   }
+  outline(context, path, ["#000000", 4 * ratio], ["#ffffff", 2 * ratio]);
 }
 
 /**
@@ -88,21 +76,16 @@ export function drawCross(chart, context, cross, ratio) {
  * @param {string} paint
  */
 function drawMark(context, kind, x, y, size, paint) {
-  context.beginPath();
-  if (kind === 0) context.arc(x, y, size, 0, 2 * Math.PI);
+  const path = new Path2D();
+  if (kind === 0) path.arc(x, y, size, 0, 2 * Math.PI);
   else {
     const corners = kind === 1 ? [[0, -1.2], [1.1, 0.8], [-1.1, 0.8]]
       : [[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]];
     corners.forEach(([dx, dy], i) =>
-      context[i ? "lineTo" : "moveTo"](x + dx * size, y + dy * size));
-    context.closePath();
+      path[i ? "lineTo" : "moveTo"](x + dx * size, y + dy * size));
+    path.closePath();
   }
   context.fillStyle = paint;
-  context.fill();
-  context.strokeStyle = "#ffffff";
-  context.lineWidth = size / 2.6;
-  context.stroke();
-  context.strokeStyle = "#000000";
-  context.lineWidth = size / 6;
-  context.stroke();
+  context.fill(path);
+  outline(context, path, ["#ffffff", size / 2.6], ["#000000", size / 6]);
 }

@@ -22,8 +22,8 @@ export class ClipClock extends Clock {
       this.present(video.currentTime);
       if (this.wanted !== null) this.ask(this.wanted);
     });
-    video.addEventListener("pause", () => this.heed());
-    video.addEventListener("playing", () => this.heed());
+    video.addEventListener("pause", () => this.update());
+    video.addEventListener("playing", () => this.update());
     if ("requestVideoFrameCallback" in video) {
       const next = () => video.requestVideoFrameCallback((_, meta) => {
         this.present(meta.mediaTime + SLACK);
@@ -47,17 +47,17 @@ export class ClipClock extends Clock {
     this.end = times[times.length - 1];
     this.index = Math.min(this.index, times.length - 1);
     this.time = times[this.index];
-    this.tell();
+    this.notify();
   }
 
-  heed() {
+  update() {
     this.playing = !this.video.paused;
-    this.tell();
+    this.notify();
   }
 
   play() {
     this.video.playbackRate = this.rate();
-    void this.video.play().catch(() => this.heed());
+    void this.video.play().catch(() => this.update());
   }
 
   pause() {
@@ -114,6 +114,6 @@ export class ClipClock extends Clock {
     }
     this.index = before(this.media, time);
     this.time = this.times[this.index];
-    this.tell();
+    this.notify();
   }
 }

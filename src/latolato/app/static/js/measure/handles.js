@@ -1,6 +1,7 @@
 /** Handles on a frame: pivot, balls and more, dragged or moved by arrow keys, under a loupe. */
 
 import { el } from "../shared/dom.js";
+import { cross, outline } from "../shared/strokes.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./screen.js").Screen} Screen */
@@ -9,9 +10,8 @@ import { t } from "../strings.js";
 const LOUPE = 128; // CSS pixels
 const ZOOM = 6;
 const FAR = 10;
-/** Light over dark, to be seen on any ground. */
-/** @type {[number, string][]} */
-const INKS = [[3.5, "#14161c"], [1.5, "#ffffff"]];
+// What is drawn is light over dark, to be seen on any ground.
+const [DARK, LIGHT] = ["#14161c", "#ffffff"];
 /** @type {Record<string, [number, number]>} */
 const STEPS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
@@ -151,20 +151,11 @@ export class Handles {
     const scale = video.videoWidth / size.width;
     const span = (LOUPE / ZOOM) * scale;
     context.imageSmoothingEnabled = false;
-    context.fillStyle = "#14161c";
+    context.fillStyle = DARK;
     context.fillRect(0, 0, LOUPE, LOUPE);
     context.drawImage(video, (u + 0.5) * scale - span / 2, (v + 0.5) * scale - span / 2, span, span,
       0, 0, LOUPE, LOUPE);
-    for (const [width, ink] of INKS) {
-      context.lineWidth = width;
-      context.strokeStyle = ink;
-      context.beginPath();
-      context.moveTo(LOUPE / 2, LOUPE / 2 - 14);
-      context.lineTo(LOUPE / 2, LOUPE / 2 + 14);
-      context.moveTo(LOUPE / 2 - 14, LOUPE / 2);
-      context.lineTo(LOUPE / 2 + 14, LOUPE / 2);
-      context.stroke();
-    }
+    outline(context, cross(LOUPE / 2, LOUPE / 2, 14), [DARK, 3.5], [LIGHT, 1.5]);
   }
 
   /** Return the corner of the picture that is farthest from all handles. */
@@ -187,32 +178,28 @@ export class Handles {
     const { pivot, region_1: corner, region_2: other, stick_1: end, stick_2: tip } = this.places;
     const at = (/** @type {Place} */ place) => this.screen.onCanvas(place);
     const ratio = window.devicePixelRatio || 1;
-    for (const [width, ink] of INKS) {
-      context.lineWidth = width * ratio;
-      context.strokeStyle = ink;
-      context.beginPath();
-      for (const name of ["ball_1", "ball_2"]) {
-        const ball = this.places[name];
-        if (!ball) continue;
-        const radius = this.radiusOf(ball) * scale;
-        const { x, y } = at(ball);
-        if (pivot) {
-          context.moveTo(at(pivot).x, at(pivot).y);
-          context.lineTo(x, y);
-        }
-        context.moveTo(x + radius, y);
-        context.arc(x, y, radius, 0, 2 * Math.PI);
+    const path = new Path2D();
+    for (const name of ["ball_1", "ball_2"]) {
+      const ball = this.places[name];
+      if (!ball) continue;
+      const radius = this.radiusOf(ball) * scale;
+      const { x, y } = at(ball);
+      if (pivot) {
+        path.moveTo(at(pivot).x, at(pivot).y);
+        path.lineTo(x, y);
       }
-      if (corner) {
-        const [one, two] = [at(corner), at(other)];
-        context.rect(one.x, one.y, two.x - one.x, two.y - one.y);
-      }
-      if (end) {
-        context.moveTo(at(end).x, at(end).y);
-        context.lineTo(at(tip).x, at(tip).y);
-      }
-      context.stroke();
+      path.moveTo(x + radius, y);
+      path.arc(x, y, radius, 0, 2 * Math.PI);
     }
+    if (corner) {
+      const [one, two] = [at(corner), at(other)];
+      path.rect(one.x, one.y, two.x - one.x, two.y - one.y);
+    }
+    if (end) {
+      path.moveTo(at(end).x, at(end).y);
+      path.lineTo(at(tip).x, at(tip).y);
+    }
+    outline(context, path, [DARK, 3.5 * ratio], [LIGHT, 1.5 * ratio]);
   }
 
   /**

@@ -2,6 +2,7 @@
 
 import { colour, el, fitCanvas } from "../shared/dom.js";
 import { speedMenu } from "../shared/speed.js";
+import { cross, outline } from "../shared/strokes.js";
 import { DEGREE } from "../shared/units.js";
 import { t } from "../strings.js";
 import { ClipClock } from "./clock.js";
@@ -205,9 +206,9 @@ export class Screen {
       const flag = track.flag(clock.index, b);
       const paint = colour(`flag-${flag}`, canvas);
       this.ball(context, hinge, at, radius, paint, DASHES[flag].map((d) => d * ratio));
-      cross(context, at, 3 * ratio, paint, ratio);
+      drawCross(context, at, 3 * ratio, paint, ratio);
     });
-    cross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
+    drawCross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
   }
 
   /**
@@ -224,40 +225,25 @@ export class Screen {
     const ratio = window.devicePixelRatio || 1;
     const away = Math.hypot(at.x - hinge.x, at.y - hinge.y);
     const share = 1 - Math.min(radius / Math.max(away, 1e-9), 1);
-    for (const [width, ink] of /** @type {[number, string][]} */ ([[4, DARK], [2, paint]])) {
-      context.lineWidth = width * ratio;
-      context.strokeStyle = ink;
-      context.setLineDash(width === 2 ? dash : []);
-      context.beginPath();
-      if (Number.isFinite(away)) {
-        context.moveTo(hinge.x, hinge.y);
-        context.lineTo(hinge.x + share * (at.x - hinge.x), hinge.y + share * (at.y - hinge.y));
-      }
-      context.moveTo(at.x + radius, at.y);
-      context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
-      context.stroke();
+    const path = new Path2D();
+    if (Number.isFinite(away)) {
+      path.moveTo(hinge.x, hinge.y);
+      path.lineTo(hinge.x + share * (at.x - hinge.x), hinge.y + share * (at.y - hinge.y));
     }
-    context.setLineDash([]);
+    path.moveTo(at.x + radius, at.y);
+    path.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+    outline(context, path, [DARK, 4 * ratio], [paint, 2 * ratio, dash]);
   }
 }
 
 /**
+ * Draw a cross, light over dark, where there is one.
  * @param {CanvasRenderingContext2D} context
  * @param {{x: number, y: number}} at
  * @param {number} reach
  * @param {string} paint
  * @param {number} ratio
  */
-function cross(context, at, reach, paint, ratio) {
-  if (!Number.isFinite(at.x + at.y)) return;
-  for (const [width, ink] of /** @type {[number, string][]} */ ([[3.5, DARK], [1.5, paint]])) {
-    context.lineWidth = width * ratio;
-    context.strokeStyle = ink;
-    context.beginPath();
-    context.moveTo(at.x - reach, at.y);
-    context.lineTo(at.x + reach, at.y);
-    context.moveTo(at.x, at.y - reach);
-    context.lineTo(at.x, at.y + reach);
-    context.stroke();
-  }
+function drawCross(context, { x, y }, reach, paint, ratio) {
+  if (Number.isFinite(x + y)) outline(context, cross(x, y, reach), [DARK, 3.5 * ratio], [paint, 1.5 * ratio]);
 }

@@ -1,6 +1,7 @@
 /** The angle of a ball that is led, drawn from the vertical and written beside it. */
 
-import { line, place } from "./scale.js";
+import { place } from "./scale.js";
+import { line } from "./strokes.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /**

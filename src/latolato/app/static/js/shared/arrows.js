@@ -3,7 +3,8 @@
 import { t } from "../strings.js";
 import { el } from "./dom.js";
 import { drawsCrank, drawsWheel } from "./mover.js";
-import { line, place } from "./scale.js";
+import { place } from "./scale.js";
+import { line } from "./strokes.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */

@@ -40,13 +40,13 @@ export class Clock {
     this.playing = true;
     this.last = 0;
     this.frame = requestAnimationFrame(this.step);
-    this.tell();
+    this.notify();
   }
 
   pause() {
     this.playing = false;
     cancelAnimationFrame(this.frame);
-    this.tell();
+    this.notify();
   }
 
   toggle() {
@@ -61,7 +61,7 @@ export class Clock {
   seek(time) {
     if (this.lead) return;
     this.time = Math.min(Math.max(time, 0), this.end);
-    this.tell();
+    this.notify();
   }
 
   /** @param {number} now of the browser, in ms */
@@ -69,7 +69,7 @@ export class Clock {
     if (!this.playing) return;
     if (this.lead) {
       this.time = this.lead(now);
-      this.tell();
+      this.notify();
       if (this.playing) this.frame = requestAnimationFrame(this.step);
       return;
     }
@@ -90,7 +90,7 @@ export class Clock {
       }
     }
     this.time = time;
-    this.tell();
+    this.notify();
   }
 
   /** How far what texts show may be behind [s of the run]. */
@@ -98,7 +98,7 @@ export class Clock {
     return this.playing ? (this.speed * READ_EVERY) / 1000 : 0;
   }
 
-  tell() {
+  notify() {
     const now = performance.now();
     this.isRead = !this.playing || now - this.readAt >= READ_EVERY;
     if (this.isRead) this.readAt = now;

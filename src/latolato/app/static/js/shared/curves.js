@@ -9,9 +9,9 @@ import { axisLimits } from "./axis.js";
 import { chartOptions, heightOf } from "./chart.js";
 import { curvesOf } from "./describe.js";
 import { el, freshId, onLook } from "./dom.js";
-import { followPointer, Instant } from "./instant.js";
 import { followKeys } from "./keys.js";
 import { inText } from "./narrator.js";
+import { followPointer, Playhead } from "./playhead.js";
 import { dataOf, resampled } from "./traces.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -60,7 +60,7 @@ export class Curves {
     this.motion = null;
     /** @type {Motion | null} */
     this.pinned = null;
-    /** @type {{plot: any, instant: Instant, curves: Curve[],
+    /** @type {{plot: any, playhead: Playhead, curves: Curve[],
      *   host: HTMLElement, panel: Panel}[]} */
     this.charts = [];
     /** @type {[number, number]} */
@@ -164,10 +164,10 @@ export class Curves {
     const motion = /** @type {Motion} */ (this.motion);
     this.charts = this.panels.map((panel, i) => {
       const label = labelOf(panel, motion);
-      const instant = new Instant(all[i]);
+      const playhead = new Playhead(all[i]);
       const legend = el("ul", { class: "legend" }, ...all[i].map((curve, k) => {
         const key = el("span", { class: `key ${curve.paint}` });
-        return el("li", {}, key, curve.label, " ", instant.values[k]);
+        return el("li", {}, key, curve.label, " ", playhead.values[k]);
       }));
       const host = el("div", {
         class: "chart", tabindex: "0", role: "img", "aria-label": nameOf(label, all[i]),
@@ -180,9 +180,9 @@ export class Curves {
         el("figcaption", {}, el("strong", {}, label), legend), host));
       // Empty: `show` fills one chart after the other.
       const plot = new UPlot(chartOptions(this, panel, all[i]), [[], ...all[i].map(() => [])], host);
-      plot.over.append(instant.head, ...instant.dots);
+      plot.over.append(playhead.line, ...playhead.dots);
       followPointer(plot, this.clock);
-      return { plot, instant, curves: all[i], host, panel };
+      return { plot, playhead, curves: all[i], host, panel };
     });
     this.resize();
   }
@@ -311,7 +311,7 @@ export class Curves {
   /** Put the clock's instant into the charts. */
   place() {
     const held = this.held();
-    for (const { plot, instant, curves } of this.charts) instant.place(plot, curves, this.clock.time, held);
+    for (const { plot, playhead, curves } of this.charts) playhead.place(plot, curves, this.clock.time, held);
   }
 
   /** The same when uPlot has set the scales, which it does at the end of the task. */
@@ -325,8 +325,8 @@ export class Curves {
    */
   read(time) {
     const held = this.held();
-    for (const { instant, curves } of this.charts)
-      if (this.motion) instant.read(this.motion, curves, time, held, this.clock.lag);
+    for (const { playhead, curves } of this.charts)
+      if (this.motion) playhead.read(this.motion, curves, time, held, this.clock.lag);
   }
 
   resize() {

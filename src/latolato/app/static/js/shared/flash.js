@@ -1,6 +1,7 @@
 /** Clacks that are seen: a flash where two balls touch, the larger the faster they met. */
 
-import { line, place } from "./scale.js";
+import { place } from "./scale.js";
+import { line } from "./strokes.js";
 
 /** @typedef {import("./scale.js").Scale} Scale */
 /** @typedef {{x: number, y: number, strength: number, since: number, ring?: number}} Flash */

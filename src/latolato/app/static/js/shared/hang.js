@@ -1,7 +1,8 @@
 /** What a ball hangs on: a rod, a string that is taut, or one that is slack and hangs in an arc. */
 
 import { t } from "../strings.js";
-import { line, place } from "./scale.js";
+import { place } from "./scale.js";
+import { line } from "./strokes.js";
 import { short } from "./units.js";
 
 /** @typedef {import("./scale.js").Scale} Scale */

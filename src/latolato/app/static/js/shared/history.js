@@ -61,7 +61,7 @@ export class AddressStore extends Store {
         this.page.history.pushState({ step: this.step }, "", address);
       }
     }
-    this.tell(changed);
+    this.notify(changed);
   }
 
   /**
@@ -81,7 +81,7 @@ export class AddressStore extends Store {
   amend(part, changed = "extra") {
     this.state = { ...this.state, ...part };
     this.writeLater();
-    this.tell(changed);
+    this.notify(changed);
   }
 
   /** Write the state into the present entry when it has been left alone for a while. */
@@ -110,7 +110,7 @@ export class AddressStore extends Store {
     const state = parse(this.page.location.search);
     if (format(state) === format(this.state)) return;
     this.state = state;
-    this.tell("address");
+    this.notify("address");
   }
 
   /** Whether there is an entry of this page before the present one. */

@@ -1,6 +1,7 @@
 /** What moves the pivot: the way that it goes, a crank, or the wheel that a cosine is made with. */
 
-import { line, place } from "./scale.js";
+import { place } from "./scale.js";
+import { line } from "./strokes.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./scale.js").Scale} Scale */

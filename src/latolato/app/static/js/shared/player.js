@@ -187,7 +187,7 @@ export class Player {
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
     if (!this.clock.isRead) return;
     if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(this.clock.playing ? 1 : 2) }) + slackText(this.motion, time);
-    this.timeline.tell(time);
+    this.timeline.update(time);
   }
 
   destroy() {

@@ -73,18 +73,3 @@ export function between(a, b, share) {
   const mean = (/** @type {keyof Box} */ end) => a[end] + share * (b[end] - a[end]);
   return { left: mean("left"), right: mean("right"), low: mean("low"), high: mean("high") };
 }
-
-/**
- * Draw a straight line.
- * @param {CanvasRenderingContext2D} context
- * @param {number} x0
- * @param {number} y0
- * @param {number} x1
- * @param {number} y1
- */
-export function line(context, x0, y0, x1, y1) {
-  context.beginPath();
-  context.moveTo(x0, y0);
-  context.lineTo(x1, y1);
-  context.stroke();
-}

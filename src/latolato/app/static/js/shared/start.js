@@ -149,7 +149,7 @@ export class Start {
     if (!this.led) return;
     this.led = false;
     this.plays = !this.calm.matches;
-    this.tell();
+    this.update();
   }
 
   /** The actions of the keys that move the balls of the run on show. @returns {Actions} */
@@ -175,7 +175,7 @@ export class Start {
     this.pressed = now;
     this.plays = false;
     this.hold(ball, this.degrees[ball.row] + ball.sign * way * (isSmall ? SMALL_STEP : STEP));
-    this.tell();
+    this.update();
   }
 
   /**
@@ -200,7 +200,7 @@ export class Start {
   }
 
   /** Say what is chosen, and ask for its run. */
-  tell() {
+  update() {
     const angle = this.degrees.join(", ");
     const single = (this.scene.motion?.balls.length ?? 0) < 2;
     this.said.textContent = t(single ? "startsAtOne" : "startsAt", { angle });

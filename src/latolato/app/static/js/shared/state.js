@@ -98,7 +98,7 @@ export class Store {
    */
   set(part, changed = "options") {
     this.state = { ...this.state, ...part };
-    this.tell(changed);
+    this.notify(changed);
   }
 
   /**
@@ -126,7 +126,7 @@ export class Store {
   }
 
   /** @param {string} changed */
-  tell(changed) {
+  notify(changed) {
     // One listener may end another: a view that is left hears of nothing more.
     for (const listener of [...this.listeners])
       if (this.listeners.includes(listener)) listener(this.state, changed);

@@ -122,7 +122,7 @@ export class Timeline {
    * Say where the slider stands.
    * @param {number} time
    */
-  tell(time) {
+  update(time) {
     if (this.motion?.grows) return;
     this.scrub.setAttribute("aria-valuetext", t("instantOf", { time: time.toFixed(2), end: this.clock.end }));
   }

@@ -119,6 +119,8 @@ function range(_, low, high) {
  * @param {number} k number of the series
  */
 function line(u, k) {
+  // uPlot has set round joints, which thin lines do not need and which slow down long ones.
+  u.ctx.lineJoin = "miter";
   const stroke = new Path2D();
   let isOpen = false;
   eachPoint(u, k, (x, y) => {

@@ -69,11 +69,11 @@ export class Challenge {
    * @param {Block | null} block
    * @param {Record<string, string>} extra
    */
-  heed(block, extra) {
+  update(block, extra) {
     const { registry } = this.panel.page;
     const { task } = this.challenge;
     try {
-      if (this.isGuess) this.heedGuess(extra[GUESS]);
+      if (this.isGuess) this.updateGuess(extra[GUESS]);
       else this.score = block ? scoreOfRun(registry, task, block) : NaN;
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
@@ -88,7 +88,7 @@ export class Challenge {
   }
 
   /** @param {string | undefined} guess */
-  heedGuess(guess) {
+  updateGuess(guess) {
     const { registry } = this.panel.page;
     this.score = NaN;
     this.edges.textContent = "";

@@ -223,7 +223,7 @@ export class StoryPanel {
       this.block = whole;
     }
     if (this.block === undefined) return;
-    part?.heed(this.block, store.state.extra);
+    part?.update(this.block, store.state.extra);
     if (this.seen !== part && matchMedia(NARROW).matches) setTimeout(bringUp, LAID_OUT);
     this.seen = part;
   }

@@ -87,7 +87,7 @@ export class Step {
    * @param {Block | null} block null for a run that cannot be computed
    * @param {Record<string, string>} extra
    */
-  heed(block, extra) {
+  update(block, extra) {
     const { registry } = this.panel.page;
     const { schema } = this.panel;
     const { quantity: name, angle } = this.step.number;

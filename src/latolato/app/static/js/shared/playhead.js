@@ -1,6 +1,6 @@
 /**
- * What a chart shows of one instant: a line, the values in the legend, and dots where balls are led;
- * and the pointer that chooses it.
+ * The playhead of a chart: a line at the instant on show, its values in the legend, and dots where
+ * balls are led; and the pointer that moves it.
  */
 
 import { el } from "./dom.js";
@@ -28,10 +28,10 @@ export function isBehind(low, high, period, lag) {
   return lag * fastest > BEHIND * Math.max(-low, high);
 }
 
-export class Instant {
+export class Playhead {
   /** @param {Curve[]} curves of the chart, of any run */
   constructor(curves) {
-    this.head = el("div", { class: "playhead" });
+    this.line = el("div", { class: "playhead" });
     this.values = curves.map(() => el("output", {}));
     this.dots = curves.map(({ paint }) => el("div", { class: `led fill ${paint}`, hidden: true }));
   }
@@ -47,8 +47,8 @@ export class Instant {
     const { min, max } = plot.scales.x;
     const isInside = time >= min && time <= max;
     const across = plot.valToPos(time, "x");
-    this.head.style.visibility = isInside ? "visible" : "hidden";
-    if (isInside) this.head.style.transform = `translateX(${across}px)`;
+    this.line.style.visibility = isInside ? "visible" : "hidden";
+    if (isInside) this.line.style.transform = `translateX(${across}px)`;
     curves.forEach(({ ofPose }, k) => {
       const dot = this.dots[k];
       dot.hidden = !held || !ofPose || !isInside;
