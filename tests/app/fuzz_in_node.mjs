@@ -4,8 +4,8 @@ import { pathToFileURL } from "node:url";
 
 const folder = `${pathToFileURL(process.argv[2])}/js/`;
 const load = (name) => import(folder + name);
-const { format, parse } = await load("shared/state.js");
-const { partText, readable } = await load("shared/reading.js");
+const { format, parse } = await load("page/state.js");
+const { partText, readable } = await load("page/link_parts.js");
 const { specify } = await load("model/case.js");
 const { loadRegistry } = await load("model/registry.js");
 const { InputError } = await load("model/rules.js");

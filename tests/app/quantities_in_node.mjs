@@ -5,7 +5,7 @@ import { pathToFileURL } from "node:url";
 const [site, requests, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
 const [{ toSi }, { InputError, learnRules }, { readEntry }, { shownUnit }, { withControls }] = await Promise.all(
-  ["model/units", "model/rules", "shared/entry", "shared/units", "toy/address"].map(load));
+  ["model/units", "model/rules", "page/entry", "page/unit_text", "toy/held_options"].map(load));
 const { registry, texts, units, controls } = JSON.parse(readFileSync(requests, "utf8"));
 learnRules(registry.rules);
 

@@ -5,8 +5,8 @@ import { pathToFileURL } from "node:url";
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
 const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, loadSchema }, { check }, { quantity, withPeriod }, { runOnShow, shownBy },
-  { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/block",
-  "model/registry", "story/files", "story/check", "story/numbers", "story/look", "story/scores"].map(load));
+  { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/run_block",
+  "model/registry", "story/load", "story/check", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
 const { files, numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
 const plain = (value) => (Number.isFinite(value) ? value : null);

@@ -5,8 +5,8 @@ import { pathToFileURL } from "node:url";
 const [site, requests, answers] = process.argv.slice(2);
 const load = (/** @type {string} */ name) => import(pathToFileURL(`${site}/js/${name}.js`));
 const [{ specify }, { run }, { blockOf }, { loadRegistry }, { Motion }, { logOf }, describe, { inText }] =
-  await Promise.all(["model/case", "model/simulate", "model/block", "model/registry", "shared/motion",
-    "shared/swings", "shared/describe", "shared/narrator"].map(load));
+  await Promise.all(["model/case", "model/simulate", "model/run_block", "model/registry", "player/motion",
+    "player/events", "player/describe", "player/live_region"].map(load));
 const registry = await loadRegistry();
 const results = [];
 for (const { scenario, end, step } of JSON.parse(readFileSync(requests, "utf8"))) {

@@ -426,7 +426,7 @@ def test_a_worker_that_fails_is_started_again_and_the_page_says_so(page):
 
 
 def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
-    page.route("**/model/worker.js", lambda route: route.abort())
+    page.route("**/model/run_worker.js", lambda route: route.abort())
     open_play(page)
     assert page.locator(".message").count() == 0
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
@@ -533,7 +533,7 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
     page.get_by_text("Out, and left").wait_for()
     sides = page.evaluate(
         """async () => {
-          const { ledgerRows } = await import("/js/shared/more.js");
+          const { ledgerRows } = await import("/js/player/more_curves.js");
           const rows = ledgerRows(window.latolato.views.toy.player.motion);
           const sum = (sign) => rows.filter((r) => r.energy * sign > 0)
             .reduce((total, r) => total + r.share, 0);

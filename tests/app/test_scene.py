@@ -61,7 +61,7 @@ def test_nothing_of_the_motion_is_outside_of_the_canvas(page, width):
         open_play(page, f"&scenario={name}")
         reach = page.evaluate(
             """async () => {
-              const { handBox } = await import("/js/shared/fist.js");
+              const { handBox } = await import("/js/player/fist.js");
               const { left, right, high, low } = handBox(1);
               return [-left, right, high, -low];
             }"""
@@ -155,7 +155,7 @@ def test_arrows_say_what_python_computes(page, scenario):
     for index, time in enumerate(samples, start=1):
         arrows = page.evaluate(
             f"""async (time) => {{ {PLAYER}
-              const {{ arrowsAt }} = await import("/js/shared/arrows.js");
+              const {{ arrowsAt }} = await import("/js/player/arrows.js");
               return arrowsAt(motion, time, scene.fastest); }}""",
             time,
         )
@@ -278,7 +278,7 @@ def test_a_tiny_ball_is_large_enough_to_be_seen(page):
 
 
 PICTURE = """async ({ title, width }) => {
-  const { stagePicture, captionOf } = await import("/js/shared/picture.js");
+  const { stagePicture, captionOf } = await import("/js/player/picture.js");
   const { motion, scene } = window.latolato.views.toy.player;
   const drawn = JSON.stringify(scene.drawn);
   const caption = captionOf(motion.about.options);

@@ -22,25 +22,25 @@ QUERIES = {"toy": TOY, "held": TOY, "map": SMALL}
 WATCH = """() => {
   window.said = [];
   const line = document.querySelector(".narration");
-  const { narrator } = window.latolato.views.toy.player.senses;
-  new MutationObserver(() => window.said.push([narrator.saidAt, line.textContent]))
+  const { liveRegion } = window.latolato.views.toy.player.accessibility;
+  new MutationObserver(() => window.said.push([liveRegion.saidAt, line.textContent]))
     .observe(line, { childList: true, characterData: true, subtree: true });
 }"""
 # Listens to a run as the page plays it at 60 pictures a second, for some seconds and then without
 # another picture. Returns both channels.
 LISTEN = """async ({ clacks, tones, speed, playing, length }) => {
-  const [{ Senses }, { Sound }, { logOf }] = await Promise.all(
-    ["senses", "sound", "swings"].map((name) => import(`./js/shared/${name}.js`)));
+  const [{ Accessibility }, { Sound }, { logOf }] = await Promise.all(
+    ["accessibility", "sound", "events"].map((name) => import(`./js/player/${name}.js`)));
   const { motion } = window.latolato.views.toy.player;
   const log = logOf(motion);
   const context = new OfflineAudioContext(2, length * 48000, 48000);
-  const senses = new Senses(document.createElement("canvas"), () => []);
-  senses.sound = Object.assign(new Sound(() => context), { clacks, tones });
-  senses.loudest = 20;
-  senses.narrator.replace({ motion, log: () => log });
+  const accessibility = new Accessibility(document.createElement("canvas"), () => []);
+  accessibility.sound = Object.assign(new Sound(() => context), { clacks, tones });
+  accessibility.loudest = 20;
+  accessibility.liveRegion.replace({ motion, log: () => log });
   for (let k = 0; k / 60 < playing; k += 1)
     context.suspend(k / 60).then(() => {
-      senses.move(context.currentTime * speed, true, speed);
+      accessibility.move(context.currentTime * speed, true, speed);
       context.resume();
     });
   const heard = await context.startRendering();
@@ -257,7 +257,7 @@ def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
     open_view(page, view, TOY)
     sound = page.locator(".stage-tools").get_by_label("Sound", exact=True)
     sound.check()
-    assert page.evaluate("() => window.latolato.views.toy.player.senses.sound.clacks")
+    assert page.evaluate("() => window.latolato.views.toy.player.accessibility.sound.clacks")
     for name in ("Hear the angle", "Describe"):
         assert not page.get_by_label(name).is_visible()
     # A reader hears what is said all the same, and who turned that on sees it.
@@ -358,7 +358,7 @@ def test_a_described_view_is_accessible_also_enlarged(page, view):
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("w")
     assert page.locator(".narration").is_visible()
-    page.evaluate("async () => (await import('./js/shared/dom.js')).tell('A message.')")
+    page.evaluate("async () => (await import('./js/page/dom.js')).tell('A message.')")
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         page.wait_for_timeout(200)

@@ -18,7 +18,7 @@ LOOP = (
 )
 # Where the ball is at all times, and what is written of it.
 SEEN = """async () => {
-  const { slackText } = await import("/js/shared/hang.js");
+  const { slackText } = await import("/js/player/hang.js");
   const { player } = window.latolato.views.toy;
   const seen = [];
   for (let time = 0; time < player.motion.end; time += 0.01) {

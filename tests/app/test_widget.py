@@ -134,7 +134,7 @@ def test_every_module_of_the_program_comes_after_those_that_it_names():
     for path, source in modules():
         assert set(re.findall(r'"latolato:(.+?)"', source)) <= known, path
         known.add(path)
-    assert {"js/notebook.js", "js/model/worker.js", "js/kernels/run.js"} <= known
+    assert {"js/notebook.js", "js/model/run_worker.js", "js/kernels/run.js"} <= known
 
 
 def test_the_program_holds_all_that_it_names():

@@ -12,7 +12,7 @@ __all__ = ["anchor", "browser", "page", "server", "watch"]
 
 STATIC = Path(latolato.app.__file__).parent / "static"
 MODULE = """
-import { el } from "../shared/dom.js";
+import { el } from "../page/dom.js";
 
 export class HelloView {
   constructor(page) {

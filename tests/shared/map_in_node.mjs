@@ -14,7 +14,7 @@ import { learnRules } from "../../src/latolato/app/static/js/model/rules.js";
 import { run } from "../../src/latolato/app/static/js/model/simulate.js";
 import { PageWorker } from "./page_worker.mjs";
 
-const WORKER = new URL("../../src/latolato/app/static/js/map/worker.js", import.meta.url);
+const WORKER = new URL("../../src/latolato/app/static/js/map/map_worker.js", import.meta.url);
 const { plans = [], requests = [], registry, workers, scalar } = JSON.parse(readFileSync(0, "utf8"));
 if (registry) learnRules(registry.rules);
 // As in a browser that lacks vectors.

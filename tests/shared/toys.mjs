@@ -4,7 +4,7 @@ import { join } from "node:path";
 
 import { startKernels } from "../../src/latolato/app/static/js/kernels/load.js";
 import { cosineOf } from "../../src/latolato/app/static/js/toy/drive.js";
-import { columnsTable, contactsTable } from "../../src/latolato/app/static/js/model/files.js";
+import { columnsTable, contactsTable } from "../../src/latolato/app/static/js/model/run_files.js";
 import { specify } from "../../src/latolato/app/static/js/model/case.js";
 import { Toy } from "../../src/latolato/app/static/js/toy/toy.js";
 

@@ -1,6 +1,6 @@
 """Parts of the lines of Python that answer a question or make a map again.
 
-Those of single runs pages write themselves, in `static/js/model/lines.js`.
+Those of single runs pages write themselves, in `static/js/model/run_code.js`.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { axisLimits, logTicks, SINGLE, ticks } from "../../../src/latolato/app/static/js/shared/axis.js";
+import { axisLimits, logTicks, SINGLE, ticks } from "../../../src/latolato/app/static/js/player/axis.js";
 import { Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { lookOf } from "../../../src/latolato/app/static/js/map/colours.js";
-import { range } from "../../../src/latolato/app/static/js/shared/motion.js";
+import { range } from "../../../src/latolato/app/static/js/player/motion.js";
 
 // Sizes from next to nothing to almost too much, of both signs.
 const SIZES = [0, 5e-324, 1e-300, 1e-12, 0.1, 5.739170610488057, 1, 1e9, 1e300, Number.MAX_VALUE]

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import test from "node:test";
 
-import { row, unpack } from "../../../src/latolato/app/static/js/shared/block.js";
+import { row, unpack } from "../../../src/latolato/app/static/js/page/block.js";
 
 const bytes = readFileSync(process.env.LATOLATO_BLOCK);
 const buffer = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);

@@ -3,10 +3,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { ClipClock } from "../../../src/latolato/app/static/js/measure/clock.js";
+import { ClipClock } from "../../../src/latolato/app/static/js/measure/video_clock.js";
 import { clockText } from "../../../src/latolato/app/static/js/measure/setup.js";
 import { Track } from "../../../src/latolato/app/static/js/measure/track.js";
-import { withSigma } from "../../../src/latolato/app/static/js/shared/units.js";
+import { withSigma } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 test("a number is told to the second digit of its deviation", () => {
   assert.equal(withSigma(0.0027411, 1.2e-6), "0.0027411 ± 0.0000012");

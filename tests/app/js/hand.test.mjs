@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { withControls } from "../../../src/latolato/app/static/js/toy/address.js";
-import { GrowingMotion } from "../../../src/latolato/app/static/js/toy/motion.js";
+import { withControls } from "../../../src/latolato/app/static/js/toy/held_options.js";
+import { GrowingMotion } from "../../../src/latolato/app/static/js/toy/growing_motion.js";
 
 const REGISTRY = {
   drives: {

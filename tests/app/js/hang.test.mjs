@@ -2,8 +2,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { sagOf } from "../../../src/latolato/app/static/js/shared/hang.js";
-import { Motion } from "../../../src/latolato/app/static/js/shared/motion.js";
+import { sagOf } from "../../../src/latolato/app/static/js/player/hang.js";
+import { Motion } from "../../../src/latolato/app/static/js/player/motion.js";
 
 /** The length of an arc that hangs this far below its chord, from many short lines. */
 function lengthOf(across, rise, sag) {

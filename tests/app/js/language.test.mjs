@@ -2,9 +2,9 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inLanguage, inPagesWords } from "../../../src/latolato/app/static/js/shared/refusals.js";
-import { sentence } from "../../../src/latolato/app/static/js/shared/reading.js";
-import { firstOf } from "../../../src/latolato/app/static/js/shared/language.js";
+import { inLanguage, inPagesWords } from "../../../src/latolato/app/static/js/page/refusals.js";
+import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
+import { firstOf } from "../../../src/latolato/app/static/js/page/language.js";
 import { setLanguage, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
 const LANGUAGES = { en: { name: "English", beta: false }, id: { name: "Bahasa Indonesia", beta: true } };

@@ -11,7 +11,7 @@ import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { learnRules } from "../../../src/latolato/app/static/js/model/rules.js";
-import { plainSymbol } from "../../../src/latolato/app/static/js/shared/units.js";
+import { plainSymbol } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 // The sentences of Python.
 learnRules(JSON.parse(/** @type {string} */ (process.env.LATOLATO_RULES)));

@@ -4,7 +4,7 @@ import test from "node:test";
 
 import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
 import { MOST_ACCELERATION, ShakenDrive } from "../../../src/latolato/app/static/js/toy/drive.js";
-import { Pace } from "../../../src/latolato/app/static/js/toy/pace.js";
+import { FrameLoop } from "../../../src/latolato/app/static/js/toy/frame_loop.js";
 import { Feed, Pointer, Sensor, Shake } from "../../../src/latolato/app/static/js/toy/shake.js";
 import { Toy } from "../../../src/latolato/app/static/js/toy/toy.js";
 import { t } from "../../../src/latolato/app/static/js/strings.js";
@@ -231,7 +231,7 @@ test("every step of a picture knows its own instant of the page's clock", () => 
     this.time = stop;
     steps.push([stop, wall]);
   } };
-  const pace = new Pace(() => 0);
+  const pace = new FrameLoop(() => 0);
   pace.speed = 0.5;
   pace.move(toy, 1000, () => {});
   pace.move(toy, 1050, () => {});

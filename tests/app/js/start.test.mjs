@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { poseOf } from "../../../src/latolato/app/static/js/shared/motion.js";
+import { poseOf } from "../../../src/latolato/app/static/js/player/motion.js";
 import { anglesOf, limitsOf, rounded, withStart } from
-  "../../../src/latolato/app/static/js/shared/start.js";
+  "../../../src/latolato/app/static/js/player/start.js";
 
 const RADIANS = Math.PI / 180;
 const ball = (name, row, sign) => ({ name, row, sign, length: 1, radius: 0.1, mass: 1 });

@@ -2,13 +2,13 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { newest } from "../../../src/latolato/app/static/js/shared/api.js";
-import { envelope, isDense } from "../../../src/latolato/app/static/js/shared/band.js";
-import { Form } from "../../../src/latolato/app/static/js/shared/form.js";
-import { heldOptions } from "../../../src/latolato/app/static/js/shared/laws.js";
-import { withOptions } from "../../../src/latolato/app/static/js/shared/links.js";
-import { format, parse } from "../../../src/latolato/app/static/js/shared/state.js";
-import { short, symbolParts } from "../../../src/latolato/app/static/js/shared/units.js";
+import { newest } from "../../../src/latolato/app/static/js/page/api.js";
+import { envelope, isDense } from "../../../src/latolato/app/static/js/player/band.js";
+import { Form } from "../../../src/latolato/app/static/js/page/form.js";
+import { heldOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
+import { withOptions } from "../../../src/latolato/app/static/js/page/links.js";
+import { format, parse } from "../../../src/latolato/app/static/js/page/state.js";
+import { short, symbolParts } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 test("an address is read back as it was written", () => {
   const state = {

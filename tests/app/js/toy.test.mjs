@@ -5,8 +5,8 @@ import test from "node:test";
 import { loadKernels, startKernels } from "../../../src/latolato/app/static/js/kernels/load.js";
 import { SHORTEST_CHANGE } from "../../../src/latolato/app/static/js/toy/drive.js";
 import { SAME } from "../../../src/latolato/app/static/js/toy/minute.js";
-import { MOST_BEHIND, Pace } from "../../../src/latolato/app/static/js/toy/pace.js";
-import { GrowingMotion } from "../../../src/latolato/app/static/js/toy/motion.js";
+import { MOST_BEHIND, FrameLoop } from "../../../src/latolato/app/static/js/toy/frame_loop.js";
+import { GrowingMotion } from "../../../src/latolato/app/static/js/toy/growing_motion.js";
 import { Toy } from "../../../src/latolato/app/static/js/toy/toy.js";
 
 const upright = [await startKernels("one"), await startKernels("two")];
@@ -306,7 +306,7 @@ test("a motion that cannot be followed says so", () => {
 /** A pace on a clock that a toy's own moves let pass. */
 function paced(costs) {
   const clock = { now: 0 };
-  const pace = new Pace(() => clock.now);
+  const pace = new FrameLoop(() => clock.now);
   const toy = { time: 0, advance(stop) {
     assert.ok(stop - this.time <= 1 / 60 + 1e-12);
     this.time = stop;

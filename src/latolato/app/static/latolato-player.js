@@ -12,10 +12,10 @@
  */
 
 import { loadRegistry } from "./js/model/registry.js";
-import { Inset } from "./js/shared/inset.js";
-import { firstOf, speak } from "./js/shared/language.js";
-import { inLanguage } from "./js/shared/refusals.js";
-import { withStart } from "./js/shared/start.js";
+import { EmbeddedPlayer } from "./js/player/embedded.js";
+import { firstOf, speak } from "./js/page/language.js";
+import { inLanguage } from "./js/page/refusals.js";
+import { withStart } from "./js/player/start.js";
 import { ENGLISH } from "./js/strings.js";
 
 // Attributes of all elements, which are no options.
@@ -24,7 +24,7 @@ const OF_ELEMENTS = /^(id|class|style|slot|title|lang|dir|hidden|tabindex|role|p
 class LatolatoPlayer extends HTMLElement {
   constructor() {
     super();
-    /** @type {Inset | null} */
+    /** @type {EmbeddedPlayer | null} */
     this.inset = null;
     /** Counts what was asked for: an older run may be shown on the way, but is not announced. */
     this.turn = 0;
@@ -34,7 +34,7 @@ class LatolatoPlayer extends HTMLElement {
   async connectedCallback() {
     await this.speak().catch((error) => console.warn(error));
     if (!this.isConnected || this.inset) return;
-    this.inset = new Inset(this);
+    this.inset = new EmbeddedPlayer(this);
     this.inset.player.start.enable((degrees) => this.startAt(degrees));
     this.observer.observe(this, { attributes: true });
     void this.compute();

@@ -1,17 +1,17 @@
 /** The page: its views, its colours and what they share. */
 
 import { loadRegistry } from "./model/registry.js";
-import { beforePrint, el, tell } from "./shared/dom.js";
-import { keep, recall } from "./shared/habits.js";
-import { AddressStore } from "./shared/history.js";
-import { speakInPage } from "./shared/language.js";
-import { Messages } from "./shared/messages.js";
-import { readable, sayLeft } from "./shared/reading.js";
-import { Share } from "./shared/share.js";
-import { format, isReadable, parse } from "./shared/state.js";
+import { beforePrint, el, tell } from "./page/dom.js";
+import { keep, recall } from "./page/preferences.js";
+import { AddressStore } from "./page/history.js";
+import { speakInPage } from "./page/language.js";
+import { Messages } from "./page/messages.js";
+import { readable, sayLeft } from "./page/link_parts.js";
+import { Share } from "./page/share.js";
+import { format, isReadable, parse } from "./page/state.js";
 import { t } from "./strings.js";
 
-/** @typedef {import("./shared/state.js").Page} Page */
+/** @typedef {import("./page/state.js").Page} Page */
 
 // Every view is a module that is loaded when it is first wanted, and the class that it exports.
 /** @type {Record<string, () => Promise<new (page: Page) => {root: HTMLElement, show(): void,

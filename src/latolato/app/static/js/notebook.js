@@ -1,21 +1,21 @@
 /** The player in a notebook: what anywidget calls. */
 
-import { commandLine, pythonLines } from "./model/lines.js";
+import { commandLine, pythonLines } from "./model/run_code.js";
 import { optionsOf } from "./model/options.js";
 import { loadRegistry } from "./model/registry.js";
-import { unpack } from "./shared/block.js";
-import { codeBlocks } from "./shared/code.js";
-import { el } from "./shared/dom.js";
-import { Inset } from "./shared/inset.js";
-import { Knobs } from "./shared/knobs.js";
-import { speakTable } from "./shared/language.js";
-import { withOptions } from "./shared/links.js";
-import { inPagesWords, warningsText } from "./shared/refusals.js";
-import { withStart } from "./shared/start.js";
+import { unpack } from "./page/block.js";
+import { codeBlocks } from "./page/code.js";
+import { el } from "./page/dom.js";
+import { EmbeddedPlayer } from "./player/embedded.js";
+import { Knobs } from "./page/knobs.js";
+import { speakTable } from "./page/language.js";
+import { withOptions } from "./page/links.js";
+import { inPagesWords, warningsText } from "./page/refusals.js";
+import { withStart } from "./player/start.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./model/registry.js").Registry} Registry */
-/** @typedef {import("./shared/block.js").Block} Block */
+/** @typedef {import("./page/block.js").Block} Block */
 
 // Keys beside letters, digits and signs that the player or its fields use.
 const KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp",
@@ -36,7 +36,7 @@ export function isOwnKey({ key, ctrlKey, metaKey, altKey, shiftKey }) {
 /** Knobs for the run of a cell: the page computes what they ask for. */
 class Controls {
   /**
-   * @param {Inset} inset
+   * @param {EmbeddedPlayer} inset
    * @param {Registry} registry
    * @param {Block} block the run of the cell
    */
@@ -62,7 +62,7 @@ class Controls {
   /** Say what the run on show has. */
   show() {
     const { registry, own } = this;
-    const motion = /** @type {import("./shared/motion.js").Motion} */ (this.inset.player.motion);
+    const motion = /** @type {import("./player/motion.js").Motion} */ (this.inset.player.motion);
     const { options, warnings = [] } = motion.about;
     this.knobs.showRun(motion, own, OWN);
     this.notes.textContent = warningsText(warnings);
@@ -135,7 +135,7 @@ export async function render({ model, el: cell }) {
     host.addEventListener(name, (event) => {
       if (isOwnKey(/** @type {KeyboardEvent} */ (event))) event.stopPropagation();
     });
-  const inset = new Inset(host);
+  const inset = new EmbeddedPlayer(host);
   // Where one sees the balls while a slider moves.
   const below = el("div", { class: "controls" });
   inset.player.more.root.before(below);

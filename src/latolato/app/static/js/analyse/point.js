@@ -1,18 +1,18 @@
 /** The run that a point of a picture stands for: its motion, and the way to Play. */
 
-import { el } from "../shared/dom.js";
-import { openLink } from "../shared/links.js";
-import { Motion } from "../shared/motion.js";
-import { Preview } from "../shared/preview.js";
-import { Runner } from "../shared/runner.js";
+import { el } from "../page/dom.js";
+import { openLink } from "../page/links.js";
+import { Motion } from "../player/motion.js";
+import { Preview } from "../player/preview.js";
+import { Runner } from "../player/runner.js";
 import { t } from "../strings.js";
 
-/** @typedef {{scenario: string | null, options: Record<string, string>}} RunRequest */
+/** @typedef {{scenario: string | null, options: Record<string, string>}} PointRequest */
 
 export class PointRun {
   /**
-   * @param {import("../shared/state.js").Page} page
-   * @param {(request: RunRequest) => void} use called when the questions shall be about this point
+   * @param {import("../page/state.js").Page} page
+   * @param {(request: PointRequest) => void} use called when the questions shall be about this point
    */
   constructor(page, use) {
     this.page = page;
@@ -30,7 +30,7 @@ export class PointRun {
 
   /**
    * Show the run of a point.
-   * @param {RunRequest} request
+   * @param {PointRequest} request
    * @param {string} words what the point stands for
    */
   async show(request, words) {

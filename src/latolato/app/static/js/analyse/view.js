@@ -1,22 +1,22 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
-import { askJson, newest, Offline } from "../shared/api.js";
-import { el, freshId } from "../shared/dom.js";
-import { Form } from "../shared/form.js";
-import { JobLine } from "../shared/jobs.js";
-import { openLink, withOptions } from "../shared/links.js";
-import { presetField } from "../shared/presets.js";
-import { leaveOut } from "../shared/reading.js";
-import { FIRST } from "../shared/state.js";
-import { inWords } from "../shared/words.js";
+import { askJson, newest, Offline } from "../page/api.js";
+import { el, freshId } from "../page/dom.js";
+import { Form } from "../page/form.js";
+import { JobLine } from "../page/jobs.js";
+import { openLink, withOptions } from "../page/links.js";
+import { presetField } from "../page/presets.js";
+import { leaveOut } from "../page/link_parts.js";
+import { FIRST } from "../page/state.js";
+import { inWords } from "../page/words.js";
 import { ENGLISH, t, tr } from "../strings.js";
-import { Answer } from "./answer.js";
-import { AnalysisForm } from "./form.js";
+import { ResultCard } from "./result.js";
+import { ArgumentForm } from "./arguments.js";
 import { PointRun } from "./point.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {{title: string, summary: string, notes: string, reading: string, first: string[],
- *   run: string[], options: Record<string, import("./form.js").Argument>}} Analysis */
+ *   run: string[], options: Record<string, import("./arguments.js").Argument>}} Analysis */
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
@@ -32,13 +32,13 @@ export class AnalyseView {
     this.page = page;
     /** @type {Record<string, Analysis>} */
     this.analyses = {};
-    /** @type {import("./form.js").About | null} */
+    /** @type {import("./arguments.js").About | null} */
     this.about = null;
     this.timer = 0;
     /** What was asked last, to tell whether the result on show is still of what the page says. */
     this.asked = "";
     this.isOpening = false;
-    this.own = new AnalysisForm(page.registry, (changes) => this.keep(changes));
+    this.own = new ArgumentForm(page.registry, (changes) => this.keep(changes));
     this.job = new JobLine();
     this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
@@ -132,7 +132,7 @@ export class AnalyseView {
       this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
       return;
     }
-    const about = /** @type {import("./form.js").About} */ (this.about);
+    const about = /** @type {import("./arguments.js").About} */ (this.about);
     this.presets.show(this.request.scenario);
     this.laws.show(about.options);
     this.of.textContent = t("analysisOf", { title: tr(about.title) || t("presetNone"),
@@ -236,7 +236,7 @@ export class AnalyseView {
       return;
     }
     const { words } = this.own;
-    const answer = new Answer(block, this.analyses[question.analysis], (text) => inWords(text, words), (values, said) =>
+    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words), (values, said) =>
       void this.point.show({ scenario: question.scenario,
         options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values
         ? t("pointSaid", { values: said }) : t("pointSaidStart", { values: said })));

@@ -1,7 +1,7 @@
 /** From the parameters of a drive and a run to the run's beginning, as `latolato.numerics.host_entry`. */
 
 /**
- * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").HeldMemory} HeldMemory
  * @typedef {import("./memory.js").Kernels} Kernels
  *
  * A problem and the values that its rule names.
@@ -43,7 +43,7 @@ export function shakeAll(kernels, kind, parameters, count) {
   const segments = kernels.take("segment", count * room);
   const firsts = kernels.take("i8", count + 1);
   const number = kernels.take("i8", 1);
-  /** @type {Record<string, Held | number>} */
+  /** @type {Record<string, HeldMemory | number>} */
   const values = { segments, number };
   /** @type {[number, Float64Array][]} */
   const columns = [];
@@ -79,7 +79,7 @@ export function shakeAll(kernels, kind, parameters, count) {
  * @param {Kernels} kernels of a module that runs so many balls
  * @param {Record<string, number | number[]>} parameters fields of the record `case` by their paths,
  *   such as `balls.0.mass`; others are zero, an offset, distances and bounds of the drive not given
- * @param {Held} segments of the drive
+ * @param {HeldMemory} segments of the drive
  */
 export function begin(kernels, parameters, segments) {
   const run = kernels.take("run", 1);
@@ -95,7 +95,7 @@ export function begin(kernels, parameters, segments) {
 /**
  * The problem that a record reports, null if there is none.
  * @param {Kernels} kernels
- * @param {Held} records
+ * @param {HeldMemory} records
  * @param {number} index
  * @returns {Reported | null}
  */

@@ -6,33 +6,33 @@ import { drawKicks } from "./noise.js";
 import { runPoints } from "./points.js";
 
 /**
- * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").HeldMemory} HeldMemory
  * @typedef {import("./memory.js").Kernels} Kernels
  *
  * One number for all points, or one for each.
- * @typedef {number | Float64Array} Column
+ * @typedef {number | Float64Array} SweepColumn
  *
  * Points of a map. Nothing is checked against the ranges that parameters have.
- * @typedef {object} Question
+ * @typedef {object} MapPoints
  * @property {number} count of points
  * @property {1 | 2} [angles] of the state, 1 if it is left out
  * @property {boolean} [in_plane] whether any point needs the engine for motions in the plane
- * @property {Record<string, Column>} parameters fields of the record `case` by their paths, such as
+ * @property {Record<string, SweepColumn>} parameters fields of the record `case` by their paths, such as
  *   `balls.0.mass`; others are zero, an offset and bounds of the drive not given. `is_linear`,
  *   `meets` (whether there are walls) and other whole numbers are the same for all points.
- * @property {{kind: string, parameters: Record<string, Column | number[]>}} drive
- * @property {{noise_strength: Column, noise_seed?: Column, noise_stream?: Column,
- *   noise_interval?: Column}} [noise] velocity kicks; without an interval 50 in a natural period
+ * @property {{kind: string, parameters: Record<string, SweepColumn | number[]>}} drive
+ * @property {{noise_strength: SweepColumn, noise_seed?: SweepColumn, noise_stream?: SweepColumn,
+ *   noise_interval?: SweepColumn}} [noise] velocity kicks; without an interval 50 in a natural period
  * @property {"exact" | "clamp"} [contact] the law of contacts, exact if it is left out
  * @property {{name: string, parameters?: Record<string, number>}[]} observables only those that look
  *   at no drive periods take other parameters than the usual ones
  * @property {number} duration [s]
- * @property {Column} [transient] [s], 0 if it is left out
- * @property {Column} [period] of the drive [s], for observables that look at drive periods
+ * @property {SweepColumn} [transient] [s], 0 if it is left out
+ * @property {SweepColumn} [period] of the drive [s], for observables that look at drive periods
  * @property {number} [contact_limit] contacts after which a point is given up
  * @property {Uint8Array} [impossible] 1 for points whose parameters contradict each other
  *
- * @typedef {{about: import("./memory.js").Observable, numbers: number[], first: number}} Observer
+ * @typedef {{about: import("./memory.js").ObservableLayout, numbers: number[], first: number}} Observer
  */
 
 const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping",
@@ -43,15 +43,15 @@ const FLAGS = ["is_linear", "collides", "is_string", "in_lab"];
 // Both balls, and both as one body in sticking contact at the bottom and at the top.
 const BODIES_OF_PAIR = 4;
 
-/** @type {(column: Column, k: number) => number} */
+/** @type {(column: SweepColumn, k: number) => number} */
 const at = (column, k) => (typeof column === "number" ? column : column[k]);
 
-/** @type {(column: Column, holds: (value: number) => boolean) => boolean} */
+/** @type {(column: SweepColumn, holds: (value: number) => boolean) => boolean} */
 const some = (column, holds) => (typeof column === "number" ? holds(column) : column.some(holds));
 
 /**
  * Return the name of the module that computes a map.
- * @param {Pick<Question, "angles" | "in_plane">} question
+ * @param {Pick<MapPoints, "angles" | "in_plane">} question
  */
 export function moduleOf({ angles = 1, in_plane: inPlane = false }) {
   return angles === 1 && !inPlane ? "lanes" : moduleFor(angles, inPlane);
@@ -61,7 +61,7 @@ export function moduleOf({ angles = 1, in_plane: inPlane = false }) {
  * Return the values of all points by variable, point after point and of each point ball after ball,
  * NaN where a point has none, and the points' statuses and problems, numbers of those in the layout.
  * @param {Kernels} kernels of the module that `moduleOf` names
- * @param {Question} question
+ * @param {MapPoints} question
  * @returns {{status: Uint8Array, problems: Uint8Array, values: Record<string, Float64Array>}}
  */
 export function computeMap(kernels, question) {
@@ -72,7 +72,7 @@ export function computeMap(kernels, question) {
  * Return how many steps each point takes at least, NaN where its parameters make no sense, what is
  * wrong with the first, and whether points run in lanes; see `computeMap`.
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  * @returns {{steps: Float64Array, problem: import("./begin.js").Reported | null, in_lanes: boolean}}
  */
 export function countSteps(kernels, question) {
@@ -103,7 +103,7 @@ function cleared(kernels, compute) {
 /**
  * Return points at their beginning.
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  */
 function prepared(kernels, question) {
   const { layout } = kernels;
@@ -145,7 +145,7 @@ function prepared(kernels, question) {
 
 /**
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  */
 function computed(kernels, question) {
   const { layout } = kernels;
@@ -184,7 +184,7 @@ function computed(kernels, question) {
 /**
  * Throw what a question contradicts.
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  */
 function check(kernels, question) {
   const { count, parameters, drive, noise, transient = 0, period = 0 } = question;
@@ -211,7 +211,7 @@ function check(kernels, question) {
 /**
  * Return observables with the numbers of their parameters and their first slots.
  * @param {Kernels} kernels
- * @param {Question["observables"]} names
+ * @param {MapPoints["observables"]} names
  * @param {number} angles
  * @returns {Observer[]}
  */
@@ -257,7 +257,7 @@ function callbacksFor(observers, occasion) {
 /**
  * Return the kicks of all points one after the other, and where those of each begin.
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  * @param {Uint8Array} problems
  */
 function kicksOf(kernels, { count, angles = 1, parameters, noise, duration }, problems) {
@@ -294,9 +294,9 @@ function kicksOf(kernels, { count, angles = 1, parameters, noise, duration }, pr
 /**
  * Write a field of all records of an array.
  * @param {Kernels} kernels
- * @param {Held} records
+ * @param {HeldMemory} records
  * @param {string} path
- * @param {Column} column
+ * @param {SweepColumn} column
  */
 function fill(kernels, records, path, column) {
   const { numbers, step, type } = kernels.column(records, path);
@@ -308,9 +308,9 @@ function fill(kernels, records, path, column) {
 /**
  * Write the instants at which steps must end: the transient's end, marks, the run's end.
  * @param {Kernels} kernels
- * @param {Question} question
+ * @param {MapPoints} question
  * @param {number} marks
- * @param {Held} stops
+ * @param {HeldMemory} stops
  * @param {(k: number, transient: number) => void} refuse called for points whose transient does not end
  *   before the run
  */
@@ -337,7 +337,7 @@ function writeStops(kernels, question, marks, stops, refuse) {
  * Return the numbers of the points without a problem, those of most steps first: the last points
  * then are short ones.
  * @param {Kernels} kernels
- * @param {Held} settings
+ * @param {HeldMemory} settings
  * @param {Uint8Array} problems
  */
 function longestFirst(kernels, settings, problems) {
@@ -354,7 +354,7 @@ function longestFirst(kernels, settings, problems) {
  * Return the variables of all points from their slots.
  * @param {Kernels} kernels
  * @param {Observer[]} observers
- * @param {Held} acc
+ * @param {HeldMemory} acc
  * @param {Uint8Array} status
  * @param {number} angles
  */

@@ -10,12 +10,12 @@
 
 /**
  * An array in a module's memory, row by row. Its type is `f8`, `i8` (64 bits) or a record's name.
- * @typedef {{at: number, type: string, shape: number[]}} Held
+ * @typedef {{at: number, type: string, shape: number[]}} HeldMemory
  * @typedef {{name: string, type: string, dimensions?: number}} Word
  * @typedef {{
- *   records: Record<string, {size: number, fields: Record<string, Held>}>,
+ *   records: Record<string, {size: number, fields: Record<string, HeldMemory>}>,
  *   bundles: Record<string, Word[]>, modules: Record<string, string[]>,
- *   observables: Record<string, Observable>, occasions: string[], shared_needs: string[],
+ *   observables: Record<string, ObservableLayout>, occasions: string[], shared_needs: string[],
  *   sample_rows: Record<string, number>, rows: {upright: Rows, plane: Rows},
  *   string_rows: Record<string, number>, contact_rows: {count: number, radial: number, ball: number},
  *   ball_rows: string[], contact_kinds: string[], statuses: string[], problems: Problem[],
@@ -42,7 +42,7 @@
  * occasion.
  * @typedef {{parameters: Record<string, number>, dimension: string, angles: number,
  *   widths: Record<string, number>, marks: number, slots: number, needs: string[], plain: string[],
- *   joint: boolean, mirrored: boolean, of_strings: boolean, callbacks: Record<string, string>}} Observable
+ *   joint: boolean, mirrored: boolean, of_strings: boolean, callbacks: Record<string, string>}} ObservableLayout
  * @typedef {{kicks: number[], drifts: number[], nodes: number[]}} Weights
  */
 
@@ -106,7 +106,7 @@ export class Kernels {
    * Return a new array of zeros. Views of other arrays are lost if the memory must grow.
    * @param {string} type
    * @param {...number} shape
-   * @returns {Held}
+   * @returns {HeldMemory}
    */
   take(type, ...shape) {
     const { memory } = this.exports;
@@ -131,7 +131,7 @@ export class Kernels {
 
   /**
    * Give an array back, and all that were taken after it.
-   * @param {Held} held
+   * @param {HeldMemory} held
    */
   release(held) {
     this.top = held.at;
@@ -144,7 +144,7 @@ export class Kernels {
 
   /**
    * Return a view of an array of numbers.
-   * @param {Held} held
+   * @param {HeldMemory} held
    * @returns {any}
    */
   numbers({ at, type, shape }) {
@@ -153,7 +153,7 @@ export class Kernels {
 
   /**
    * Return a view of an array's bytes.
-   * @param {Held} held
+   * @param {HeldMemory} held
    */
   bytes({ at, type, shape }) {
     return new Uint8Array(this.exports.memory.buffer, at, count(shape) * this.size(type));
@@ -161,10 +161,10 @@ export class Kernels {
 
   /**
    * Return a field of the record with this number, as an array.
-   * @param {Held} held
+   * @param {HeldMemory} held
    * @param {string} path such as `state.angle`, or `bodies.1.rate` for the second of several
    * @param {number} [index]
-   * @returns {Held}
+   * @returns {HeldMemory}
    */
   field({ at, type }, path, index = 0) {
     const place = { at: at + index * this.size(type), type, shape: [1] };
@@ -186,7 +186,7 @@ export class Kernels {
 
   /**
    * Return a view of a field of all records of an array, and the step from one to the next.
-   * @param {Held} records
+   * @param {HeldMemory} records
    * @param {string} path
    * @returns {{numbers: any, step: number, type: string}}
    */
@@ -199,7 +199,7 @@ export class Kernels {
 
   /**
    * Return a number of a record.
-   * @param {Held} held
+   * @param {HeldMemory} held
    * @param {string} path
    * @param {number} [index]
    */
@@ -209,7 +209,7 @@ export class Kernels {
 
   /**
    * Write numbers into a field of a record.
-   * @param {Held} held
+   * @param {HeldMemory} held
    * @param {string} path
    * @param {...number} values
    */
@@ -220,9 +220,9 @@ export class Kernels {
 
   /**
    * Write the words from which compiled code reads arrays and numbers; see `abi.words_of`.
-   * @param {Held} words
+   * @param {HeldMemory} words
    * @param {string} bundle
-   * @param {Record<string, Held | number>} values by the names that the bundle has in the layout
+   * @param {Record<string, HeldMemory | number>} values by the names that the bundle has in the layout
    */
   fill(words, bundle, values) {
     const integers = new BigInt64Array(this.exports.memory.buffer, words.at);
@@ -270,7 +270,7 @@ export class Kernels {
    * Call a kernel with the words of a bundle.
    * @param {string} kernel
    * @param {string} bundle
-   * @param {Record<string, Held | number>} values
+   * @param {Record<string, HeldMemory | number>} values
    */
   call(kernel, bundle, values) {
     const words = this.words(bundle);
@@ -282,7 +282,7 @@ export class Kernels {
   /**
    * Return the table of what observables are shown; see `kernels.callback_table`.
    * @param {[number, string][][]} occasions for each occasion pairs of first slot and kernel
-   * @returns {Held}
+   * @returns {HeldMemory}
    */
   callbacks(occasions) {
     /** @type {number[]} */

@@ -1,15 +1,15 @@
 /** Points of a map in lanes or one by one, as `latolato.sweeps.batches`. */
 
 /**
- * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").HeldMemory} HeldMemory
  * @typedef {import("./memory.js").Kernels} Kernels
  */
 
 /**
  * Points of a map: what they are by the names of `many.Points`, with which of them run and in which
  * order; where their progress goes, by those of `many.Progress`; the stepper's weights.
- * @typedef {{order: Held, points: Record<string, Held | number>, progress: Record<string, Held>,
- *   stepper: {kicks: Held, drifts: Held, nodes: Held}, slots: number, is_linear: boolean,
+ * @typedef {{order: HeldMemory, points: Record<string, HeldMemory | number>, progress: Record<string, HeldMemory>,
+ *   stepper: {kicks: HeldMemory, drifts: HeldMemory, nodes: HeldMemory}, slots: number, is_linear: boolean,
  *   engine?: "engine" | "clamp"}} Points
  */
 
@@ -85,7 +85,7 @@ function laneSpace(kernels, stages, slots, is_linear, { walled, shown, needs }) 
 /**
  * Return values with their names behind that of a tuple.
  * @param {string} tuple
- * @param {Record<string, Held | number>} values
+ * @param {Record<string, HeldMemory | number>} values
  */
 function named(tuple, values) {
   return Object.fromEntries(Object.entries(values).map(([name, value]) => [`${tuple}.${name}`, value]));

@@ -3,22 +3,22 @@
 import { WORD } from "./memory.js";
 
 /**
- * @typedef {import("./memory.js").Held} Held
+ * @typedef {import("./memory.js").HeldMemory} HeldMemory
  * @typedef {import("./memory.js").Kernels} Kernels
  */
 
 /**
  * A run at its beginning: the record with its state, settings, bodies and stepper, the drive's
  * segments, kicks, and the instants of the samples; see `begin` and `loop.Timetable`.
- * @typedef {{run: Held, segments: Held, kick_times: Held, kick_sizes: Held,
- *   times: Held}} Prepared
+ * @typedef {{run: HeldMemory, segments: HeldMemory, kick_times: HeldMemory, kick_sizes: HeldMemory,
+ *   times: HeldMemory}} Prepared
  *
  * What came of it. Rows of samples are those of the layout, behind angle and velocity of two balls;
  * kinds of contacts are numbers of those in the layout, their values the velocities before and
  * after, of all balls, and behind them what the layout's rows of contacts say. A motion that is not
  * described is outside the model.
  * @typedef {{status: "complete" | "failed" | "stopped", isOutsideModel: boolean, reached: number,
- *   samples: Held, contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} Run
+ *   samples: HeldMemory, contacts: {times: Float64Array, kinds: Float64Array, values: Float64Array[]}}} KernelRun
  */
 
 // Of the table of contacts: what it has room for at first and at most. An event may need some more.
@@ -33,7 +33,7 @@ const PER_BALL = 2;
  * @param {Prepared} prepared
  * @param {{balls: number, duration: number, contact_limit: number, engine?: string}} how
  *   `engine` is `engine` or `clamp`
- * @returns {Run}
+ * @returns {KernelRun}
  */
 export function integrate(kernels, prepared, { balls, duration, contact_limit, engine = "engine" }) {
   const { layout } = kernels;
@@ -49,7 +49,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
   let room = ROOM;
   let reached = -1;
   const isOutsideModel = () => kernels.get(run, "state.is_outside_model") !== 0;
-  /** @type {(status: Run["status"]) => Run} */
+  /** @type {(status: KernelRun["status"]) => KernelRun} */
   const ended = (status) => {
     const [instants, kinds, ...values] = parts.map(joined);
     return { status, isOutsideModel: isOutsideModel(), reached: Math.min(reached, duration), samples,
@@ -112,7 +112,7 @@ function joined(parts) {
 /**
  * Return the time that a run has reached [s].
  * @param {Kernels} kernels
- * @param {Held} run
+ * @param {HeldMemory} run
  */
 export function time(kernels, run) {
   const steps = kernels.get(run, "state.steps");
@@ -122,7 +122,7 @@ export function time(kernels, run) {
 /**
  * Make NaN of the samples from the first on that is out of range, and return its place or -1.
  * @param {Kernels} kernels
- * @param {Held} samples
+ * @param {HeldMemory} samples
  * @param {number} balls
  */
 function forget(kernels, samples, balls) {
@@ -143,10 +143,10 @@ function forget(kernels, samples, balls) {
  * those of the layout. See `derived.Observation`.
  * @param {Kernels} kernels
  * @param {Prepared} prepared
- * @param {Held} samples
- * @param {{balls: Held, gravity: number, is_linear?: boolean, in_lab?: boolean,
+ * @param {HeldMemory} samples
+ * @param {{balls: HeldMemory, gravity: number, is_linear?: boolean, in_lab?: boolean,
  *   with_lab: boolean}} how
- * @returns {{pivot: Held, out: Held}}
+ * @returns {{pivot: HeldMemory, out: HeldMemory}}
  */
 export function observe(kernels, prepared, samples, how) {
   const { times, segments } = prepared;

@@ -1,12 +1,12 @@
 /** What a computed map is of, as its picture, its readout and its files say it, and its runs. */
 
 import { variedBy } from "./choices.js";
-import { sweepCommand, sweepLines } from "./lines.js";
+import { sweepCommand, sweepLines } from "./map_code.js";
 import { variablesOf } from "./plan.js";
 import { edgesOf } from "./question.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("./question.js").Question} Question */
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
 /** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {Record<string, any>} Options */
@@ -15,7 +15,7 @@ const SIDES = ["right", "left"];
 
 /**
  * The beginning of a map: its description, and the middles and borders of its cells.
- * @param {Question} question
+ * @param {MapQuestion} question
  * @returns {import("./grid.js").Begin}
  */
 export function beginOf(question) {
@@ -37,7 +37,7 @@ export function beginOf(question) {
 
 /**
  * The choices of a map's form, and what is chosen.
- * @param {Question} question
+ * @param {MapQuestion} question
  */
 export function choicesOf({ registry, options, choices, x, y, shown, duration, transient }) {
   return { axes: variedBy(registry, options).map((name) => ({ name, ...registry.axes[name] })),
@@ -48,7 +48,7 @@ export function choicesOf({ registry, options, choices, x, y, shown, duration, t
 
 /**
  * Return how an axis is shown.
- * @param {Question} question
+ * @param {MapQuestion} question
  * @param {import("./choices.js").Span} span
  * @returns {Axis & {log: boolean}}
  */
@@ -59,8 +59,8 @@ function axisOf({ registry }, { name, log }) {
 
 /**
  * Return how a variable is shown.
- * @param {Question} question
- * @param {import("./plan.js").Variable} variable
+ * @param {MapQuestion} question
+ * @param {import("./plan.js").PlanVariable} variable
  * @returns {import("./grid.js").Variable}
  */
 function variableOf({ registry, layout, options, watched }, { name, ball }) {
@@ -107,7 +107,7 @@ export function optionsAt(registry, options, values) {
 
 /**
  * Return the options of the run of a cell.
- * @param {Question} question
+ * @param {MapQuestion} question
  * @param {number} cell
  */
 export function optionsOfCell({ registry, options, plan, duration }, cell) {

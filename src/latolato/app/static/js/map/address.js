@@ -1,11 +1,11 @@
 /** How an address describes a map: what it asks for, its axes, and the parts that cannot be read. */
 
-import { openState } from "../shared/links.js";
-import { FIRST } from "../shared/state.js";
+import { openState } from "../page/links.js";
+import { FIRST } from "../page/state.js";
 import { SCALES } from "./colours.js";
 
-/** @typedef {import("../shared/state.js").State} State */
-/** @typedef {{scenario: string | null, stored: string | null}} Source */
+/** @typedef {import("../page/state.js").State} State */
+/** @typedef {{scenario: string | null, stored: string | null}} MapSource */
 /** @typedef {"x" | "y"} Which */
 /** @typedef {{extra: Record<string, string>, shown: any}} Axes the address, and what is on show */
 
@@ -28,7 +28,7 @@ const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored",
  * The source of a map's parameters: a stored map, a shipped sweep, or the page.
  * @param {any} registry
  * @param {State} state
- * @returns {Source}
+ * @returns {MapSource}
  */
 export function sourceOf(registry, state) {
   const stored = state.extra["map.stored"] ?? null;
@@ -103,7 +103,7 @@ export function sameBut(request) {
 
 /**
  * Open a run of a map in Play; the way back leads to the same map.
- * @param {import("../shared/state.js").Page} page
+ * @param {import("../page/state.js").Page} page
  * @param {Record<string, string>} options
  */
 export function openInPlay(page, options) {

@@ -1,8 +1,8 @@
 /** The axes of a map and of its colour bar: frame, numbers and names with units. */
 
-import { logTicks, ticks } from "../shared/axis.js";
-import { colour } from "../shared/dom.js";
-import { plainSymbol, localShort, shownUnit } from "../shared/units.js";
+import { logTicks, ticks } from "../player/axis.js";
+import { colour } from "../page/dom.js";
+import { plainSymbol, localShort, shownUnit } from "../page/unit_text.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */

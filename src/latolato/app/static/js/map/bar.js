@@ -1,6 +1,6 @@
 /** The colour bar of a map, with its numbers. */
 
-import { fitCanvas } from "../shared/dom.js";
+import { fitCanvas } from "../page/dom.js";
 import { drawTicks } from "./axes.js";
 import { colourTable } from "./colours.js";
 

@@ -1,8 +1,8 @@
 /** The picture of a map: cells, axes, curves, trials, the cross, and what the hand does on it. */
 
-import { axisLimits } from "../shared/axis.js";
-import { colour, fitCanvas } from "../shared/dom.js";
-import { outline } from "../shared/strokes.js";
+import { axisLimits } from "../player/axis.js";
+import { colour, fitCanvas } from "../page/dom.js";
+import { outline } from "../player/strokes.js";
 import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
@@ -11,10 +11,10 @@ import { drawCross, drawLine, drawTrials } from "./marks.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{variable: number, scale: string, log: boolean, limits: [number, number]}} Look */
-/** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, dashed: boolean}} Line */
+/** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, dashed: boolean}} ChartLine */
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, kinds: ArrayLike<number>}} Trials */
 /** @typedef {import("./contours.js").Contour} Contour */
-/** @typedef {[number, number, number, number]} Box x from, x to, y from, y to */
+/** @typedef {[number, number, number, number]} ChartBox x from, x to, y from, y to */
 
 const LEFT = MARGIN;
 const BELOW = 40;
@@ -31,7 +31,7 @@ export class MapChart {
     this.grid = null;
     /** @type {Look} */
     this.look = { variable: 0, scale: "viridis", log: false, limits: [0, 1] };
-    /** @type {Line[]} */
+    /** @type {ChartLine[]} */
     this.lines = [];
     /** @type {Contour[]} */
     this.contours = [];
@@ -39,7 +39,7 @@ export class MapChart {
     this.trials = null;
     /** @type {[number, number] | null} values at the cross */
     this.cross = null;
-    /** @type {Box | null} */
+    /** @type {ChartBox | null} */
     this.band = null;
     this.shift = [0, 0];
     /** Whether this is the picture of an older question. */

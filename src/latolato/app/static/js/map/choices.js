@@ -2,7 +2,7 @@
 
 import { checkStrings } from "../model/case.js";
 import { brokenRule, general, InputError, unknown } from "../model/rules.js";
-import { endsText } from "../shared/refusals.js";
+import { endsText } from "../page/refusals.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */

@@ -1,6 +1,6 @@
 /** Colours of maps, fit for colour-blind eyes and grey print, and which values they stand for. */
 
-import { axisLimits } from "../shared/axis.js";
+import { axisLimits } from "../player/axis.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./chart.js").Look} Look */

@@ -1,11 +1,11 @@
 /** Contour lines over a map, with their values on them. */
 
-import { before } from "../shared/motion.js";
-import { outline } from "../shared/strokes.js";
+import { before } from "../player/motion.js";
+import { outline } from "../player/strokes.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */
-/** @typedef {{x: number, y: number, angle: number}} Place */
+/** @typedef {{x: number, y: number, angle: number}} ContourPlace */
 
 const INK = "#14171d";
 const HALO = "#ffffff";
@@ -64,7 +64,7 @@ function drawValues(chart, context, lines, ratio) {
   context.font = `600 ${FONT * ratio}px system-ui, sans-serif`;
   context.textAlign = "center";
   context.textBaseline = "middle";
-  /** @type {(Place & {half: number})[]} */
+  /** @type {(ContourPlace & {half: number})[]} */
   const taken = [];
   const { left, top, width, height } = chart.frame();
   const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
@@ -77,9 +77,9 @@ function drawValues(chart, context, lines, ratio) {
     const room = context.measureText(text).width;
     if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && written.has(text))) continue;
     const half = 0.5 * room + 5 * ratio;
-    const inside = (/** @type {Place} */ p) => p.x > left + half && p.x < left + width - half
+    const inside = (/** @type {ContourPlace} */ p) => p.x > left + half && p.x < left + width - half
       && p.y > top + half && p.y < top + height - half;
-    const apart = (/** @type {Place} */ p) =>
+    const apart = (/** @type {ContourPlace} */ p) =>
       taken.every((o) => Math.hypot(o.x - p.x, o.y - p.y) > half + o.half);
     const place = PLACES.map((share) => level ? levelAt(points, along, share)
       : placeAt(points, along, share, room)).find((p) => p && inside(p) && apart(p));
@@ -117,7 +117,7 @@ function lengths(points) {
  * @param {Float64Array} along
  * @param {number} share
  * @param {number} room
- * @returns {Place | null}
+ * @returns {ContourPlace | null}
  */
 export function placeAt(points, along, share, room) {
   const total = along[along.length - 1];
@@ -138,7 +138,7 @@ export function placeAt(points, along, share, room) {
  * @param {Float64Array} points
  * @param {Float64Array} along
  * @param {number} share
- * @returns {Place}
+ * @returns {ContourPlace}
  */
 function levelAt(points, along, share) {
   const [x, y] = pointAt(points, along, share * along[along.length - 1]);

@@ -1,15 +1,15 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el } from "../shared/dom.js";
-import { stopped } from "../shared/reading.js";
-import { plainSymbol } from "../shared/units.js";
+import { el } from "../page/dom.js";
+import { stopped } from "../page/link_parts.js";
+import { plainSymbol } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { ended, firstStride, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
 import { SCALES } from "./colours.js";
 import { choice, QuantityField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
 
-/** @typedef {import("../shared/state.js").Store} Store */
+/** @typedef {import("../page/state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
 
 const SIZES = [25, 50, 100, 200, 400];

@@ -1,11 +1,11 @@
 /** The cross on a map: where it is, what is known there, and the run of its point. */
 
-import { el } from "../shared/dom.js";
-import { textsOf } from "../shared/links.js";
-import { Motion } from "../shared/motion.js";
-import { Preview } from "../shared/preview.js";
-import { inPagesWords } from "../shared/refusals.js";
-import { Runner } from "../shared/runner.js";
+import { el } from "../page/dom.js";
+import { textsOf } from "../page/links.js";
+import { Motion } from "../player/motion.js";
+import { Preview } from "../player/preview.js";
+import { inPagesWords } from "../page/refusals.js";
+import { Runner } from "../player/runner.js";
 import { t } from "../strings.js";
 import { cellText, withName } from "./tell.js";
 

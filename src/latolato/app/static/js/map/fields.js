@@ -1,8 +1,8 @@
 /** Small fields of the Map view: a number with its unit, a choice, a switch. */
 
-import { el, freshId } from "../shared/dom.js";
-import { readEntry } from "../shared/entry.js";
-import { localShort, shownUnit } from "../shared/units.js";
+import { el, freshId } from "../page/dom.js";
+import { readEntry } from "../page/entry.js";
+import { localShort, shownUnit } from "../page/unit_text.js";
 
 /** @typedef {{unit: string, units: {name: string, size: number}[]}} Shown the SI unit and those on show */
 

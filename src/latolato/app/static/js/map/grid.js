@@ -1,7 +1,7 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
-import { axisLimits, SINGLE } from "../shared/axis.js";
-import { before } from "../shared/motion.js";
+import { axisLimits, SINGLE } from "../player/axis.js";
+import { before } from "../player/motion.js";
 
 /**
  * What a map begins with: what it is of, and the middles and borders of its cells. Of `about`,

@@ -4,14 +4,14 @@ import { problemOf } from "../kernels/begin.js";
 import { loadLayout } from "../kernels/load.js";
 import { specify } from "../model/case.js";
 import { InputError, refusal } from "../model/rules.js";
-import { doJob } from "../shared/jobs.js";
+import { doJob } from "../page/jobs.js";
 import { beginOf, choicesOf, optionsAt, optionsOfCell } from "./about.js";
 import { questionOf } from "./question.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./pool.js").Pool} Pool */
 /** @typedef {import("./pool.js").Progress} Progress */
-/** @typedef {import("./question.js").Question} Question */
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
 /**
  * What becomes of a map: what it may be made of, what it is of, its cells as they come, and its end
@@ -21,7 +21,7 @@ import { questionOf } from "./question.js";
  *   begin: (begin: import("./grid.js").Begin) => void, asks: (minutes: number) => void,
  *   cells: (cells: import("./grid.js").Cells, progress: Progress) => void,
  *   restarted: (message: string) => void, done: (progress: Progress) => void,
- *   refused: (error: Error) => void}} Listener
+ *   refused: (error: Error) => void}} JobListener
  */
 
 // A map that takes longer asks first.
@@ -34,9 +34,9 @@ export class PageJob {
   /**
    * @param {Registry} registry
    * @param {Pool} pool
-   * @param {import("./question.js").Request} request
+   * @param {import("./question.js").MapRequest} request
    * @param {boolean} agreed whether it may take long
-   * @param {Listener} listener
+   * @param {JobListener} listener
    */
   constructor(registry, pool, request, agreed, listener) {
     this.registry = registry;
@@ -49,7 +49,7 @@ export class PageJob {
     /** How many points are computed, of how many. */
     this.count = Math.ceil(width / stride) * Math.ceil(height / stride);
     this.all = width * height;
-    /** @type {Question | null} */
+    /** @type {MapQuestion | null} */
     this.question = null;
     void this.prepare().catch((error) => this.refuse(error));
   }
@@ -75,7 +75,7 @@ export class PageJob {
   /** Begin to compute. */
   start() {
     const { listener } = this;
-    const { plan } = /** @type {Question} */ (this.question);
+    const { plan } = /** @type {MapQuestion} */ (this.question);
     this.agreed = true;
     void this.pool.start(plan, {
       onCells: listener.cells, onRestart: listener.restarted,
@@ -100,7 +100,7 @@ export class PageJob {
 
 /**
  * Throw what is wrong with the first point of a map, as Python says it of its run.
- * @param {Question} question
+ * @param {MapQuestion} question
  * @param {import("../kernels/begin.js").Reported} problem
  */
 async function refusePoint(question, problem) {
@@ -114,7 +114,7 @@ export class StoredJob {
   /**
    * @param {Registry} registry
    * @param {Record<string, any>} request
-   * @param {Listener} listener
+   * @param {JobListener} listener
    */
   constructor(registry, request, listener) {
     this.registry = registry;

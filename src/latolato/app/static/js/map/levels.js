@@ -4,7 +4,7 @@ import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
-/** @typedef {{xs: Float64Array, ys: Float64Array}} Line */
+/** @typedef {{xs: Float64Array, ys: Float64Array}} ContourLine */
 
 /** So many levels are drawn at a time. */
 export const MOST_LEVELS = 20;
@@ -71,7 +71,7 @@ function powers(first, last) {
  * @param {Grid} grid
  * @param {number} variable its place
  * @param {number[]} levels
- * @returns {{lines: (Line & {level: number})[], tiny: number}}
+ * @returns {{lines: (ContourLine & {level: number})[], tiny: number}}
  */
 export function linesOf(grid, variable, levels) {
   const stride = completeStride(grid);
@@ -138,7 +138,7 @@ function valueAt(values, place, log) {
  * @param {ArrayLike<number>} values row by row
  * @param {number} width
  * @param {number} level
- * @returns {Line[]}
+ * @returns {ContourLine[]}
  */
 export function linesAt(values, width, level) {
   const above = new Uint8Array(values.length);
@@ -221,7 +221,7 @@ class Crossings {
 
   /**
    * Return the lines; a ring ends where it begins.
-   * @returns {Line[]}
+   * @returns {ContourLine[]}
    */
   lines() {
     const { xs, ys, joined } = this;

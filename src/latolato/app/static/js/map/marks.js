@@ -1,10 +1,10 @@
 /** What lies over the cells of a map: curves, trials and the cross. */
 
-import { colour } from "../shared/dom.js";
-import { outline } from "../shared/strokes.js";
+import { colour } from "../page/dom.js";
+import { outline } from "../player/strokes.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
-/** @typedef {import("./chart.js").Line} Line */
+/** @typedef {import("./chart.js").ChartLine} ChartLine */
 /** @typedef {import("./chart.js").Trials} Trials */
 
 const MARK = 5.5;
@@ -13,7 +13,7 @@ const MARK = 5.5;
  * Draw a curve that shows on dark and on light cells.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
- * @param {Line} line
+ * @param {ChartLine} line
  * @param {number} ratio
  */
 export function drawLine(chart, context, { xs, ys, dashed }, ratio) {

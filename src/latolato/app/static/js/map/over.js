@@ -1,7 +1,7 @@
 /** What is drawn over a map: curves of theory, trials, contour lines. */
 
 import { InputError } from "../model/rules.js";
-import { inPagesWords } from "../shared/refusals.js";
+import { inPagesWords } from "../page/refusals.js";
 import { lookOf } from "./colours.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { OF_COLOURS } from "./overcontrols.js";
@@ -14,7 +14,7 @@ import { t } from "../strings.js";
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
 /** @typedef {import("./theory.js").NamedLine} NamedLine */
-/** @typedef {{variable: number, levels: number[] | null, log: boolean}} Question place of the
+/** @typedef {{variable: number, levels: number[] | null, log: boolean}} OverlayQuestion place of the
  *   variable, levels or null for round ones, whether these follow a logarithmic scale */
 /** @typedef {{levels: number[], lines: number, tiny: number}} Drawn levels, their lines, and how many
  *   are left out because they are tiny */
@@ -108,7 +108,7 @@ export class Over {
 
   /**
    * The variable and levels of the contour lines, null for none.
-   * @returns {Question | null}
+   * @returns {OverlayQuestion | null}
    */
   question() {
     const { grid, page } = this.view;
@@ -124,7 +124,7 @@ export class Over {
 /**
  * Return the contour lines of a map.
  * @param {Grid} grid
- * @param {Question} question
+ * @param {OverlayQuestion} question
  * @returns {Drawn & {contours: Contour[]}}
  */
 function contoursOf(grid, { variable, levels, log }) {

@@ -1,9 +1,9 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, trials. */
 
 import { splitQuantity } from "../model/units.js";
-import { el, freshId } from "../shared/dom.js";
-import { readQuantity, withPoints } from "../shared/entry.js";
-import { short, shownUnit } from "../shared/units.js";
+import { el, freshId } from "../page/dom.js";
+import { readQuantity, withPoints } from "../page/entry.js";
+import { short, shownUnit } from "../page/unit_text.js";
 import { localList, t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
 import { choice, problemOf, tick } from "./fields.js";

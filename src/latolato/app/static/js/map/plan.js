@@ -2,8 +2,8 @@
 
 /**
  * @typedef {import("../kernels/memory.js").Layout} Layout
- * @typedef {import("../kernels/map.js").Question} Question
- * @typedef {{name: string, values: ArrayLike<number>}} Axis
+ * @typedef {import("../kernels/map.js").MapPoints} MapPoints
+ * @typedef {{name: string, values: ArrayLike<number>}} PlanAxis
  *
  * A map [SI]: cells are numbered row by row, x first. Nothing is checked against the ranges that
  * parameters have.
@@ -15,20 +15,20 @@
  *   the noise by the names that axes of sweeps have, such as `length`, `left_mass`,
  *   `initial_angle_right` or `frequency_ratio`; `tolerance`, `rest_speed`, `meets` and other fields
  *   of the record `case`
- * @property {Axis} x
- * @property {Axis} y
- * @property {Question["observables"]} observables
+ * @property {PlanAxis} x
+ * @property {PlanAxis} y
+ * @property {MapPoints["observables"]} observables
  * @property {number} duration [s]
  * @property {number} [transient] [s]
  * @property {number} [transient_periods] of the drive, of the swing without a drive; on top of it
- * @property {Question["contact"]} [contact]
+ * @property {MapPoints["contact"]} [contact]
  * @property {number} [contact_limit]
  *
  * What a picture shows of each point: one number, of a ball where each has its own.
- * @typedef {{name: string, ball: 0 | 1 | null}} Variable
+ * @typedef {{name: string, ball: 0 | 1 | null}} PlanVariable
  */
 
-/** @typedef {number | Float64Array} Column */
+/** @typedef {number | Float64Array} PlanColumn */
 
 // The coarsest picture has about so many cells along its longer side.
 const COARSEST = 12;
@@ -71,7 +71,7 @@ export function inOrder(width, height) {
  * @param {Layout} layout
  * @param {Plan} plan
  * @param {ArrayLike<number>} cells
- * @returns {Question}
+ * @returns {MapPoints}
  */
 export function pointsOf(layout, plan, cells) {
   const { angles = 1, in_plane, drive, x, y, observables, duration, contact, contact_limit } = plan;
@@ -123,7 +123,7 @@ function columnsOf({ angles = 1, parameters, x, y }, cells) {
   columns[y.name] = Float64Array.from(cells, (cell) => y.values[Math.floor(cell / width)]);
   const { gravity, [angles === 1 ? "length" : "right_length"]: length } = columns;
   const { frequency_ratio, amplitude_ratio, drive_acceleration_ratio, ...others } = columns;
-  /** @type {(names: Column[], formula: (...numbers: number[]) => number) => Column} */
+  /** @type {(names: PlanColumn[], formula: (...numbers: number[]) => number) => PlanColumn} */
   const made = (from, formula) => each(cells.length, from, formula);
   if (frequency_ratio !== undefined) {
     others.drive_frequency = made([frequency_ratio, gravity, length],
@@ -164,9 +164,9 @@ function impossibleOf({ largest, drives }, { drive }, columns, count) {
 /**
  * Return a number made of others, for all cells or one for each.
  * @param {number} count
- * @param {Column[]} columns
+ * @param {PlanColumn[]} columns
  * @param {(...numbers: number[]) => number} formula
- * @returns {Column}
+ * @returns {PlanColumn}
  */
 function each(count, columns, formula) {
   if (columns.every((column) => typeof column === "number")) return formula(...columns);
@@ -196,13 +196,13 @@ function pathOf({ records }, name, angles) {
  * The variables that pictures of a map may show: of exponents the first, of samples none.
  * @param {Layout} layout
  * @param {Pick<Plan, "observables" | "angles">} plan
- * @returns {Variable[]}
+ * @returns {PlanVariable[]}
  */
 export function variablesOf(layout, { observables, angles = 1 }) {
   return observables.flatMap(({ name }) => {
     const { dimension, plain, joint, widths } = layout.observables[name];
     const names = Object.keys(widths).filter((each) => dimension !== "sample" || plain.includes(each));
-    /** @type {Variable["ball"][]} */
+    /** @type {PlanVariable["ball"][]} */
     const balls = angles === 1 || joint ? [null] : [0, 1];
     return names.flatMap((each) => balls.map((ball) => ({ name: each, ball })));
   });

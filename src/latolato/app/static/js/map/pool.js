@@ -14,7 +14,7 @@ import { t } from "../strings.js";
  * What becomes of a map: cells as they come, row after row of `variablesOf`, those first that other
  * maps have had; then its end, or what is wrong with it. A worker that dies is replaced, and
  * computes its cells again.
- * @typedef {object} Listener
+ * @typedef {object} PoolListener
  * @property {(cells: {cell: Int32Array, stride: Uint8Array, status: Uint8Array,
  *   values: Float64Array[]}, progress: Progress) => void} onCells
  * @property {(progress: Progress) => void} onDone
@@ -42,13 +42,13 @@ const USUAL_STEP = { lanes: 1.5e-7, single: 5e-7 };
 const TRIES = 2;
 
 /** @returns {Thread} */
-const pageWorker = () => new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+const pageWorker = () => new Worker(new URL("./map_worker.js", import.meta.url), { type: "module" });
 
 /** Cells of a map on their way. */
 class Job {
   /**
    * @param {Plan} plan
-   * @param {Listener} listener
+   * @param {PoolListener} listener
    * @param {number} stride of the rows and columns to compute
    */
   constructor(plan, listener, stride) {
@@ -69,7 +69,7 @@ class Job {
     this.begin = performance.now();
     /** @type {Pick<Estimate, "steps" | "in_lanes">} */
     this.estimate = { steps: NaN, in_lanes: false };
-    /** @type {import("./worker.js").Start | null} */
+    /** @type {import("./map_worker.js").WorkerStart | null} */
     this.start = null;
     this.least = 1;
   }
@@ -157,7 +157,7 @@ export class Pool {
   /**
    * Compute a map; what was computed before ends at once.
    * @param {Plan} plan
-   * @param {Listener} listener
+   * @param {PoolListener} listener
    * @param {Promise<Estimate> | Estimate} [known]
    * @param {number} [stride] of the rows and columns to compute, a power of two
    */
@@ -212,14 +212,14 @@ export class Pool {
     if (!this.job) this.fill({ layout, module, name });
   }
 
-  /** Begin as many workers as there are to be. @param {import("./worker.js").Start} start */
+  /** Begin as many workers as there are to be. @param {import("./map_worker.js").WorkerStart} start */
   fill(start) {
     while (this.members.length < this.size) this.members.push(this.member(start));
   }
 
   /** Let all workers compute a map, with new ones in the places of those that ended. @param {Job} job */
   employ(job) {
-    this.fill(/** @type {import("./worker.js").Start} */ (job.start));
+    this.fill(/** @type {import("./map_worker.js").WorkerStart} */ (job.start));
     for (const member of this.members) {
       if (member.job === job) continue;
       member.job = job;
@@ -230,7 +230,7 @@ export class Pool {
 
   /**
    * Return a new worker.
-   * @param {import("./worker.js").Start} start
+   * @param {import("./map_worker.js").WorkerStart} start
    * @returns {Member}
    */
   member(start) {

@@ -2,7 +2,7 @@
 
 import { problemOf } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
-import { resolvedOf } from "../model/block.js";
+import { resolvedOf } from "../model/run_block.js";
 import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
@@ -19,14 +19,14 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
  * second, fourth, ... row and column is computed.
  * @typedef {{scenario: string | null, options: Record<string, any>, x: import("./choices.js").Asked,
  *   y: import("./choices.js").Asked, observable: string | null, width: number, height: number,
- *   stride?: number, duration: number | null, transient: number | null}} Request
+ *   stride?: number, duration: number | null, transient: number | null}} MapRequest
  *
  * A map that can be computed: every option of its runs in SI units, its axes and their values, what
  * is gathered and which variable of that is shown.
- * @typedef {{registry: Registry, layout: Layout, request: Request, options: Record<string, any>,
+ * @typedef {{registry: Registry, layout: Layout, request: MapRequest, options: Record<string, any>,
  *   sweep: any, title: string, x: Span, y: Span, watched: import("./choices.js").Watched[],
  *   shown: string, choices: import("./choices.js").Choice[], duration: number, transient: number,
- *   periods: number, plan: import("./plan.js").Plan}} Question
+ *   periods: number, plan: import("./plan.js").Plan}} MapQuestion
  */
 
 const MOST_CELLS = 250_000;
@@ -50,8 +50,8 @@ class BeyondMapError extends InputError {
  * Return the map that a page asks for.
  * @param {Registry} registry
  * @param {Layout} layout
- * @param {Request} request
- * @returns {Promise<Question>}
+ * @param {MapRequest} request
+ * @returns {Promise<MapQuestion>}
  */
 export async function questionOf(registry, layout, request) {
   checkSize(request);
@@ -115,7 +115,7 @@ export async function questionOf(registry, layout, request) {
     choices, duration, transient, periods, plan };
 }
 
-/** @param {Request} request */
+/** @param {MapRequest} request */
 function checkSize({ width, height }) {
   if (width * height > MOST_CELLS)
     throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
@@ -161,7 +161,7 @@ function checkVaried(registry, system, drive, axes) {
  * Return how long runs last and how much of their beginning is left out [s].
  * @param {Registry} registry
  * @param {Layout} layout
- * @param {Request} request
+ * @param {MapRequest} request
  * @param {Record<string, any>} options
  * @param {any} sweep
  */

@@ -1,19 +1,19 @@
 /** A computed map as tables: a scenario of its sweep, and a file of comma-separated values. */
 
-import { tablesOf as tablesOfRun, withUnit } from "../model/files.js";
+import { tablesOf as tablesOfRun, withUnit } from "../model/run_files.js";
 import { InputError } from "../model/rules.js";
 import { isShown, shownText } from "../model/shown.js";
 import { NOT_YET } from "./grid.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
-/** @typedef {import("./question.js").Question} Question */
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
 const FORMAT = 1;
 
 /**
  * Return a map as the options of its runs and its sweep, which the installed program computes.
- * @param {Question} question
+ * @param {MapQuestion} question
  */
 export function tablesOf({ registry, options, x, y, plan, watched, duration, transient, periods }) {
   const varied = [x, y].map(({ name }) => registry.axes[name].sets);
@@ -30,7 +30,7 @@ export function tablesOf({ registry, options, x, y, plan, watched, duration, tra
 
 /**
  * Return a map as a table with a row for each point, which `latolato.load` reads.
- * @param {Question} question
+ * @param {MapQuestion} question
  * @param {Grid} grid
  * @returns {string}
  */
@@ -74,7 +74,7 @@ export function csvOf(question, grid) {
 
 /**
  * Return the parameters that do not vary.
- * @param {Question} question
+ * @param {MapQuestion} question
  */
 function attributesOf({ registry, options, x, y, duration, transient, periods }) {
   const varied = [x, y].flatMap(({ name }) => [name, registry.axes[name].sets]);
@@ -87,7 +87,7 @@ function attributesOf({ registry, options, x, y, duration, transient, periods })
 
 /**
  * Return the plan of a map as `latolato.sweeps.plan` describes it.
- * @param {Question} question
+ * @param {MapQuestion} question
  */
 function described({ registry, options, plan, watched, duration, transient, periods }) {
   const { system, drive, noise } = tablesOfRun(registry, options);

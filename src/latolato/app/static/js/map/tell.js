@@ -1,7 +1,7 @@
 /** What a map says in words: places, values, colours. */
 
-import { el } from "../shared/dom.js";
-import { localShort, plainSymbol, shownUnit } from "../shared/units.js";
+import { el } from "../page/dom.js";
+import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
 

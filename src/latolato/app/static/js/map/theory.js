@@ -5,7 +5,7 @@ import { changeBetween, tongueEdges } from "../model/tongue.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{name: string, xs: Float64Array, ys: Float64Array, dashed: boolean}} NamedLine */
-/** @typedef {{amplitude: number, frequency: number}} Drive in m and rad/s */
+/** @typedef {{amplitude: number, frequency: number}} TheoryDrive in m and rad/s */
 
 const AMPLITUDES = ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"];
 const FREQUENCIES = ["drive_frequency", "frequency_ratio"];
@@ -53,7 +53,7 @@ export class Placing {
 
   /**
    * Return the coordinates of a drive.
-   * @param {Drive} drive
+   * @param {TheoryDrive} drive
    * @returns {[number, number]}
    */
   place({ amplitude, frequency }) {
@@ -87,7 +87,7 @@ export class Placing {
   /**
    * Return a line through drives.
    * @param {string} name
-   * @param {Drive[]} drives
+   * @param {TheoryDrive[]} drives
    * @param {boolean} dashed
    * @returns {NamedLine}
    */

@@ -1,15 +1,15 @@
 /** What stands above a map: stop, zoom, move, and how far it is. */
 
-import { el } from "../shared/dom.js";
+import { el } from "../page/dom.js";
 import { t } from "../strings.js";
 
-/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} Actions */
+/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} ToolbarActions */
 
 const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", coarse: "mapFiner",
   done: "mapAgain" };
 
 export class Toolbar {
-  /** @param {Actions} actions */
+  /** @param {ToolbarActions} actions */
   constructor(actions) {
     const button = (/** @type {string} */ name, /** @type {() => void} */ action, text = t(name)) =>
       el("button", { type: "button", title: t(name), "aria-label": t(name),

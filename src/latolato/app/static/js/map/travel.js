@@ -1,11 +1,11 @@
 /** Ways over a map: enlarged, moved by whole cells, and back. */
 
-import { tell } from "../shared/dom.js";
+import { tell } from "../page/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Axis} Axis */
-/** @typedef {import("./chart.js").Box} Box */
+/** @typedef {import("./chart.js").ChartBox} ChartBox */
 
 /** Ways over the map of a view, kept in the address. */
 export class Travel {
@@ -18,7 +18,7 @@ export class Travel {
 
   /**
    * Go to another part of the map; a stored one has no other.
-   * @param {(grid: Grid) => Box} box
+   * @param {(grid: Grid) => ChartBox} box
    */
   go(box) {
     const { grid, controls } = this.view;
@@ -32,7 +32,7 @@ export class Travel {
       xlog: grid.xAxis.log ? 1 : null, ylog: grid.yAxis.log ? 1 : null });
   }
 
-  /** @param {Box} box */
+  /** @param {ChartBox} box */
   zoom(box) {
     const { extra } = this.view.page.store.state;
     if (!this.view.grid?.about.stored) this.seen.push(placeOf(extra));
@@ -113,7 +113,7 @@ function allowedOf(axis) {
  * @param {Grid} grid
  * @param {number} by
  * @param {[number, number] | null} about its middle where it gets smaller
- * @returns {Box}
+ * @returns {ChartBox}
  */
 export function scaledBox(grid, by, about) {
   const [x, y] = /** @type {const} */ ([[grid.xEdges, grid.xAxis], [grid.yEdges, grid.yAxis]])
@@ -133,7 +133,7 @@ export function scaledBox(grid, by, about) {
  * @param {Grid} grid
  * @param {number} columns
  * @param {number} rows
- * @returns {Box}
+ * @returns {ChartBox}
  */
 export function movedBy(grid, columns, rows) {
   const along = (/** @type {Float64Array} */ values, /** @type {Axis} */ axis,

@@ -2,12 +2,12 @@
 
 import { brokenRule, InputError } from "../model/rules.js";
 import { toSi } from "../model/units.js";
-import { inLanguage } from "../shared/refusals.js";
+import { inLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./theory.js").Placing} Placing */
-/** @typedef {{amplitude: number[], frequency: number[], ratio: number[], kinds: number[]}} Table */
+/** @typedef {{amplitude: number[], frequency: number[], ratio: number[], kinds: number[]}} TrialTable */
 /** @typedef {Map<string, any[]>} Columns */
 
 // By the number that sweeps give them.
@@ -17,7 +17,7 @@ const LINE_END = /\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]/;
 
 /**
  * Return the trials of a table in the coordinates of a map, and how many lie outside of it.
- * @param {Table} table
+ * @param {TrialTable} table
  * @param {Placing} placing
  * @returns {{trials: import("./chart.js").Trials, outside: number}}
  */
@@ -40,7 +40,7 @@ export function placedTrials({ amplitude, frequency, ratio, kinds }, placing) {
  * Return the trials that the text of a CSV holds.
  * @param {Registry} registry
  * @param {string} text
- * @returns {Table}
+ * @returns {TrialTable}
  * @throws {InputError} for what is no trial table
  */
 export function parseTrials(registry, text) {

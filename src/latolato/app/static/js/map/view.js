@@ -1,13 +1,13 @@
 /** Map: an observable over two parameters, growing from coarse to fine, and runs of its points. */
 
 import { InputError } from "../model/rules.js";
-import { askJson } from "../shared/api.js";
-import { codeBlocks } from "../shared/code.js";
-import { el } from "../shared/dom.js";
-import { Form } from "../shared/form.js";
-import { followKeys, KeyList } from "../shared/keys.js";
-import { leaveOut, sentence, waysOn } from "../shared/reading.js";
-import { inPagesWords } from "../shared/refusals.js";
+import { askJson } from "../page/api.js";
+import { codeBlocks } from "../page/code.js";
+import { el } from "../page/dom.js";
+import { Form } from "../page/form.js";
+import { followKeys, KeyList } from "../page/keys.js";
+import { leaveOut, sentence, waysOn } from "../page/link_parts.js";
+import { inPagesWords } from "../page/refusals.js";
 import { t } from "../strings.js";
 import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE, withMapNamed } from "./address.js";
 import { axisLabel, sizeOf } from "./axes.js";
@@ -16,9 +16,9 @@ import { MapChart } from "./chart.js";
 import { lookOf } from "./colours.js";
 import { MapControls } from "./controls.js";
 import { Cursor, PointPanel } from "./cursor.js";
-import { MapFiles } from "./files.js";
+import { MapFiles } from "./exports.js";
 import { Grid } from "./grid.js";
-import { followHand } from "./hand.js";
+import { followHand } from "./pointer.js";
 import { PageJob, StoredJob } from "./job.js";
 import { contourVariable, Over } from "./over.js";
 import { Pool } from "./pool.js";
@@ -26,7 +26,7 @@ import { doneText, legend } from "./tell.js";
 import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {import("./pool.js").Progress} Progress */
 
 // Changes of a slider become one request.
@@ -42,7 +42,7 @@ export class MapView {
     this.job = null;
     /** @type {Record<string, any>} what the map on show answers, and its question if it is computed */
     this.request = {};
-    /** @type {import("./question.js").Question | null} */
+    /** @type {import("./question.js").MapQuestion | null} */
     this.question = null;
     /** @type {import("./pool.js").Estimate | undefined} */
     this.estimate = undefined;
@@ -104,7 +104,7 @@ export class MapView {
       enter: () => void this.cursor.run(),
     }, () => this.tools.panning);
     this.keys = new KeyList(() => [{ title: t("keysHere"), actions: { ...keys, ...this.help } }]);
-    /** @type {import("../shared/keys.js").Actions} */
+    /** @type {import("../page/keys.js").KeyActions} */
     this.help = { "?": { text: "keyHelp", act: () => this.keys.open() } };
     readout.after(this.keys.root);
     /** @type {(() => void)[]} what ends listening */
@@ -138,7 +138,7 @@ export class MapView {
 
   /** Return a picture of the map, null before there is one. */
   picture() {
-    return this.grid ? import("./picture.js").then(({ pictureOf }) => pictureOf(this)) : null;
+    return this.grid ? import("./image.js").then(({ pictureOf }) => pictureOf(this)) : null;
   }
 
   async findStored() {
@@ -181,7 +181,7 @@ export class MapView {
     this.page.messages.drop("map");
     this.controls.refuse(null);
     this.veil(this.grid !== null);
-    /** @type {import("./job.js").Listener} */
+    /** @type {import("./job.js").JobListener} */
     const listener = {
       choices: (choices) => this.takeChoices(choices), begin: (begin) => this.begin(new Grid(begin)),
       asks: (minutes) => this.askFirst(minutes),

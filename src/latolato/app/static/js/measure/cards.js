@@ -1,8 +1,8 @@
 /** The cards beside a clip: where videos and tables come from, which there are, and what can be taken home. */
 
-import { codeBlocks } from "../shared/code.js";
-import { el, freshId } from "../shared/dom.js";
-import { short, withSigma } from "../shared/units.js";
+import { codeBlocks } from "../page/code.js";
+import { el, freshId } from "../page/dom.js";
+import { short, withSigma } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { clipAddress } from "./desk.js";
 

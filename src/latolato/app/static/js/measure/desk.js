@@ -1,13 +1,13 @@
 /** The page's place on the server for its videos and tables: uploads, jobs, and files. */
 
-import { Refusal, socketAddress } from "../shared/api.js";
-import { doJob } from "../shared/jobs.js";
+import { Refusal, socketAddress } from "../page/api.js";
+import { doJob } from "../page/jobs.js";
 import { t } from "../strings.js";
 
 const AGAIN = 2000; // ms
 
 /**
- * @typedef {{tell: (status: import("../shared/jobs.js").Status) => void, signal: AbortSignal}} Follow
+ * @typedef {{tell: (status: import("../page/jobs.js").Status) => void, signal: AbortSignal}} Follow
  * @typedef {{kind: string, title: string, headline: string[], hint: string, is_slow: boolean,
  *   fewest_balls: number}} FitKind
  * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],

@@ -1,11 +1,11 @@
 /** Handles on a frame: pivot, balls and more, dragged or moved by arrow keys, under a loupe. */
 
-import { el } from "../shared/dom.js";
-import { cross, outline } from "../shared/strokes.js";
+import { el } from "../page/dom.js";
+import { cross, outline } from "../player/strokes.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./screen.js").Screen} Screen */
-/** @typedef {{u: number, v: number}} Place */
+/** @typedef {{u: number, v: number}} HandlePlace */
 
 const LOUPE = 128; // CSS pixels
 const ZOOM = 6;
@@ -23,7 +23,7 @@ export class Handles {
   constructor(screen, changed) {
     this.screen = screen;
     this.changed = changed;
-    /** @type {Record<string, Place>} */
+    /** @type {Record<string, HandlePlace>} */
     this.places = {};
     /** Radius of a ball by what was said, over the length. */
     this.ratio = 0;
@@ -41,7 +41,7 @@ export class Handles {
 
   /**
    * Show handles at places [pixels], or none.
-   * @param {Record<string, Place> | null} places "pivot", "ball_1" and so on
+   * @param {Record<string, HandlePlace> | null} places "pivot", "ball_1" and so on
    */
   show(places) {
     const names = Object.keys(places ?? {});
@@ -176,7 +176,7 @@ export class Handles {
   sketch(context, scale) {
     if (!this.isOn) return;
     const { pivot, region_1: corner, region_2: other, stick_1: end, stick_2: tip } = this.places;
-    const at = (/** @type {Place} */ place) => this.screen.onCanvas(place);
+    const at = (/** @type {HandlePlace} */ place) => this.screen.onCanvas(place);
     const ratio = window.devicePixelRatio || 1;
     const path = new Path2D();
     for (const name of ["ball_1", "ball_2"]) {
@@ -204,7 +204,7 @@ export class Handles {
 
   /**
    * Return the radius of the circle that is drawn about a ball [pixels]: its edge, or its patch.
-   * @param {Place} ball
+   * @param {HandlePlace} ball
    */
   radiusOf(ball) {
     const { pivot } = this.places;

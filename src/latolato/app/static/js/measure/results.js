@@ -1,12 +1,12 @@
 /** What fits and trials say, in cards and a table. */
 
-import { el } from "../shared/dom.js";
-import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../shared/units.js";
+import { el } from "../page/dom.js";
+import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../page/unit_text.js";
 import { ENGLISH, local, t } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
- *   label: string, symbol: string}} Value */
-/** @typedef {{kind: string, error?: string, verdict?: string, values?: Record<string, Value>,
+ *   label: string, symbol: string}} FitValue */
+/** @typedef {{kind: string, error?: string, verdict?: string, values?: Record<string, FitValue>,
  *   play?: Record<string, any>}} Fit */
 
 /** @typedef {import("./desk.js").FitKind} FitKind */
@@ -60,7 +60,7 @@ export function refusedCard(fits, kinds) {
 /**
  * @param {string} title
  * @param {string[]} names
- * @param {Record<string, Value>} values
+ * @param {Record<string, FitValue>} values
  * @param {Record<string, number>} truth
  * @param {any} registry
  */

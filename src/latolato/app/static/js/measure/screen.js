@@ -1,15 +1,15 @@
 /** The video with what was found drawn on it, frame by frame. */
 
-import { colour, el, fitCanvas } from "../shared/dom.js";
-import { speedMenu } from "../shared/speed.js";
-import { cross, outline } from "../shared/strokes.js";
-import { DEGREE } from "../shared/units.js";
+import { colour, el, fitCanvas } from "../page/dom.js";
+import { speedMenu } from "../player/speed.js";
+import { cross, outline } from "../player/strokes.js";
+import { DEGREE } from "../page/unit_text.js";
 import { t } from "../strings.js";
-import { ClipClock } from "./clock.js";
+import { ClipClock } from "./video_clock.js";
 import { SIDES } from "./track.js";
 
 /** @typedef {import("./track.js").Track} Track */
-/** @typedef {{u: number, v: number}} Place */
+/** @typedef {{u: number, v: number}} FramePlace */
 
 const FASTEST = 2;
 const READ_EVERY = 100; // ms
@@ -172,7 +172,7 @@ export class Screen {
 
   /**
    * The position on the canvas of a place of the picture, in the canvas's own pixels.
-   * @param {Place} place in pixels, whole numbers in their middle
+   * @param {FramePlace} place in pixels, whole numbers in their middle
    */
   onCanvas({ u, v }) {
     const { canvas, size } = this;

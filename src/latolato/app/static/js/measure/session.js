@@ -1,14 +1,14 @@
 /** The videos and tables of this page and what was done with them; nothing here draws. */
 
-import { askJson } from "../shared/api.js";
-import { inner } from "../shared/block.js";
+import { askJson } from "../page/api.js";
+import { inner } from "../page/block.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
 import { sheetOf } from "./sheet.js";
 import { toolPlaces } from "./tools.js";
 import { Track } from "./track.js";
 
-/** @typedef {import("./handles.js").Place} Place */
+/** @typedef {import("./handles.js").HandlePlace} HandlePlace */
 /**
  * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
  *   about: {width: number, height: number, frames: number, duration: number,
@@ -18,7 +18,7 @@ import { Track } from "./track.js";
  *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
  *   hasRegion: boolean, hasStick: boolean, shape: string,
  *   corrections: {frame: number, ball: number, u: number, v: number}[],
- *   places: Record<string, Place>, proposed: Record<string, Place>, radius: number,
+ *   places: Record<string, HandlePlace>, proposed: Record<string, HandlePlace>, radius: number,
  *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
  *   track: Track | null, finding: string,
  *   answer: {name: string, value: number, sigma: number, units: string,
@@ -162,7 +162,7 @@ export class Session {
 
   /**
    * @param {Clip} clip
-   * @param {import("../shared/block.js").Block} block
+   * @param {import("../page/block.js").Block} block
    */
   async seen(clip, block) {
     const isNew = !isSeen(clip);
@@ -247,7 +247,7 @@ export class Session {
    * Take the computed motion of a clip if a fit made one.
    * @param {Clip} clip
    * @param {Record<string, any>} fits
-   * @param {import("../shared/block.js").Block} block
+   * @param {import("../page/block.js").Block} block
    */
   lay(clip, fits, block) {
     if (clip.track && Object.values(fits).some((fit) => fit.model))
@@ -297,12 +297,12 @@ export function isSeen({ about, sheet }) {
 /**
  * Return handles where pivot and balls are proposed, or somewhere to begin with.
  * @param {any} about
- * @returns {Record<string, Place>}
+ * @returns {Record<string, HandlePlace>}
  */
 function placesOf({ width, height, proposal }) {
   const place = (/** @type {number[]} */ [u, v]) => ({ u, v });
   const balls = proposal?.balls ?? [[0.6 * width, 0.7 * height]];
-  /** @type {Record<string, Place>} */
+  /** @type {Record<string, HandlePlace>} */
   const places = { pivot: place(proposal?.pivot ?? [0.5 * width, 0.2 * height]),
     ball_1: place(balls[0]) };
   if (balls[1]) places.ball_2 = place(balls[1]);

@@ -1,11 +1,11 @@
 /** The description of a video or a table: scale, masses, camera, directions, how many balls. */
 
-import { el, freshId } from "../shared/dom.js";
-import { readQuantity } from "../shared/entry.js";
-import { Form } from "../shared/form.js";
-import { leaveOut } from "../shared/reading.js";
-import { short } from "../shared/units.js";
-import { inWords, withLabels } from "../shared/words.js";
+import { el, freshId } from "../page/dom.js";
+import { readQuantity } from "../page/entry.js";
+import { Form } from "../page/form.js";
+import { leaveOut } from "../page/link_parts.js";
+import { short } from "../page/unit_text.js";
+import { inWords, withLabels } from "../page/words.js";
 import { t } from "../strings.js";
 import { isSeen } from "./session.js";
 import { openOf } from "./sheet.js";
@@ -24,7 +24,7 @@ const NAMES = [...FIRST, ...SIZES, ...REST, ...CAMERA, ...OF_TABLE];
 
 export class Setup {
   /**
-   * @param {import("../shared/state.js").Page} page its address keeps the quantities, after "measure."
+   * @param {import("../page/state.js").Page} page its address keeps the quantities, after "measure."
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,

@@ -1,14 +1,14 @@
 /** A table of another program before it is imported: what was recognised, and what its columns are. */
 
-import { el, freshId } from "../shared/dom.js";
-import { shownUnit } from "../shared/units.js";
-import { capitalised } from "../shared/words.js";
+import { el, freshId } from "../page/dom.js";
+import { shownUnit } from "../page/unit_text.js";
+import { capitalised } from "../page/words.js";
 import { ENGLISH, t } from "../strings.js";
 
 /**
  * @typedef {{position: number, name: string, path: string, unit: string, unit_from: string,
- *   kind: string}} Column
- * @typedef {{name: string, rows: number, first_rows: string[][], columns: Column[],
+ *   kind: string}} SheetColumn
+ * @typedef {{name: string, rows: number, first_rows: string[][], columns: SheetColumn[],
  *   roles: Record<string, number>, question: string | null}} Part
  *
  * What the server recognised, and what somebody chose: which part of the file, and what each column
@@ -168,7 +168,7 @@ export class SheetCard {
 
   /**
    * Return the head of a column: its name, what it is, and its unit where the file leaves it open.
-   * @param {Column} column
+   * @param {SheetColumn} column
    */
   head({ position, path, unit, unit_from: inferred, kind }) {
     const role = el("select", { "aria-label": t("roleOf", { name: path }), on: {

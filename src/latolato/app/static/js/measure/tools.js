@@ -1,6 +1,6 @@
 /** Tools below the picture of a clip: the frames to use, the frame to point in, corrections. */
 
-import { el } from "../shared/dom.js";
+import { el } from "../page/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./session.js").Clip} Clip */
@@ -123,7 +123,7 @@ function doubtful(track) {
  * @param {Clip} clip
  * @param {number} frame
  * @param {boolean} isByHand whether balls of a tracked clip are corrected
- * @returns {Record<string, import("./handles.js").Place> | null}
+ * @returns {Record<string, import("./handles.js").HandlePlace> | null}
  */
 export function handlesOf(clip, frame, isByHand) {
   const { places, track } = clip;
@@ -144,7 +144,7 @@ export function handlesOf(clip, frame, isByHand) {
 /**
  * The first positions of a region's corners and a stick's ends [pixels].
  * @param {{width: number, height: number}} size
- * @returns {Record<string, import("./handles.js").Place>}
+ * @returns {Record<string, import("./handles.js").HandlePlace>}
  */
 export function toolPlaces({ width, height }) {
   const at = (/** @type {number} */ x, /** @type {number} */ y) => ({

@@ -1,13 +1,13 @@
 /** A tracked video as the page knows it: angles, places in the picture and flags of every frame. */
 
-import { row } from "../shared/block.js";
-import { DEGREE } from "../shared/units.js";
+import { row } from "../page/block.js";
+import { DEGREE } from "../page/unit_text.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("../shared/block.js").Block} Block */
-/** @typedef {import("../shared/curves.js").Panel} Panel */
-/** @typedef {import("../shared/curves.js").Curve} Curve */
-/** @typedef {import("../shared/shades.js").Shade} Shade */
+/** @typedef {import("../page/block.js").Block} Block */
+/** @typedef {import("../player/curves.js").Panel} Panel */
+/** @typedef {import("../player/curves.js").Curve} Curve */
+/** @typedef {import("../player/shades.js").Shade} Shade */
 
 const GRAVITY = 9.8; // only to tell dense curves from others
 export const SIDES = ["right", "left"];

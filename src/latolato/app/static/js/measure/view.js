@@ -1,12 +1,12 @@
 /** Measure: a video is tracked or a table imported, fitted, and compared with what is computed. */
 
-import { Clock } from "../shared/clock.js";
-import { Curves } from "../shared/curves.js";
-import { el, refresh } from "../shared/dom.js";
-import { findingPlace, showFinding } from "../shared/finding.js";
-import { textOf } from "../shared/laws.js";
-import { openState } from "../shared/links.js";
-import { short } from "../shared/units.js";
+import { Clock } from "../player/clock.js";
+import { Curves } from "../player/curves.js";
+import { el, refresh } from "../page/dom.js";
+import { findingPlace, showFinding } from "../page/finding.js";
+import { textOf } from "../page/option_texts.js";
+import { openState } from "../page/links.js";
+import { short } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
@@ -18,7 +18,7 @@ import { choicesOf, chosen, SheetCard } from "./sheet.js";
 import { handlesOf, Tools, toolsOf } from "./tools.js";
 import { panelsOf } from "./track.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {import("./session.js").Clip} Clip */
 
 /** What of an example's truth somebody would have measured before, by the fields. */
@@ -271,7 +271,7 @@ export class MeasureView {
     const quantities = this.setup?.quantities(clip);
     if (clip.sheet) return { ...quantities, ...choicesOf(clip.sheet) };
     const { pivot, ball_1, ball_2 } = clip.places;
-    const pair = (/** @type {import("./handles.js").Place} */ p) => [p.u, p.v];
+    const pair = (/** @type {import("./handles.js").HandlePlace} */ p) => [p.u, p.v];
     return { ...quantities, ...toolsOf(clip), is_proposed: clip.isProposed,
       pivot: clip.isPivotOutside ? "outside" : pair(pivot),
       balls: [ball_1, ball_2].filter(Boolean).map(pair) };

@@ -8,7 +8,7 @@ import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, refusal, unk
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
-/** @typedef {import("./options.js").Request} Request */
+/** @typedef {import("./options.js").OptionsRequest} OptionsRequest */
 /** @typedef {import("./laws.js").System} System */
 /** @typedef {import("./laws.js").Drive} Drive */
 
@@ -25,7 +25,7 @@ import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, refusal, unk
 /**
  * The case of a request, checked.
  * @param {Registry} registry
- * @param {Request} request
+ * @param {OptionsRequest} request
  * @returns {Promise<Case>}
  */
 export async function specify(registry, request) {

@@ -6,7 +6,7 @@ import { toSi } from "./units.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("./registry.js").Option} Option */
-/** @typedef {{scenario?: string | null, options?: Record<string, any>}} Request */
+/** @typedef {{scenario?: string | null, options?: Record<string, any>}} OptionsRequest */
 
 /**
  * Return several quantities as numbers in SI units.
@@ -54,7 +54,7 @@ export function valueOf(registry, name, value) {
  * Return all options that a request sets, in SI units: those of its preset and those that replace
  * them, as `latolato.scenario.scenario.overridden` does.
  * @param {Registry} registry
- * @param {Request} request
+ * @param {OptionsRequest} request
  * @returns {Record<string, any>}
  */
 export function optionsOf(registry, { scenario = null, options = {} }) {

@@ -13,12 +13,12 @@
  *
  * Another language: a sentence by the name of its rule, undefined where it lacks that, and words.
  * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined,
- *   word: (text: string) => string}} Language
+ *   word: (text: string) => string}} RuleLanguage
  */
 
 /** @type {Record<string, Rule>} */
 const RULES = {};
-/** @type {Language} */
+/** @type {RuleLanguage} */
 const ENGLISH = { sentence: () => undefined, word: (text) => text };
 // A gap, and how many digits a number in it has.
 const GAP = /\{(\w+)(?::(?:\.(\d+))?(g))?\}/g;
@@ -46,7 +46,7 @@ export function sentenceOf(name, values = {}, part = "rule") {
 /**
  * Return the text of a sentence; a text stays, or is translated as a whole.
  * @param {string | Sentence} sentence
- * @param {Language} [language]
+ * @param {RuleLanguage} [language]
  * @returns {string}
  */
 export function say(sentence, language = ENGLISH) {
@@ -83,7 +83,7 @@ export class InputError extends Error {
   /**
    * Return the whole text in another language, with another name for the parameter.
    * @param {string} name
-   * @param {Language} language
+   * @param {RuleLanguage} language
    */
   worded(name, language) {
     return worded(this.rule, this.about, name, language);
@@ -129,7 +129,7 @@ export function refusal({ name, rule, way_out: wayOut, values: names, reported, 
  * @param {string | Sentence} rule
  * @param {InputError["about"]} about
  * @param {string | undefined} name
- * @param {Language} language
+ * @param {RuleLanguage} language
  */
 function worded(rule, about, name, language) {
   let text = say(rule, language);

@@ -132,7 +132,7 @@ function usualTimes({ system, duration }, driveRate, most) {
  * @param {Case} each
  * @param {Float64Array} time
  * @param {import("../kernels/run.js").Prepared} prepared
- * @param {import("../kernels/run.js").Run} result
+ * @param {import("../kernels/run.js").KernelRun} result
  * @param {number} halvings
  * @param {boolean} isLoose whether the ledger did not close
  * @returns {Run}
@@ -235,7 +235,7 @@ function sum(one, other) {
 /**
  * Return how a run ended.
  * @param {Case} each
- * @param {import("../kernels/run.js").Run} result
+ * @param {import("../kernels/run.js").KernelRun} result
  */
 function statusOf(each, { status, isOutsideModel, reached: time }) {
   if (status === "complete") return status;
@@ -248,7 +248,7 @@ function statusOf(each, { status, isOutsideModel, reached: time }) {
  * Return the instants up to `end` at which the drive's phase is a multiple of 2 pi [s]; none of a
  * drive without a phase, and of one that turns too often to be shown.
  * @param {Kernels} kernels
- * @param {import("../kernels/memory.js").Held} segments
+ * @param {import("../kernels/memory.js").HeldMemory} segments
  * @param {number} end
  */
 function strobesOf(kernels, segments, end) {

@@ -2,14 +2,14 @@
 
 import { toSi } from "../model/units.js";
 import { InputError } from "../model/rules.js";
-import { el } from "../shared/dom.js";
-import { Knob } from "../shared/knob.js";
+import { el } from "../page/dom.js";
+import { Knob } from "../page/knob.js";
 import { t, tr } from "../strings.js";
 import { edgesOf, requestOf, scoreOfGuess, scoreOfRun } from "./scores.js";
-import { withUnit } from "./words.js";
+import { withUnit } from "./number_text.js";
 
-/** @typedef {import("./check.js").Table} Table */
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("../page/block.js").Block} Block */
 
 const GUESS = "story.guess";
 const MILLIMETRE = { name: "mm", size: 1e-3 };
@@ -17,7 +17,7 @@ const MILLIMETRE = { name: "mm", size: 1e-3 };
 export class Challenge {
   /**
    * @param {import("./panel.js").StoryPanel} panel
-   * @param {Table} challenge
+   * @param {StoryTable} challenge
    */
   constructor(panel, challenge) {
     this.panel = panel;

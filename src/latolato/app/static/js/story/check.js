@@ -3,11 +3,11 @@
 import { optionsOf } from "../model/options.js";
 import { InputError, suggest } from "../model/rules.js";
 import { toSi } from "../model/units.js";
-import { inLanguage, sentenceInLanguage } from "../shared/refusals.js";
+import { inLanguage, sentenceInLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
-/** @typedef {Record<string, any>} Table */
+/** @typedef {Record<string, any>} StoryTable */
 /**
  * What files may hold: `stories/schema.json`. An entry is a type, the name of a table, or such in a
  * list with the least and the most of them; one whose name ends in "?" may be left out.
@@ -49,13 +49,13 @@ class Check {
     this.known = { view: schema.views, preset: Object.keys(registry.scenarios),
       parameter: Object.keys(registry.options), quantity: Object.keys(schema.quantities),
       rule: Object.keys(schema.rules) };
-    /** @type {Record<string, (table: Table, where: string) => void>} */
+    /** @type {Record<string, (table: StoryTable, where: string) => void>} */
     this.checks = { look: this.look, predict: this.predict, condition: this.condition,
       number_shown: this.angle, task: this.task };
   }
 
   /**
-   * @param {Table} table
+   * @param {StoryTable} table
    * @param {string} kind
    * @param {string} where begins the sentences
    */
@@ -115,18 +115,18 @@ class Check {
     }
   }
 
-  /** @type {(look: Table, where: string) => void} */
+  /** @type {(look: StoryTable, where: string) => void} */
   look({ preset, options = {} }, where) {
     this.within(where, () => optionsOf(this.registry, { scenario: preset, options }));
   }
 
-  /** @type {(predict: Table, where: string) => void} */
+  /** @type {(predict: StoryTable, where: string) => void} */
   predict({ choices }, where) {
-    const right = choices.filter((/** @type {Table} */ choice) => choice.right).length;
+    const right = choices.filter((/** @type {StoryTable} */ choice) => choice.right).length;
     if (right !== 1) throw new InputError(t("storyChoice", { where, count: right }));
   }
 
-  /** @type {(condition: Table, where: string) => void} */
+  /** @type {(condition: StoryTable, where: string) => void} */
   condition(condition, where) {
     const subjects = ["parameter", "quantity", "address"].filter((name) => name in condition);
     if (subjects.length !== 1) throw new InputError(t("storySubject", { where }));
@@ -135,14 +135,14 @@ class Check {
     this.angle(condition, where);
   }
 
-  /** @type {(table: Table, where: string) => void} */
+  /** @type {(table: StoryTable, where: string) => void} */
   angle(table, where) {
     const name = table.quantity ?? table.rule;
     if (this.schema.need_angle.includes(name) && !("angle" in table))
       throw new InputError(t("storyAngle", { where, name }));
   }
 
-  /** @type {(task: Table, where: string) => void} */
+  /** @type {(task: StoryTable, where: string) => void} */
   task(task, where) {
     this.angle(task, where);
     if (task.rule === "guess_tongue" && !("ratios" in task))
@@ -155,7 +155,7 @@ class Check {
  * Return the least and the largest value that a condition allows [SI].
  * @param {Registry} registry
  * @param {Schema} schema
- * @param {Table} condition
+ * @param {StoryTable} condition
  */
 export function limitsOf(registry, schema, condition) {
   const unit = condition.quantity ? schema.quantities[condition.quantity]
@@ -169,7 +169,7 @@ export function limitsOf(registry, schema, condition) {
  * Throw an InputError with one sentence if something is wrong with the tables of a file.
  * @param {Registry} registry
  * @param {Schema} schema
- * @param {Table} tables
+ * @param {StoryTable} tables
  */
 export function check(registry, schema, tables) {
   const { format = 1, kind = "story" } = tables;

@@ -1,18 +1,18 @@
 /** The list of stories and challenges, before one is chosen. */
 
 import { InputError } from "../model/rules.js";
-import { Offline } from "../shared/api.js";
-import { el } from "../shared/dom.js";
-import { inLanguage } from "../shared/refusals.js";
-import { format } from "../shared/state.js";
+import { Offline } from "../page/api.js";
+import { el } from "../page/dom.js";
+import { inLanguage } from "../page/refusals.js";
+import { format } from "../page/state.js";
 import { t, tr } from "../strings.js";
-import { load, loadAll } from "./files.js";
+import { load, loadAll } from "./load.js";
 import { shownBy } from "./look.js";
 
-/** @typedef {import("./check.js").Table} Table */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
 
 export class StoryList {
-  /** @param {import("../shared/state.js").Page} page */
+  /** @param {import("../page/state.js").Page} page */
   constructor(page) {
     this.page = page;
     this.lists = el("div", {});
@@ -32,7 +32,7 @@ export class StoryList {
 
   /**
    * @param {string} name
-   * @param {Table} tables
+   * @param {StoryTable} tables
    */
   card(name, { title, summary, steps, minutes }) {
     const state = { view: "toy", scenario: null, options: {}, extra: { "story.name": name } };

@@ -1,11 +1,11 @@
 /** What a step shows: a state of the page, and the run that belongs to it. */
 
-import { withLaws } from "../shared/laws.js";
-import { withOptions } from "../shared/links.js";
-import { FIRST } from "../shared/state.js";
+import { withLaws } from "../page/option_texts.js";
+import { withOptions } from "../page/links.js";
+import { FIRST } from "../page/state.js";
 
-/** @typedef {import("../shared/state.js").State} State */
-/** @typedef {import("./check.js").Table} Table */
+/** @typedef {import("../page/state.js").State} State */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
 
 // What views keep in the address belongs to the step before.
 const OF_VIEWS = ["toy.", "map.", "story."];
@@ -13,7 +13,7 @@ const OF_VIEWS = ["toy.", "map.", "story."];
 /**
  * Return the state that shows a step.
  * @param {State} state on show
- * @param {Table} look
+ * @param {StoryTable} look
  * @param {Record<string, string>} story what the address keeps of the story
  * @returns {State}
  */
@@ -31,7 +31,7 @@ export function shownBy(state, { view, preset, options = {}, extra = {} }, story
  * before one was.
  * @param {any} registry
  * @param {State} state
- * @returns {import("../model/options.js").Request | null}
+ * @returns {import("../model/options.js").OptionsRequest | null}
  */
 export function runOnShow(registry, { view, scenario, options, extra }) {
   if (!scenario && !options.system) return { scenario: FIRST, options };
@@ -49,7 +49,7 @@ export function runOnShow(registry, { view, scenario, options, extra }) {
 /**
  * Return the value of a parameter of a run [SI], NaN if it has none.
  * @param {string} name
- * @param {import("../shared/block.js").Block} block
+ * @param {import("../page/block.js").Block} block
  */
 export function parameterOf(name, { about: { options, attributes } }) {
   if (name === "frequency_ratio") return options.drive_frequency / attributes.natural_frequency;

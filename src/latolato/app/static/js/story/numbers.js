@@ -4,11 +4,10 @@ import { loadKernels } from "../kernels/load.js";
 import { computeMap, moduleOf } from "../kernels/map.js";
 import { specify } from "../model/case.js";
 import { fieldsOf, planarOption } from "../model/laws.js";
-import { row } from "../shared/block.js";
-import { Motion, range } from "../shared/motion.js";
-import { DEGREE } from "../shared/units.js";
+import { row } from "../page/block.js";
+import { DEGREE } from "../page/unit_text.js";
 
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("../page/block.js").Block} Block */
 
 // Samples from here on show how a motion has settled.
 const LATE = 0.75;
@@ -154,7 +153,7 @@ export function quantity(name, block, angle = NaN) {
 /**
  * Return a run with after how many drive periods it repeats, as a map shows it of its point.
  * @param {import("../model/registry.js").Registry} registry
- * @param {import("../model/options.js").Request} request
+ * @param {import("../model/options.js").OptionsRequest} request
  * @param {Block} block
  * @returns {Promise<Block>}
  */

@@ -1,20 +1,20 @@
 /** The panel of a story beside the view that it shows: it follows the address, and changes it. */
 
 import { InputError } from "../model/rules.js";
-import { el, tell } from "../shared/dom.js";
-import { openLink, openState } from "../shared/links.js";
-import { leaveOut } from "../shared/reading.js";
-import { inLanguage } from "../shared/refusals.js";
-import { LongRunError, Runner } from "../shared/runner.js";
+import { el, tell } from "../page/dom.js";
+import { openLink, openState } from "../page/links.js";
+import { sayLeft } from "../page/link_parts.js";
+import { inLanguage } from "../page/refusals.js";
+import { LongRunError, Runner } from "../player/runner.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
-import { load, loadSchema } from "./files.js";
+import { load, loadSchema } from "./load.js";
 import { StoryList } from "./list.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
 import { NOT_YET, Step } from "./step.js";
 
-/** @typedef {import("./check.js").Table} Table */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
 
 // Where the address asks for the list.
 const LIST = "story.list";
@@ -25,7 +25,7 @@ const LAID_OUT = 500; // ms
 
 export class StoryPanel {
   /**
-   * @param {import("../shared/state.js").Page} page
+   * @param {import("../page/state.js").Page} page
    * @param {string} changed in the address: a story that was chosen takes the focus
    */
   constructor(page, changed) {
@@ -33,7 +33,7 @@ export class StoryPanel {
     this.runner = new Runner(page.registry);
     /** @type {import("./check.js").Schema} */
     this.schema = /** @type {any} */ (null);
-    /** The story on show. @type {Table | null} */
+    /** The story on show. @type {StoryTable | null} */
     this.tables = null;
     this.name = "";
     /** @type {Step | Challenge | null} */
@@ -129,9 +129,11 @@ export class StoryPanel {
     }
     // An address that names a story alone shows what the story shows.
     const { scenario, options, extra } = this.page.store.state;
-    if (!scenario && !Object.keys(options).length) this.lookAgain();
     const step = extra["story.step"];
-    leaveOut(this.page, step === undefined || String(this.kept.step) === step ? [] : ["story.step"]);
+    const isStrange = step !== undefined && String(this.kept.step) !== step;
+    if (isStrange) this.page.store.drop(["story.step"]);
+    if (!scenario && !Object.keys(options).length) this.lookAgain();
+    if (isStrange) sayLeft(this.page, [["story.step", step]], "link of story");
   }
 
   /**
@@ -158,7 +160,7 @@ export class StoryPanel {
   /** Show the step or the challenge, as far as the reader is. */
   show() {
     const { step, answers, goesOn } = this.kept;
-    const tables = /** @type {Table} */ (this.tables);
+    const tables = /** @type {StoryTable} */ (this.tables);
     if (!this.part || this.partAt !== step) {
       this.partAt = step;
       this.counted = "";
@@ -177,7 +179,7 @@ export class StoryPanel {
 
   /** @param {number} step */
   makeNav(step) {
-    const { steps, title } = /** @type {Table} */ (this.tables);
+    const { steps, title } = /** @type {StoryTable} */ (this.tables);
     const again = el("button", { type: "button", on: { click: () => this.lookAgain() } }, t("storyLook"));
     this.progress.hidden = !steps;
     this.place.textContent = steps ? t("storyStep", { step, count: steps.length }) : "";
@@ -210,7 +212,7 @@ export class StoryPanel {
     if (text !== this.counted) {
       this.counted = text;
       this.block = undefined;
-      /** @type {import("../shared/block.js").Block | null | undefined} */
+      /** @type {import("../page/block.js").Block | null | undefined} */
       const block = request && await this.runner.compute(request).catch((error) => {
         if (error instanceof DOMException && error.name === "AbortError") return undefined;
         // The view says what is wrong.
@@ -244,7 +246,7 @@ export class StoryPanel {
   go(step) {
     const { store } = this.page;
     const { answers, name } = this.kept;
-    const tables = /** @type {Table} */ (this.tables);
+    const tables = /** @type {StoryTable} */ (this.tables);
     const look = tables.look ?? tables.steps[step - 1].look;
     if (this.part && step !== this.partAt) this.takesFocus = true;
     store.set(shownBy(store.state, look, { "story.name": name,

@@ -4,13 +4,13 @@ import { optionsOf } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
 import { toSi } from "../model/units.js";
-import { withOptions } from "../shared/links.js";
+import { withOptions } from "../page/links.js";
 import { quantity } from "./numbers.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("./check.js").Table} Table */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
 /** @typedef {import("../model/registry.js").Registry} Registry */
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("../page/block.js").Block} Block */
 
 // Amplitudes are searched up to this many lengths.
 const MOST_AMPLITUDE = 1;
@@ -18,9 +18,9 @@ const MOST_AMPLITUDE = 1;
 /**
  * Return the run that counts for a challenge: its own, with those options that it leaves free.
  * @param {Registry} registry
- * @param {Table} challenge
+ * @param {StoryTable} challenge
  * @param {Record<string, string>} options of the player
- * @returns {import("../model/options.js").Request}
+ * @returns {import("../model/options.js").OptionsRequest}
  */
 export function requestOf(registry, { look, task }, options) {
   const free = Object.fromEntries(Object.entries(options).filter(([name]) => task.free.includes(name)));
@@ -30,7 +30,7 @@ export function requestOf(registry, { look, task }, options) {
 /**
  * Return the score of a run [SI], NaN if the goal was not reached.
  * @param {Registry} registry
- * @param {Table} task
+ * @param {StoryTable} task
  * @param {Block} block
  */
 export function scoreOfRun(registry, task, block) {
@@ -42,7 +42,7 @@ export function scoreOfRun(registry, task, block) {
 /**
  * Return how far guessed amplitudes are off on average [m].
  * @param {Registry} registry
- * @param {Table} challenge
+ * @param {StoryTable} challenge
  * @param {string} guess such as "30 mm, 12 mm"
  */
 export function scoreOfGuess(registry, challenge, guess) {
@@ -58,7 +58,7 @@ export function scoreOfGuess(registry, challenge, guess) {
 /**
  * Return the least amplitude of parametric resonance at each ratio of a challenge [m].
  * @param {Registry} registry
- * @param {Table} challenge
+ * @param {StoryTable} challenge
  * @returns {number[]}
  */
 export function edgesOf(registry, { look, task }) {

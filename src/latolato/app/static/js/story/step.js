@@ -1,22 +1,22 @@
 /** One step of a story: look, predict, try, explanation, one number. */
 
 import { toSi } from "../model/units.js";
-import { el, freshId } from "../shared/dom.js";
+import { el, freshId } from "../page/dom.js";
 import { t, tr } from "../strings.js";
 import { limitsOf } from "./check.js";
 import { parameterOf } from "./look.js";
 import { quantity } from "./numbers.js";
-import { shownNumber } from "./words.js";
+import { shownNumber } from "./number_text.js";
 
-/** @typedef {import("./check.js").Table} Table */
-/** @typedef {import("../shared/block.js").Block} Block */
+/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("../page/block.js").Block} Block */
 
 export const NOT_YET = "-";
 
 export class Step {
   /**
    * @param {import("./panel.js").StoryPanel} panel
-   * @param {Table} step
+   * @param {StoryTable} step
    * @param {{answer(choice: number): void, goOn(): void}} act
    */
   constructor(panel, step, act) {
@@ -43,10 +43,10 @@ export class Step {
       this.form, this.reply, this.trial, this.one, this.why);
   }
 
-  /** @param {Table} predict */
+  /** @param {StoryTable} predict */
   makeForm({ question, choices }) {
     const name = freshId();
-    const radios = choices.map((/** @type {Table} */ choice, /** @type {number} */ i) =>
+    const radios = choices.map((/** @type {StoryTable} */ choice, /** @type {number} */ i) =>
       el("label", { class: "check" },
         el("input", { type: "radio", name, value: String(i + 1), required: true }), tr(choice.text)));
     return el("form", { on: { submit: (/** @type {SubmitEvent} */ event) => {
@@ -94,7 +94,7 @@ export class Step {
     const value = block ? quantity(name, block, this.angle(angle)) : NaN;
     this.number.textContent = block ? shownNumber(name, value, schema.quantities[name]) : t("storyNone");
     this.number.dataset.value = String(value);
-    const isDone = !this.trial.hidden && this.step.try.done?.every((/** @type {Table} */ condition) => {
+    const isDone = !this.trial.hidden && this.step.try.done?.every((/** @type {StoryTable} */ condition) => {
       if (condition.address) return condition.address in extra;
       if (!block) return false;
       const [least, most] = limitsOf(registry, schema, condition);

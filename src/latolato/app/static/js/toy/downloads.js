@@ -1,11 +1,11 @@
 /** The menu from which the run on show is stored: numbers, picture, animation, scenario. */
 
-import { columnsTable, contactsTable, tomlOf } from "../model/files.js";
-import { el, tell } from "../shared/dom.js";
-import { fileOf, JobLine, saveFile } from "../shared/jobs.js";
-import { Runner } from "../shared/runner.js";
-import { speedMenu } from "../shared/speed.js";
-import { format } from "../shared/state.js";
+import { columnsTable, contactsTable, tomlOf } from "../model/run_files.js";
+import { el, tell } from "../page/dom.js";
+import { fileOf, JobLine, saveFile } from "../page/jobs.js";
+import { Runner } from "../player/runner.js";
+import { speedMenu } from "../player/speed.js";
+import { format } from "../page/state.js";
 import { t } from "../strings.js";
 
 // What the page writes by itself, and what the installed program writes.
@@ -21,7 +21,7 @@ export class Downloads {
     this.page = page;
     this.runner = new Runner(page.registry);
     this.request = { scenario: /** @type {string | null} */ (null), options: {} };
-    /** What was played by hand, if that is on show. @type {import("../shared/block.js").Block | null} */
+    /** What was played by hand, if that is on show. @type {import("../page/block.js").Block | null} */
     this.kept = null;
     const entry = (/** @type {string} */ kind, /** @type {HTMLElement} */ control) => el("li", {}, control,
       el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`));
@@ -52,7 +52,7 @@ export class Downloads {
    * Return nothing; the menu is of this run from now on.
    * @param {{scenario: string | null, options: Record<string, any>}} request
    * @param {boolean} touching whether balls of the run can touch
-   * @param {import("../shared/block.js").Block | null} kept what was played by hand, if that is on show: no
+   * @param {import("../page/block.js").Block | null} kept what was played by hand, if that is on show: no
    *   parameters make it again, so it is stored as it is
    */
   show(request, touching, kept) {

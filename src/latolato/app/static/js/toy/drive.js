@@ -6,7 +6,7 @@
 import { shake } from "../kernels/begin.js";
 
 /**
- * @typedef {import("../kernels/memory.js").Held} Held
+ * @typedef {import("../kernels/memory.js").HeldMemory} HeldMemory
  * @typedef {import("../kernels/memory.js").Kernels} Kernels
  * @typedef {import("../model/case.js").Case} Case
  *

@@ -1,27 +1,27 @@
 /** The hand that holds a toy: it moves in real time while pointers, keys and sensors change everything. */
 
 import { startKernels } from "../kernels/load.js";
-import { resolvedOf } from "../model/block.js";
+import { resolvedOf } from "../model/run_block.js";
 import { specify } from "../model/case.js";
-import { el } from "../shared/dom.js";
-import { followDrag } from "../shared/drag.js";
-import { slackText } from "../shared/hang.js";
-import { textOf } from "../shared/laws.js";
-import { textsOf } from "../shared/links.js";
-import { before } from "../shared/motion.js";
-import { FIRST } from "../shared/state.js";
+import { el } from "../page/dom.js";
+import { followDrag } from "../player/drag.js";
+import { slackText } from "../player/hang.js";
+import { textOf } from "../page/option_texts.js";
+import { textsOf } from "../page/links.js";
+import { before } from "../player/motion.js";
+import { FIRST } from "../page/state.js";
 import { t } from "../strings.js";
-import { withControls } from "./address.js";
-import { fit, KEYS } from "./controls.js";
+import { withControls } from "./held_options.js";
+import { fit, KEYS } from "./held_knobs.js";
 import { cosineOf } from "./drive.js";
-import { GrowingMotion } from "./motion.js";
-import { Pace } from "./pace.js";
+import { GrowingMotion } from "./growing_motion.js";
+import { FrameLoop } from "./frame_loop.js";
 import { Shake } from "./shake.js";
 import { Toy } from "./toy.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
-/** @typedef {import("../shared/motion.js").Ball} Ball */
-/** @typedef {import("../shared/motion.js").Motion} Motion */
+/** @typedef {import("../page/state.js").Page} Page */
+/** @typedef {import("../player/motion.js").MotionBall} MotionBall */
+/** @typedef {import("../player/motion.js").Motion} Motion */
 /** @typedef {import("../model/case.js").Case} Case */
 /**
  * What the view does for the hand: `request` returns the scenario and the options to run; `begun` shows
@@ -29,7 +29,7 @@ import { Toy } from "./toy.js";
  * options of the run that it is, if it is one.
  * @typedef {{request: () => {scenario: string | null, options: Record<string, string>},
  *   begun: (options: Record<string, any>) => void, refuse: (error: Error) => void,
- *   keep: (block: import("../shared/block.js").Block, options: Record<string, string> | null) => void}} Owner
+ *   keep: (block: import("../page/block.js").Block, options: Record<string, string> | null) => void}} Owner
  */
 
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
@@ -91,8 +91,8 @@ function apart(angles, { contacts, low, high }) {
 export class Hand {
   /**
    * @param {Page} page
-   * @param {import("../shared/player.js").Player} player whose stage and clock it takes
-   * @param {import("../shared/knobs.js").Knobs} knobs
+   * @param {import("../player/player.js").Player} player whose stage and clock it takes
+   * @param {import("../page/knobs.js").Knobs} knobs
    * @param {Owner} owner
    */
   constructor(page, player, knobs, owner) {
@@ -108,7 +108,7 @@ export class Hand {
     /** What the address asks for. @type {Case | null} */
     this.asked = null;
     this.signature = "";
-    this.pace = new Pace();
+    this.pace = new FrameLoop();
     this.shake = new Shake(() => this.toy, () => this.showShake());
     const button = (/** @type {string} */ name, /** @type {string} */ key, /** @type {() => void} */ click) =>
       el("button", { type: "button", on: { click } }, t(name), el("kbd", { "aria-hidden": "true" }, key));
@@ -133,7 +133,7 @@ export class Hand {
       el("details", { class: "about" }, el("summary", {}, t("trickWhy")), el("p", {}, t("trickHint")),
         el("ol", {}, el("li", {}, t("trickStep1")), el("li", {}, t("trickStep2"))),
         el("p", { class: "hint" }, t("trickMore"))));
-    const lead = (/** @type {Ball} */ ball, /** @type {number} */ angle) =>
+    const lead = (/** @type {MotionBall} */ ball, /** @type {number} */ angle) =>
       this.toy?.hold({ ball: ball.row, angle });
     followDrag(player.scene, { isOn: () => this.isOn, lead, drop: () => this.toy?.hold(null),
       grab: (ball) => lead(ball, this.toy?.angles[ball.row] ?? 0), lift: (height) => this.shake.drag(height) });
@@ -297,7 +297,7 @@ export class Hand {
     }
     // These are of the cosine.
     if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
-    this.player.senses.narrator.turned(name, this.toy.controls[name], value);
+    this.player.accessibility.liveRegion.turned(name, this.toy.controls[name], value);
     this.toy.set({ [name]: value });
     if (name === "drive_amplitude") this.rescale();
     const options = withControls(registry, store.state.options, this.toy.system.kind,
@@ -412,7 +412,7 @@ export class Hand {
     window.addEventListener("keydown", reveal, { once: true });
   }
 
-  /** The action of each key. @returns {import("../shared/keys.js").Actions} */
+  /** The action of each key. @returns {import("../page/keys.js").KeyActions} */
   actions() {
     const turn = (/** @type {string} */ name, /** @type {number} */ way) =>
       () => this.knobs.all[name]?.turn(way);

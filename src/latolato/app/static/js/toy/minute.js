@@ -1,6 +1,6 @@
 /** The last minute of a toy that a hand holds: samples, contacts, and what changed its drive. */
 
-import { blockOf } from "../model/block.js";
+import { blockOf } from "../model/run_block.js";
 import { LEDGER, onStrings, PER_STRING, run } from "../model/simulate.js";
 import { t } from "../strings.js";
 import { stagesOf } from "./drive.js";

@@ -9,7 +9,7 @@ import { ShakenDrive, SteeredDrive } from "./drive.js";
 import { Minute, RATE } from "./minute.js";
 
 /**
- * @typedef {import("../kernels/memory.js").Held} Held
+ * @typedef {import("../kernels/memory.js").HeldMemory} HeldMemory
  * @typedef {import("../kernels/memory.js").Kernels} Kernels
  * @typedef {import("../model/case.js").Case} Case
  * @typedef {import("../model/laws.js").System} System
@@ -310,8 +310,8 @@ export class Toy {
 
   /**
    * Return the function that returns what is seen at one of some instants.
-   * @param {Held} times
-   * @param {Held} samples
+   * @param {HeldMemory} times
+   * @param {HeldMemory} samples
    * @returns {(i: number) => View}
    */
   look(times, samples) {
@@ -321,7 +321,7 @@ export class Toy {
       { balls, gravity: system.gravity, is_linear: system.linear, in_lab: system.drag_frame === "lab",
         with_lab: false });
     const count = times.shape[0];
-    const column = (/** @type {Held} */ table, /** @type {number} */ i) => kernels.numbers(table)
+    const column = (/** @type {HeldMemory} */ table, /** @type {number} */ i) => kernels.numbers(table)
       .filter((/** @type {number} */ _, /** @type {number} */ k) => k % count === i);
     return (i) => ({ samples: column(samples, i), pivot: column(pivot, i), out: column(out, i) });
   }
@@ -380,7 +380,7 @@ export class Toy {
   /**
    * Count contacts, keep them, and remember the hardest, for the flash.
    * @param {number} rows
-   * @param {Record<"times" | "kinds" | "values", Held>} contacts
+   * @param {Record<"times" | "kinds" | "values", HeldMemory>} contacts
    */
   noteContacts(rows, { times, kinds, values }) {
     const { kernels, minute, system } = this;

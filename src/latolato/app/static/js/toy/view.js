@@ -1,25 +1,25 @@
 /** Toy: the motion, three knobs beside it, a hand that takes it, and everything else one click away. */
 
-import { codeBlocks } from "../shared/code.js";
-import { beforePrint, el, freshId } from "../shared/dom.js";
-import { Form } from "../shared/form.js";
-import { followKeys } from "../shared/keys.js";
-import { Knobs } from "../shared/knobs.js";
-import { naturalFrequency, withLaws } from "../shared/laws.js";
-import { openLink } from "../shared/links.js";
-import { Motion } from "../shared/motion.js";
-import { Player } from "../shared/player.js";
-import { presetField } from "../shared/presets.js";
-import { sentence, waysOn } from "../shared/reading.js";
-import { inPagesWords, warningsText } from "../shared/refusals.js";
-import { LongRunError, Runner } from "../shared/runner.js";
-import { withStart } from "../shared/start.js";
-import { FIRST } from "../shared/state.js";
-import { DEGREE } from "../shared/units.js";
+import { codeBlocks } from "../page/code.js";
+import { beforePrint, el, freshId } from "../page/dom.js";
+import { Form } from "../page/form.js";
+import { followKeys } from "../page/keys.js";
+import { Knobs } from "../page/knobs.js";
+import { naturalFrequency, withLaws } from "../page/option_texts.js";
+import { openLink } from "../page/links.js";
+import { Motion } from "../player/motion.js";
+import { Player } from "../player/player.js";
+import { presetField } from "../page/presets.js";
+import { sentence, waysOn } from "../page/link_parts.js";
+import { inPagesWords, warningsText } from "../page/refusals.js";
+import { LongRunError, Runner } from "../player/runner.js";
+import { withStart } from "../player/start.js";
+import { FIRST } from "../page/state.js";
+import { DEGREE } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { Downloads } from "./downloads.js";
 
-/** @typedef {import("../shared/state.js").Page} Page */
+/** @typedef {import("../page/state.js").Page} Page */
 
 // Beyond it, a run that is computed is announced.
 const PATIENCE = 700; // ms
@@ -45,7 +45,7 @@ export class ToyView {
       if (this.hand?.isOn) this.hand.turn(name, Number(value));
       else this.form.give(name, text || null);
     });
-    /** What was played by hand and no address describes. @type {import("../shared/block.js").Block | null} */
+    /** What was played by hand and no address describes. @type {import("../page/block.js").Block | null} */
     this.kept = null;
     /** Holds the toy when it is first asked to. @type {import("./hand.js").Hand | null} */
     this.hand = null;
@@ -63,7 +63,7 @@ export class ToyView {
     this.lines.classList.add("of-run");
     const place = el("div", { class: "player" });
     this.player = new Player(place);
-    this.player.senses.narrator.nameOf = (name) => this.knobs.inWords().options[name]?.label;
+    this.player.accessibility.liveRegion.nameOf = (name) => this.knobs.inWords().options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.player.button?.after(this.hold);
     this.presets.head.append(this.reset, this.makePin());
@@ -104,7 +104,7 @@ export class ToyView {
 
   /** Return a picture of the stage. */
   async picture() {
-    const { captionOf, stagePicture } = await import("../shared/picture.js");
+    const { captionOf, stagePicture } = await import("../player/picture.js");
     const { scenario } = this.page.store.state;
     return stagePicture(this.player.scene, { caption: captionOf(this.player.motion?.about.options ?? {}),
       title: this.page.registry.scenarios[scenario ?? ""]?.title ?? t("presetNone") });
@@ -142,7 +142,7 @@ export class ToyView {
 
   /**
    * Show what the address asks for now.
-   * @param {import("../shared/state.js").State} state
+   * @param {import("../page/state.js").State} state
    * @param {string} changed
    */
   follow(state, changed) {
@@ -233,7 +233,7 @@ export class ToyView {
 
   /**
    * Show what was played by hand as a run like any other.
-   * @param {import("../shared/block.js").Block} block
+   * @param {import("../page/block.js").Block} block
    * @param {Record<string, string> | null} options of the run that it is, if it is one
    */
   keep(block, options) {
@@ -251,7 +251,7 @@ export class ToyView {
   /**
    * Say something about the run on show, and offer what can be done about it.
    * @param {string} text
-   * @param {import("../shared/messages.js").Action[]} [actions]
+   * @param {import("../page/messages.js").MessageAction[]} [actions]
    * @param {boolean} [isBad] whether the run was refused
    */
   note(text, actions, isBad) {

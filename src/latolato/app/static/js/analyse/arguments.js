@@ -1,0 +1,126 @@
+/** The fields of one analysis, made from what the server says about its options. */
+
+import { el } from "../page/dom.js";
+import { Form } from "../page/form.js";
+import { inWords, NAMES } from "../page/words.js";
+import { t } from "../strings.js";
+
+/** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
+/** @typedef {FieldOption & {required: boolean, is_in_unit_of_parameter: boolean}} Argument */
+/** @typedef {{title: string, options: Record<string, any>, first: Record<string, Record<string, string>>,
+ *   parameters: Record<string, {label: string, unit: string, units: import("../page/unit_text.js").Unit[],
+ *   low: string, high: string}>}} About
+ *   what the server says about system and drive: texts to begin with, and what diagrams can vary */
+
+// The option that says what a diagram varies, and the two that say between which limits.
+const VARIED = "parameter";
+const LIMITS = /** @type {const} */ (["low", "high"]);
+
+export class ArgumentForm {
+  /**
+   * @param {import("../model/registry.js").Registry} registry
+   * @param {(values: Record<string, string>) => void} changed called with what was changed
+   */
+  constructor(registry, changed) {
+    this.registry = registry;
+    /** The texts on show, and those that the form began with. */
+    this.values = /** @type {Record<string, string>} */ ({});
+    this.begun = /** @type {Record<string, string>} */ ({});
+    /** @type {Record<string, Argument>} */
+    this.fields = {};
+    /** @type {Record<string, {label: string}>} what options and parameters are called */
+    this.words = {};
+    this.more = el("details", { class: "inner" });
+    this.root = el("div", { class: "settings" });
+    this.store = /** @type {any} */ ({ state: { options: this.values }, set: (/** @type {any} */ { options }) => {
+      // Other parameters have limits of their own.
+      const isOther = options[VARIED] !== this.values[VARIED];
+      this.values = this.store.state.options = options;
+      if (isOther) for (const limit of LIMITS) delete options[limit];
+      this.form.read();
+      changed(this.changes());
+    } });
+    this.form = new Form(el("div", {}), {}, this.store);
+  }
+
+  /**
+   * Show the fields of an analysis.
+   * @param {string} name
+   * @param {{options: Record<string, Argument>, first: string[]}} analysis
+   * @param {About} about
+   * @param {Record<string, string>} typed what was typed before
+   */
+  build(name, { options, first }, about, typed) {
+    const same = this.name === name;
+    this.name = name;
+    this.fields = options;
+    this.words = { ...about.parameters, ...options };
+    const defaults = Object.fromEntries(Object.entries(options).filter(([, each]) => each.switch || each.choices.length)
+      .map(([each, { default: usual, choices }]) => [each, usual.toLowerCase() || choices[0] || "false"]));
+    this.begun = { ...defaults, ...about.first[name] };
+    const varied = about.parameters[typed[VARIED] ?? this.begun[VARIED]];
+    if (varied && VARIED in options) for (const limit of LIMITS) this.begun[limit] = varied[limit];
+    this.values = this.store.state.options = { ...this.begun, ...typed };
+    const shown = Object.fromEntries(Object.entries(options).map(([each, option]) =>
+      [each, this.shownAs(each, option, about, varied)]));
+    const { units, prefixes } = this.registry;
+    this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: shown }, this.store);
+    const field = (/** @type {string} */ each) => {
+      const { choices, switch: isSwitch } = shown[each];
+      if (each === VARIED) return this.form.choiceField(each, shown[each], choices);
+      return choices.length || isSwitch ? this.form.field(each)
+        : this.form.numberField(each, shown[each], !LIMITS.some((limit) => limit === each));
+    };
+    const rest = Object.keys(options).filter((each) => !first.includes(each));
+    const open = (same && this.more.open) || rest.some((each) => each in typed);
+    this.more = el("details", { class: "inner", open }, el("summary", {}, t("moreSettings")),
+      el("div", { class: "fields" }, ...rest.map(field)));
+    this.root.replaceChildren(el("div", { class: "fields" }, ...first.map(field)), ...(rest.length ? [this.more] : []));
+  }
+
+  /**
+   * Return an option as its field shows it.
+   * @param {string} name
+   * @param {Argument} option
+   * @param {About} about
+   * @param {About["parameters"][string] | undefined} varied
+   * @returns {Argument}
+   */
+  shownAs(name, option, about, varied) {
+    const placeholder = option.default ? "" : t(option.required ? "fromScenario" : "automatic");
+    const shown = { ...option, placeholder, isExplained: true, takesRange: option.several };
+    if (option.is_in_unit_of_parameter && varied) return { ...shown, unit: varied.unit, units: varied.units };
+    if (name !== VARIED) return shown;
+    const { parameters } = about;
+    return { ...shown, choices: Object.keys(parameters),
+      labels: Object.fromEntries(Object.entries(parameters).map(([each, { label }]) => [each, label])) };
+  }
+
+  /** Whether no limits are missing, as they are once what is varied has changed. */
+  get isWhole() {
+    return !(VARIED in this.fields) || LIMITS.every((limit) => limit in this.values);
+  }
+
+  /** Whether something that is typed was refused. */
+  get isRefused() {
+    return [...this.form.fields.values()].some((field) => field.isRefused?.());
+  }
+
+  /** The texts that differ from the first ones, by option. */
+  changes() {
+    return Object.fromEntries(Object.entries(this.values).filter(([name, text]) => text !== this.begun[name]));
+  }
+
+  /**
+   * Show a refusal beside the field that it names first; returns whether there is such a field.
+   * @param {string | null} text
+   */
+  error(text) {
+    const name = text?.match(NAMES)?.find((word) => this.form.fields.has(word));
+    for (const [each, field] of this.form.fields)
+      field.error(each === name && text ? inWords(text, this.words) : null);
+    if (name && !this.fields[name]) return false;
+    if (name && this.more.querySelector(".error:not([hidden])")) this.more.open = true;
+    return name !== undefined;
+  }
+}

@@ -1,0 +1,137 @@
+/** The lines of Python and of the command line that compute a map again. */
+
+import { constructor, isUsual, literal } from "../model/run_code.js";
+
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
+/** @typedef {import("./choices.js").Span} Span */
+
+// Options of a run that a sweep does not take, or takes under its own numbers.
+const OF_ONE_RUN = ["times", "samples", "frame", "duration", "tolerance"];
+const NUMBER = { unit: "s" };
+const SIDES = ["right", "left"];
+
+/**
+ * Return a Python program that computes a map.
+ * @param {MapQuestion} question
+ */
+export function sweepLines(question) {
+  const { registry, options, watched } = question;
+  const { systems, drives, contact_laws: laws } = registry;
+  const lines = ["import numpy as np", "import latolato as ll", "",
+    `system = ${constructor(registry, systems[options.system], options)}`,
+    `drive = ${constructor(registry, drives[options.drive], options)}`,
+    "grid = ll.sweep(", "    system, drive,", "    axes={",
+    ...spans(question).map(([span, count]) => `        "${span.name}": np.`
+      + `${span.log ? "geomspace" : "linspace"}(${ends(span).join(", ")}, ${count}),`), "    },",
+    `    observables=[${watched.map((each) => inPython(question, each)).join(", ")}],`];
+  for (const [name, value] of given(question, "run")) {
+    if (laws[options.contact]?.options.includes(name)) continue;
+    const isLaw = name === "contact" && laws[value].options.length;
+    lines.push(`    ${name}=${isLaw ? constructor(registry, laws[value], options)
+      : literal(registry.options[name], value)},`);
+  }
+  const noise = given(question, "noise").map(([name, value]) =>
+    `${name}=${literal(registry.options[name], value)}`);
+  if (noise.length) lines.push(`    noise=ll.VelocityKicks(${noise.join(", ")}),`);
+  return [...lines, ...numbers(question).map(([name, value]) => `    ${name}=${value},`), ")"].join("\n");
+}
+
+/**
+ * Return the command that computes a map, quoted for a shell.
+ * @param {MapQuestion} question
+ */
+export function sweepCommand(question) {
+  const { registry, options, watched } = question;
+  const words = ["latolato", "sweep"];
+  const flag = (/** @type {string} */ name) => `--${name.replaceAll("_", "-")}`;
+  const varied = [question.x.name, question.y.name];
+  for (const [name, value] of given(question)) {
+    const sides = SIDES.map((side) => `${name}_${side}`);
+    if (sides.some((each) => varied.includes(each))) {
+      // Where one ball's value varies, that of the other one is an axis of one value.
+      sides.forEach((each, i) => {
+        if (!varied.includes(each))
+          words.push("--axis", `${each} = ${value[i]} ${registry.axes[each].unit}`);
+      });
+      continue;
+    }
+    words.push(flag(name));
+    if (value !== true) words.push([value].flat().join(", "));
+  }
+  for (const [name, value] of numbers(question)) words.push(flag(name), value);
+  for (const [span, count] of spans(question)) {
+    const { unit } = registry.axes[span.name];
+    const tail = `${span.log ? " log" : ""}${unit === "1" ? "" : ` ${unit}`}`;
+    words.push("--axis", `${span.name} = ${ends(span).join(" : ")} : ${count}${tail}`);
+  }
+  for (const each of watched) {
+    const own = changed(question, each).map(([name, value]) => `${name} = ${value}`);
+    words.push("--observable", own.length ? `${each.name}(${own.join(", ")})` : each.name);
+  }
+  return words.map((word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word}'`)).join(" ");
+}
+
+/**
+ * Return both axes with their numbers of points, the one upwards first.
+ * @param {MapQuestion} question
+ * @returns {[Span, number][]}
+ */
+function spans({ x, y, request: { width, height } }) {
+  return [[y, height], [x, width]];
+}
+
+/** @param {Span} span */
+function ends({ low, high }) {
+  return [low, high].map((end) => literal(/** @type {any} */ (NUMBER), end));
+}
+
+/**
+ * Return the options that are given, in their order, without those that axes set, and with the
+ * default of a law left out.
+ * @param {MapQuestion} question
+ * @param {string} [owner]
+ * @returns {[string, any][]}
+ */
+function given({ registry, options, x, y }, owner) {
+  const varied = [x, y].map(({ name }) => registry.axes[name].sets);
+  const gone = [...OF_ONE_RUN, ...varied, ...(varied.includes("initial_angle") ? ["initial_offset"] : [])];
+  return Object.entries(registry.options)
+    .filter(([name, option]) => (owner === undefined || option.owner === owner)
+      && !isUsual(option, options[name]) && !gone.includes(name))
+    .map(([name]) => /** @type {[string, any]} */ ([name, options[name]]));
+}
+
+/**
+ * Return duration, transient and tolerance.
+ * @param {MapQuestion} question
+ * @returns {[string, string][]}
+ */
+function numbers({ registry, duration, transient, periods }) {
+  const all = Object.entries({ duration, tolerance: registry.sweep_tolerance, transient,
+    transient_periods: periods });
+  return all.filter(([, value]) => value)
+    .map(([name, value]) => [name, literal(/** @type {any} */ (NUMBER), value)]);
+}
+
+/**
+ * Return the parameters of an observable that are not the usual ones.
+ * @param {MapQuestion} question
+ * @param {import("./choices.js").Watched} watched
+ */
+function changed({ layout }, { name, parameters }) {
+  return Object.entries(parameters).filter(([key, value]) =>
+    Number(value) !== layout.observables[name].parameters[key]);
+}
+
+/**
+ * Return an observable as Python writes it.
+ * @param {MapQuestion} question
+ * @param {import("./choices.js").Watched} watched
+ */
+function inPython(question, watched) {
+  const own = changed(question, watched).map(([name, value]) =>
+    `${name}=${literal(/** @type {any} */ (NUMBER), value)}`);
+  return own.length
+    ? `ll.observables.${question.registry.observables[watched.name].title}(${own.join(", ")})`
+    : `'${watched.name}'`;
+}

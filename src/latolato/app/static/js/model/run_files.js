@@ -1,0 +1,139 @@
+/** Files of a run, as Python writes and reads them: its columns, its contacts, its scenario. */
+
+import { commandLine } from "./run_code.js";
+import { isShown, shownText } from "./shown.js";
+
+/** @typedef {import("./registry.js").Registry} Registry */
+/** @typedef {import("../page/block.js").Block} Block */
+
+const SIDES = ["right", "left"];
+const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work", "retension_loss"];
+// Variables whose names say whether they are those of one ball or of both.
+const OF_BALLS = ["kinetic_energy", "potential_energy", "total_energy", "drive_power", "damping_power",
+  "tension", "lab_energy", "rod_power", ...LEDGER];
+
+/**
+ * Return the tables of a scenario that sets these options.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options in SI units
+ * @returns {Record<string, any>}
+ */
+export function tablesOf(registry, options) {
+  /** @type {Record<string, any>} */
+  const tables = {};
+  for (const [name, { owner, path }] of Object.entries(registry.options)) {
+    const value = options[name];
+    if (value === undefined || value === null) continue;
+    let place = (tables[owner] ??= {});
+    for (const part of path.slice(0, -1)) place = (place[part] ??= {});
+    place[path[path.length - 1]] = value;
+  }
+  return tables;
+}
+
+/**
+ * Return the scenario of a run as a file in TOML.
+ * @param {Registry} registry
+ * @param {Block} block
+ * @param {string} name of the file
+ */
+export function tomlOf(registry, { about }, name) {
+  const lines = [`# SI units. Run it: latolato simulate ${name}`,
+    `# The same on one line: ${commandLine(registry, about.options)}`];
+  const write = (/** @type {string} */ title, /** @type {Record<string, any>} */ table) => {
+    const isTable = (/** @type {[string, any]} */ [, value]) => typeof value === "object" && !Array.isArray(value);
+    const entries = Object.entries(table);
+    lines.push("", `[${title}]`);
+    // JSON's texts, numbers, switches and lists are TOML's too.
+    for (const [key, value] of entries.filter((each) => !isTable(each)))
+      lines.push(`${key} = ${JSON.stringify(value)}`);
+    for (const [key, value] of entries.filter(isTable)) write(`${title}.${key}`, value);
+  };
+  for (const [title, table] of Object.entries(tablesOf(registry, about.options))) write(title, table);
+  return `${lines.join("\n")}\n`;
+}
+
+/**
+ * Return the columns of a run as a table of comma-separated values.
+ * @param {Registry} registry
+ * @param {Block} block
+ */
+export function columnsTable(registry, block) {
+  const names = Object.keys(block.arrays).filter((name) =>
+    name !== "strobe" && !(name in CONTACT_COLUMNS));
+  return table(registry, block, names);
+}
+
+/** @type {Record<string, true>} */
+const CONTACT_COLUMNS = { contact_time: true, contact_kind: true, angular_velocity_before: true,
+  angular_velocity_after: true, radial_velocity_before: true, radial_velocity_after: true, contact_ball: true };
+
+/**
+ * Return the contacts of a run as a table of comma-separated values.
+ * @param {Registry} registry
+ * @param {Block} block
+ */
+export function contactsTable(registry, block) {
+  return table(registry, block, Object.keys(CONTACT_COLUMNS).filter((name) => name in block.arrays));
+}
+
+/**
+ * @param {Registry} registry
+ * @param {Block} block
+ * @param {string[]} names
+ */
+function table(registry, { about, arrays, shapes }, names) {
+  const two = registry.systems[about.options.system].angles === 2;
+  const isToy = registry.systems[about.options.system].contacts;
+  const isString = about.options.suspension === "string";
+  /** @type {{name: string, title: string, at: (i: number) => any}[]} */
+  const columns = names.flatMap((name) => {
+    const { unit, shown_unit: shownUnit, ...quantity } = registry.quantities[name];
+    const label = isString ? quantity.label.replace("of the rod", "of the string") : quantity.label;
+    const shape = shapes[name];
+    const length = shape[shape.length - 1];
+    const values = arrays[name];
+    const isBoth = two && LEDGER.includes(name);
+    const whose = isToy && OF_BALLS.includes(name) ? isBoth ? ", both balls" : ", per ball" : "";
+    const rows = two && shape.length === 2 && shape[0] === 2 ? SIDES : [""];
+    return rows.map((side, row) => {
+      const whole = side ? `${name}_${side}` : name;
+      if (isShown(shownUnit)) {
+        const head = `${whole} [${shownUnit}]`;
+        return { name: head, title: `# column ${head}: ${label}${whose}`,
+          at: (/** @type {number} */ i) => shownText(values[row * length + i], shownUnit) };
+      }
+      const at = name === "contact_kind"
+        ? (/** @type {number} */ i) => about.contact_kinds[values[i]]
+        : (/** @type {number} */ i) => values[row * length + i];
+      return { name: whole, title: `# column ${whole} [${unit}]: ${label}${whose}`, at };
+    });
+  });
+  const head = Object.entries(about.attributes).map(([name, value]) =>
+    `# ${withUnit(registry, name)}: ${typeof value === "string" ? value : json(value)}`);
+  const lines = [...head, ...columns.map(({ title }) => title), columns.map(({ name }) => name).join(",")];
+  const shape = shapes[names[0]];
+  for (let i = 0; i < shape[0]; i += 1)
+    lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan")).join(","));
+  return `${lines.join("\n")}\n`;
+}
+
+/**
+ * Return the name of what stands above the columns of a table, with the unit of its value if it has one.
+ * @param {Registry} registry
+ * @param {string} name
+ */
+export function withUnit({ quantities }, name) {
+  const { unit = "1" } = quantities[name.replace(/^(right|left)_/, "")] ?? {};
+  return unit === "1" ? name : `${name} [${unit}]`;
+}
+
+/**
+ * Return a value as Python's JSON has it, which knows numbers that are none.
+ * @param {any} value
+ * @returns {string}
+ */
+function json(value) {
+  if (Array.isArray(value)) return `[${value.map(json).join(", ")}]`;
+  return typeof value === "number" && !Number.isFinite(value) ? String(value) : JSON.stringify(value);
+}

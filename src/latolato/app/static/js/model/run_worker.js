@@ -1,0 +1,15 @@
+/** Runs beside the page: each message is a question, see `answer.js`. */
+
+import { loadLayout, loadModule } from "../kernels/load.js";
+import { answer } from "./reply.js";
+import { loadRegistry } from "./registry.js";
+
+self.addEventListener("message", async ({ data }) => {
+  const result = await answer(data);
+  const buffers = new Set(Object.values(result.block?.arrays ?? {}).map((array) => array.buffer));
+  self.postMessage(result, { transfer: [...buffers] });
+});
+// What most runs need comes at once; a run that needs it reports a fault.
+for (const load of [loadLayout, () => loadModule("one")]) load().catch(() => {});
+// Until then a page does not know whether it may have workers.
+void loadRegistry().then(() => self.postMessage(null));

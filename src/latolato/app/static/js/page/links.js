@@ -1,0 +1,68 @@
+/** Links that lead to another view with other parameters. */
+
+import { withoutAlternatives } from "../model/options.js";
+import { el } from "./dom.js";
+import { textOf } from "./option_texts.js";
+import { format } from "./state.js";
+
+/** @typedef {import("./state.js").Page} Page */
+/** @typedef {{view: string, scenario: string | null, options: Record<string, string>,
+ *   extra?: Record<string, string>}} Target */
+
+/**
+ * Return a link that opens a state of the page; it can be opened in a new tab too.
+ * @param {Page} page
+ * @param {Target} target
+ * @param {string} text
+ * @param {string} [title]
+ * @returns {HTMLAnchorElement}
+ */
+export function openLink(page, target, text, title) {
+  return el("a", { href: addressOf(page, target), class: "open", title,
+    on: {
+      click: (/** @type {MouseEvent} */ event) => {
+        if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+        event.preventDefault();
+        openState(page, target);
+      } } }, text);
+}
+
+/**
+ * @param {Page} page
+ * @param {Target} target
+ */
+function addressOf({ store: { state: { lang } } }, target) {
+  return format({ extra: {}, lang, ...target });
+}
+
+/**
+ * Return nothing; the page shows another view, with these parameters.
+ * @param {Page} page
+ * @param {Target} target
+ */
+export function openState(page, target) {
+  page.store.set(target, "view");
+  window.scrollTo(0, 0);
+}
+
+/**
+ * Return values in SI units as the texts of options.
+ * @param {any} registry
+ * @param {Record<string, any>} values
+ * @returns {Record<string, string>}
+ */
+export function textsOf(registry, values) {
+  return Object.fromEntries(Object.entries(values).map(([name, value]) =>
+    [name, textOf(registry.options[name], value)]));
+}
+
+/**
+ * Return options with some of them set, and without what cannot be given beside these.
+ * @param {any} registry
+ * @param {Record<string, string>} options
+ * @param {Record<string, string>} changed
+ * @returns {Record<string, string>}
+ */
+export function withOptions(registry, options, changed) {
+  return { ...withoutAlternatives(registry, options, Object.keys(changed)), ...changed };
+}

@@ -1,0 +1,124 @@
+/** Errors in the words of the pages. */
+
+import { InputError, say } from "../model/rules.js";
+import { local, ruleText, t, tr } from "../strings.js";
+import { short, shownUnit } from "./unit_text.js";
+
+/** @type {import("../model/rules.js").RuleLanguage} */
+const LANGUAGE = { sentence: ruleText, word: tr };
+// Rules that refuse what is no number in the unit of an option.
+const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
+// Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
+const ENDS = ["at_least", "more_than", "at_most", "less_than"];
+const SIZES = ["size", "turns"];
+const RADII = ["radius", "right radius", "left radius"];
+// Problems with the start, and the texts for them in the unit on the screen.
+const STARTS = /** @type {Record<string, string>} */ ({
+  angle: "refuseContact", "angle in degrees": "refuseContact",
+  separation: "refuseSeparation", "separation in degrees": "refuseSeparation",
+  offset: "refuseOffset", "offset in degrees": "refuseOffset",
+  "half turn": "refuseBetween", turn: "refuseTurn" });
+const TURNS = /** @type {Record<string, number>} */ ({ "half turn": Math.PI, turn: 2 * Math.PI });
+
+/**
+ * Return the text of an error in the language of the page; it calls parameters by their names.
+ * @param {Error} error
+ */
+export function inLanguage(error) {
+  return error instanceof InputError ? local(error.worded(String(error.parameter), LANGUAGE)) : tr(error.message);
+}
+
+/**
+ * Return a sentence of a rule in the language of the page.
+ * @param {string | import("../model/rules.js").Sentence} sentence
+ */
+export function sentenceInLanguage(sentence) {
+  return local(say(sentence, LANGUAGE));
+}
+
+/**
+ * Return the warnings of a run as one text; those of the installed program are texts already.
+ * @param {(string | import("../model/rules.js").Sentence)[]} warnings
+ */
+export function warningsText(warnings) {
+  return warnings.map((each) => t("warning", { text: sentenceInLanguage(each) })).join(" ");
+}
+
+/**
+ * Return in words where numbers may lie, as "at least 0 m and below 1 m".
+ * @param {{end: string, is_open: boolean} | null} least null where there is no end
+ * @param {{end: string, is_open: boolean} | null} most
+ */
+export function endsText(least, most) {
+  const texts = [least && t(least.is_open ? "endAbove" : "endAtLeast", { end: least.end }),
+    most && t(most.is_open ? "endBelow" : "endAtMost", { end: most.end })].filter((text) => text !== null);
+  return texts.length === 2 ? t("endBoth", { one: texts[0], other: texts[1] }) : texts.join("");
+}
+
+/**
+ * Return the ends of the range that a rule of an option names, null where there is none.
+ * @param {import("../model/registry.js").Option["limits"]} limits
+ * @param {string} rule
+ */
+function endsOf(limits, rule) {
+  const names = ENDS.includes(rule) ? ENDS : [rule];
+  const end = (/** @type {boolean} */ isLower) =>
+    limits.find((limit) => limit.is_lower === isLower && names.includes(limit.rule)) ?? null;
+  // A size has no limit below where it cannot be negative.
+  return [end(true) ?? (SIZES.includes(rule) ? { end: 0, is_open: false } : null), end(false)];
+}
+
+/**
+ * Return an error in plain words, with its numbers in the unit in which the page shows its option.
+ * @param {import("../model/registry.js").Option} option
+ * @param {InputError} error
+ */
+function inPlainWords({ unit, units = [], limits }, error) {
+  const { rule, about: { wayOut, ...about } } = error;
+  if (typeof rule === "string") return error;
+  const { name, size } = units[0] ?? { name: unit, size: 1 };
+  const shown = shownUnit(name);
+  const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
+  if (NUMBERS.includes(rule.name))
+    // A phrase such as "per second" is no unit in which numbers are.
+    return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
+      { ...error.about, value });
+  if (typeof value !== "number") return error;
+  const number = (/** @type {any} */ each) => short(each / size);
+  const withUnit = (/** @type {any} */ each) =>
+    `${number(each)}${shown && (shown.startsWith("°") ? shown : ` ${shown}`)}`;
+  const own = { ...about, value: Number(number(value)) };
+  if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
+    const [least, most] = endsOf(limits, rule.name);
+    const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
+    const shownEnd = (/** @type {{end: number, is_open: boolean} | null} */ end) =>
+      end && { end: withUnit(end.end), is_open: end.is_open };
+    return new InputError(isClosed ? t("refuseBetween", { low: number(least.end), high: withUnit(most.end) })
+      : t("refuseEnds", { ends: endsText(shownEnd(least), shownEnd(most)) }),
+    // The way out of an end only repeats it.
+    { ...own, ...(SIZES.includes(rule.name) && { wayOut }) });
+  }
+  const { low = 0, high = TURNS[rule.name], length } = rule.values;
+  if (rule.name in STARTS)
+    return new InputError(t(STARTS[rule.name], { parameter: "{parameter}", low: number(low), high: withUnit(high) }),
+      { ...own, ...(wayOut && { wayOut }) });
+  if (RADII.includes(rule.name))
+    return new InputError(t("refuseEnds", { ends: endsText({ end: withUnit(0), is_open: false },
+      { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: number(length) }) });
+  return error;
+}
+
+/**
+ * Return the text of an error, and the option that it is about: the text calls it by its label, and has
+ * numbers in the unit on the screen.
+ * @param {import("../model/registry.js").Registry} registry
+ * @param {Error} error
+ * @returns {[string, string | null]}
+ */
+export function inPagesWords(registry, error) {
+  if (!(error instanceof InputError) || error.parameter === null) return [inLanguage(error), null];
+  const [name] = error.parameter.split("[");
+  const option = registry.options[name];
+  if (!option) return [inLanguage(error), null];
+  return [local(inPlainWords(option, error).worded(`\u201c${option.label}\u201d`, LANGUAGE)), name];
+}

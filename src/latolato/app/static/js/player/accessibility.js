@@ -1,0 +1,91 @@
+/** A motion for those who hear it: its description, its clacks and tones, and its keys. */
+
+import { t } from "../strings.js";
+import { el } from "../page/dom.js";
+import { accessibilityPreferences } from "../page/preferences.js";
+import { KeyList } from "../page/keys.js";
+import { LiveRegion } from "./live_region.js";
+import { Sound } from "./sound.js";
+
+/** @typedef {import("../page/keys.js").KeyActions} KeyActions */
+/** @typedef {import("./live_region.js").LiveSource} LiveSource */
+
+// What passed in a longer time of the page, as after a jump, is not heard.
+const LONGEST = 0.3; // s
+
+export class Accessibility {
+  /**
+   * @param {HTMLCanvasElement} stage
+   * @param {() => {title: string, actions: KeyActions}[]} keys of the view
+   */
+  constructor(stage, keys) {
+    this.sound = new Sound();
+    this.liveRegion = new LiveRegion();
+    this.keys = new KeyList(keys);
+    this.heard = 0;
+    /** The speed at which balls are as loud as it gets [rad/s]. */
+    this.loudest = 1;
+    const { line, about } = this.liveRegion;
+    const others = stage.getAttribute("aria-describedby");
+    stage.setAttribute("aria-describedby", others ? `${about.id} ${others}` : about.id);
+    const choice = (/** @type {string} */ name, /** @type {string} */ title,
+      /** @type {(on: boolean) => void} */ turn) => {
+      const box = el("input", { type: "checkbox", checked: accessibilityPreferences.all[name] === true, on: { change: () => {
+        accessibilityPreferences.keep(name, box.checked);
+        turn(box.checked);
+      } } });
+      turn(box.checked);
+      return el("label", { class: "check", title }, box, t(name));
+    };
+    /** Stands on the stage. */
+    this.toggle = choice("sound", t("soundHint"), (on) => { this.sound.clacks = on; });
+    // Screen readers are silent about what is in a closed `details`, which shows no dialog either.
+    /** Say what happens now, and show it to who asks. */
+    this.answer = () => {
+      line.classList.remove("unseen");
+      this.liveRegion.answer();
+    };
+    this.root = el("div", { class: "senses" },
+      el("details", { class: "about" }, el("summary", {}, t("listenAndRead")), el("div", { class: "row" },
+        choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
+        choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
+        el("button", { type: "button", class: "plain", on: { click: () => this.answer() } },
+          t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
+        this.keys.button)),
+      line, about, this.keys.dialog);
+  }
+
+  /** Return the keys that every motion has. @returns {KeyActions} */
+  actions() {
+    return {
+      w: { text: "keyWhat", act: () => this.answer() },
+      "?": { text: "keyHelp", act: () => this.keys.open() },
+    };
+  }
+
+  /**
+   * Follow the motion to an instant.
+   * @param {number} time
+   * @param {boolean} isPlaying
+   * @param {number} speed seconds of the motion in one of the page
+   */
+  move(time, isPlaying, speed) {
+    const { sound, liveRegion } = this;
+    const since = time - this.heard;
+    if (isPlaying && liveRegion.source) {
+      const { motion, log } = liveRegion.source;
+      if (sound.clacks && since > 0 && since < LONGEST * speed)
+        for (const { time: at, kind, speed: closing } of log().between(this.heard, time))
+          if (kind === "bottom" || kind === "top")
+            sound.clack((time - at) / speed, closing / this.loudest, kind);
+      if (sound.tones) sound.follow(motion.balls.map((ball) => motion.angle(ball, time)));
+    }
+    this.heard = time;
+    liveRegion.move(time, isPlaying);
+  }
+
+  close() {
+    this.liveRegion.end();
+    this.sound.close();
+  }
+}

@@ -1,0 +1,242 @@
+/** What is shown of a run when somebody asks: energies and powers, portrait, section, ledger, contacts. */
+
+import { local, t } from "../strings.js";
+import { Curves } from "./curves.js";
+import { el } from "../page/dom.js";
+import { TaskQueue } from "../page/task_queue.js";
+import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
+import { KINDS } from "./events.js";
+import { scaled } from "./traces.js";
+import { DEGREE, localShort } from "../page/unit_text.js";
+import { XYPlot } from "./xy_plot.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./clock.js").Clock} Clock */
+
+const MOST_ROWS = 200;
+/** What the table of contacts says about velocities, and its heads. @type {Record<string, string>} */
+const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_after: "after",
+  radial_velocity_before: "outwardsBefore", radial_velocity_after: "outwardsAfter" };
+// Sections begin with this share of the run left out, which remembers the start.
+const SETTLED = 0.2;
+// Of the balls, from the back to the front.
+const PAINTS = ["left", "right"];
+
+/** A panel that computes and draws while it is open. */
+export class MoreCurves {
+  /**
+   * @param {Clock} clock
+   * @param {Curves} angles that show the same stretch of time
+   */
+  constructor(clock, angles) {
+    this.clock = clock;
+    this.angles = angles;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** @type {Motion | null} */
+    this.pinned = null;
+    /** What is drawn. @type {Motion | null} */
+    this.drawn = null;
+    this.later = new TaskQueue();
+    const curves = el("div", { class: "curves" });
+    const [phase, section] = ["phase", "section"].map((name) =>
+      el("div", { class: "chart", role: "img", "aria-label": t(name) }));
+    this.contacts = el("div", { class: "table-scroll", tabindex: "0", role: "region",
+      "aria-label": t("contacts") });
+    this.ledger = el("div", { class: "ledger" });
+    this.ledgerTitle = el("h2", {});
+    const card = (/** @type {Node} */ title, /** @type {(Node | string)[]} */ ...content) =>
+      el("section", { class: "card" }, title, ...content);
+    const head = (/** @type {string} */ name) => el("h2", {}, t(name));
+    this.root = el("details", { class: "more-curves", on: { toggle: () => this.draw() } },
+      el("summary", {}, t("moreCurves")), curves,
+      el("div", { class: "cards" }, card(head("phase"), phase),
+        card(head("section"), el("p", { class: "hint" }, t("sectionHint")), section),
+        card(this.ledgerTitle, el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
+        card(head("contacts"), this.contacts)));
+    this.curves = new Curves(curves, clock, ENERGY_PANELS);
+    this.curves.onZoom = (from, to) => angles.zoom(from, to);
+    const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
+    this.phase = new XYPlot(phase, labels, PAINTS);
+    this.section = new XYPlot(section, labels, PAINTS, { hasDots: true });
+  }
+
+  /**
+   * Show a run: now if the panel is open, else when it is opened.
+   * @param {Motion} motion
+   * @param {Motion | null} pinned
+   */
+  show(motion, pinned) {
+    this.motion = motion;
+    this.pinned = pinned;
+    this.drawn = null;
+    this.draw();
+  }
+
+  draw() {
+    const { motion, pinned } = this;
+    if (!this.root.open || !motion || this.drawn === motion) return;
+    this.drawn = motion;
+    this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
+    if (motion.grows) {
+      this.later.run(this.curves.show(motion));
+      return;
+    }
+    this.later.run([
+      ...this.curves.show(motion, pinned),
+      () => this.showPhase(motion),
+      () => this.showSection(motion),
+      () => this.showLedger(motion),
+      () => this.showContacts(motion),
+    ]);
+    this.curves.setSpan(...this.angles.span);
+    this.move(this.clock.time);
+  }
+
+  /**
+   * Show a stretch of time.
+   * @param {number} from
+   * @param {number} to
+   */
+  setSpan(from, to) {
+    if (this.drawn && !this.drawn.grows) this.curves.setSpan(from, to);
+  }
+
+  /** @param {number} time */
+  move(time) {
+    const { drawn } = this;
+    if (!drawn || drawn.grows || !this.root.open) return;
+    this.phase.mark(byPaint(drawn.balls, (ball) => ({
+      x: drawn.angle(ball, time) / DEGREE,
+      y: ball.sign * drawn.at("angular_velocity", time, ball.row),
+    })));
+  }
+
+  /** @param {Motion} motion */
+  showPhase(motion) {
+    this.phase.show(byPaint(motion.balls, (ball) => ({
+      xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE),
+      ys: scaled(motion.values("angular_velocity", ball.row) ?? [], ball.sign),
+    })));
+  }
+
+  /** @param {Motion} motion */
+  showSection(motion) {
+    const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
+    this.section.show(byPaint(motion.balls.filter((b, i) => i === 0 || b.row > 0), (ball) => ({
+      xs: instants.map((s) => motion.angle(ball, s) / DEGREE),
+      ys: instants.map((s) => ball.sign * motion.at("angular_velocity", s, ball.row)),
+    })));
+  }
+
+  /** @param {Motion} motion */
+  showContacts(motion) {
+    const count = motion.contacts.length;
+    if (!count) {
+      this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")));
+      return;
+    }
+    const two = motion.block.shapes.angular_velocity_before[0];
+    const cells = (/** @type {string} */ name, /** @type {number} */ i) =>
+      Array.from({ length: two }, (_, k) => localShort(motion.values(name, k)?.[i] ?? NaN, 4)).join(", ");
+    const columns = Object.keys(CONTACT_COLUMNS).filter((name) => name in motion.block.arrays);
+    const rows = [];
+    for (let i = 0; i < Math.min(count, MOST_ROWS); i += 1) {
+      const at = motion.contacts[i];
+      rows.push(el("tr", {},
+        el("td", {}, el("button", { type: "button", class: "link", on: { click: () => this.clock.seek(at) } },
+          localShort(at, 6))),
+        el("td", {}, kindOf(motion, i)),
+        ...columns.map((name) => el("td", {}, cells(name, i)))));
+    }
+    this.contacts.replaceChildren(
+      el("table", {}, el("thead", {}, el("tr", {}, ...["time", "kind", ...columns.map((name) => CONTACT_COLUMNS[name])]
+        .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)),
+      count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "");
+  }
+
+  /** @param {Motion} motion */
+  showLedger(motion) {
+    this.ledgerTitle.textContent = t("ledger", { whose: whose(motion) });
+    const rows = ledgerRows(motion);
+    const side = (/** @type {string} */ title, /** @type {(p: {energy: number}) => boolean} */ is) => [
+      el("h3", {}, t(title)),
+      ...rows.filter(is).map(({ name, share, energy, paint }) => el("div", { class: "ledger-row" },
+        el("span", {}, t(name)),
+        el("span", { class: "bar" }, bar(share, paint)),
+        el("output", {}, `${local((100 * share).toFixed(1))} %`),
+        el("output", { class: "soft" }, `${localShort(Math.abs(energy), 4)} J`)))];
+    this.ledger.replaceChildren(
+      ...side("cameIn", (row) => row.energy > 0), ...side("wentOut", (row) => row.energy <= 0));
+  }
+
+  destroy() {
+    this.later.run([]);
+    this.curves.destroy();
+    this.phase.destroy();
+    this.section.destroy();
+  }
+}
+
+/**
+ * Return something of each ball, by the paint of the ball.
+ * @template T
+ * @param {import("./motion.js").MotionBall[]} balls
+ * @param {(ball: import("./motion.js").MotionBall) => T} of
+ * @returns {Record<string, T>}
+ */
+function byPaint(balls, of) {
+  return Object.fromEntries(balls.map((ball) => [ball.name === "left" ? "left" : "right", of(ball)]));
+}
+
+/**
+ * The kind of a contact, with its ball if it is not of both.
+ * @param {Motion} motion
+ * @param {number} i
+ */
+function kindOf(motion, i) {
+  const kind = t(KINDS[motion.block.arrays.contact_kind[i]]);
+  const own = motion.ballsAt(i);
+  return own.length < motion.balls.length ? `${kind}, ${t(own[0].name)}` : kind;
+}
+
+/** How many balls one row of the ledger stands for. */
+function ballsPerLedger(/** @type {Motion} */ motion) {
+  return motion.balls.length > 1 && motion.balls.every((b) => b.row === 0) ? 2 : 1;
+}
+
+/**
+ * The energy ledger [J]: sources (positive) and sinks or rests (negative), with shares of all that
+ * came in: those of each side sum to one.
+ * @param {Motion} motion
+ * @returns {{name: string, energy: number, share: number, paint: string}[]}
+ */
+export function ledgerRows(motion) {
+  const times = ballsPerLedger(motion);
+  const last = (/** @type {string} */ name) => times * (motion.about.ledger[name] ?? 0);
+  const [first, end] = [0, motion.time.length - 1].map((i) => motion.balls.reduce((sum, ball) =>
+    sum + (motion.values("total_energy", ball.row)?.[i] ?? 0), 0));
+  const parts = [
+    { name: "atStart", energy: first, paint: "soft" },
+    { name: "drivePower", energy: last("drive_work"), paint: "gain" },
+    { name: motion.about.by_hand ? "hand" : "noise", energy: last("noise_work"), paint: "soft" },
+    { name: "dampingPower", energy: -last("damping_loss"), paint: "loss" },
+    { name: "impacts", energy: -last("impact_loss"), paint: "force" },
+    { name: "capture", energy: -last("capture_loss"), paint: "left" },
+    { name: "retension", energy: -last("retension_loss"), paint: "flash" },
+    { name: "left_over", energy: -end, paint: "right" },
+  ];
+  const came = parts.reduce((sum, { energy }) => sum + Math.max(energy, 0), 0);
+  return parts.filter((p) => Math.abs(p.energy) > 1e-9 * came || p.name === "left_over")
+    .map((part) => ({ ...part, share: came ? Math.abs(part.energy) / came : 0 }));
+}
+
+/**
+ * @param {number} share
+ * @param {string} paint
+ */
+function bar(share, paint) {
+  const inner = el("span", { class: `fill ${paint}` });
+  inner.style.width = `${Math.min(100, 100 * Math.abs(share))}%`;
+  return inner;
+}

@@ -1,0 +1,200 @@
+/** The player: animation, angles over time, transport and, when asked for, more of one run. */
+
+import { t } from "../strings.js";
+import { Clock } from "./clock.js";
+import { el } from "../page/dom.js";
+import { slackText } from "./hang.js";
+import { followKeys } from "../page/keys.js";
+import { MoreCurves } from "./more_curves.js";
+import { range } from "./motion.js";
+import { Scene } from "./scene.js";
+import { Accessibility } from "./accessibility.js";
+import { speedMenu } from "./speed.js";
+import { Start } from "./start.js";
+import { logOf } from "./events.js";
+import { Timeline } from "./timeline.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+
+const FASTEST = 50;
+
+export class Player {
+  /**
+   * @param {HTMLElement} root
+   */
+  constructor(root) {
+    this.clock = new Clock();
+    this.root = root;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** @type {Motion | null} */
+    this.pinned = null;
+    const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
+    this.timeline = new Timeline(this.clock);
+    this.more = new MoreCurves(this.clock, this.curves);
+    this.accessibility = new Accessibility(canvas, () => [{ title: t("keysHere"), actions: this.keys() },
+      ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
+      ...(this.clock.lead ? [] : [{ title: t("keysOfCurve"), actions: this.curves.actions }])]);
+    this.accessibility.liveRegion.onDescribe = () => {
+      if (this.motion?.grows) this.curves.describe(this.motion);
+    };
+    /** What stands on the stage: buttons above, messages below. */
+    this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.accessibility.toggle);
+    this.messages = el("div", { class: "stage-messages" });
+    this.stage = el("div", { class: "stage" }, canvas, this.tools, this.messages);
+    this.bench = el("div", { class: "bench" }, this.stage,
+      el("div", { class: "panel" }, this.timeline.root, this.makeTransport(), this.accessibility.root));
+    root.append(this.bench, this.more.root);
+    this.scene = new Scene(canvas);
+    this.start = new Start(this.scene, this.clock);
+    canvas.after(this.scene.legend, this.start.said);
+    this.curves.held = () => this.scene.held;
+    this.curves.onSpan = (from, to) => {
+      this.timeline.mark();
+      this.more.setSpan(from, to);
+    };
+    this.clock.subscribe((time) => this.move(time));
+    /** What a hand that holds the toy does at which key. @type {import("../page/keys.js").KeyActions} */
+    this.heldActions = {};
+    /** @type {import("../page/keys.js").KeyActions} */
+    this.actions = {
+      " ": { text: "keyPlay", act: () => this.clock.toggle() },
+      ",": { text: "keyBack", act: () => this.stepBy(-1) },
+      ".": { text: "keyOn", act: () => this.stepBy(1) },
+      ...this.accessibility.actions(),
+    };
+    followKeys(root, this.actions);
+  }
+
+  /** The keys that do something now. @returns {import("../page/keys.js").KeyActions} */
+  keys() {
+    const { ",": back, ".": on, ...others } = this.actions;
+    const { w, "?": help, ...first } = others;
+    return this.clock.lead ? { ...first, ...this.heldActions, w, "?": help } : this.actions;
+  }
+
+  /** The angles over time. */
+  get curves() {
+    return this.timeline.curves;
+  }
+
+  makeArrowsSwitch() {
+    const box = el("input", { type: "checkbox", on: { change: () => this.scene.showArrows(box.checked) } });
+    return el("label", { class: "check", title: t("arrowsHint") }, box, t("arrows"));
+  }
+
+  makeTransport() {
+    this.button = el("button", { type: "button", class: "play", on: { click: () => this.clock.toggle() } },
+      t("play"));
+    this.timeText = el("output", { class: "time" });
+    const speed = speedMenu(FASTEST, (chosen) => { this.clock.speed = chosen; });
+    this.loop = el("input", { type: "checkbox", checked: true, on: { change: () => {
+      this.clock.looping = this.loop.checked;
+    } } });
+    return el("div", { class: "transport row" }, this.button,
+      el("button", { type: "button", class: "plain step", "aria-label": t("stepBack"),
+        on: { click: () => this.stepBy(-1) } }, "◂"),
+      el("button", { type: "button", class: "plain step", "aria-label": t("stepForward"),
+        on: { click: () => this.stepBy(1) } }, "▸"),
+      this.timeText, this.timeline.toggles,
+      el("span", { class: "check" }, ...speed),
+      el("label", { class: "check of-run" }, this.loop, t("loop")));
+  }
+
+  /**
+   * Show a motion that goes on by itself, as somebody holds the toy, until it is let go.
+   * @param {any} motion that grows
+   * @param {(now: number) => number} lead moves it on to a picture, and returns its instant
+   * @param {number} loudest speed of a clack, as loud as it gets [rad/s]
+   */
+  hold(motion, lead, loudest) {
+    const { clock, scene, accessibility } = this;
+    this.motion = motion;
+    scene.pinned = null;
+    this.root.classList.add("held");
+    this.start.disable();
+    [clock.lead, clock.time] = [lead, motion.end];
+    scene.show(motion);
+    accessibility.loudest = loudest;
+    accessibility.liveRegion.begin({ motion, log: () => motion.log });
+    this.timeline.show(motion, null);
+    this.more.show(motion, null);
+    this.move(clock.time);
+  }
+
+  /** Leave the stage to the next run, which begins at its start. */
+  letGo() {
+    this.root.classList.remove("held");
+    [this.clock.lead, this.clock.time] = [null, 0];
+    this.motion = this.accessibility.liveRegion.source = null;
+    this.scene.pinned = this.pinned;
+  }
+
+  /**
+   * Show a run, and keep the instant if it has it.
+   * @param {Motion} motion
+   */
+  show(motion) {
+    this.motion = motion;
+    this.clock.end = motion.end;
+    if (this.clock.time > motion.end) this.clock.time = 0;
+    this.scene.show(motion);
+    const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
+    this.accessibility.loudest = 2 * Math.max(-slow, fast, 1e-9);
+    /** @type {import("./events.js").Log | null} */
+    let log = null;
+    this.accessibility.liveRegion.replace({ motion, log: () => { log ??= logOf(motion); return log; } });
+    this.timeline.show(motion, this.pinned);
+    this.more.show(motion, this.pinned);
+    this.move(this.clock.time);
+    this.start.play();
+  }
+
+  /** Begin at the start of the run, with the curve that follows the clock. */
+  restart() {
+    this.clock.time = 0;
+    this.curves.follows = true;
+  }
+
+  /** Keep the run on show behind the next ones, or let it go. */
+  togglePin() {
+    this.pinned = this.pinned ? null : this.motion;
+    this.scene.pinned = this.pinned;
+    this.scene.draw();
+    if (this.motion) {
+      this.timeline.show(this.motion, this.pinned);
+      this.more.show(this.motion, this.pinned);
+    }
+    return this.pinned !== null;
+  }
+
+  /** @param {number} steps */
+  stepBy(steps) {
+    const motion = this.motion;
+    if (!motion || motion.grows) return;
+    this.clock.pause();
+    this.clock.seek(this.clock.time + (steps * motion.end) / (motion.time.length - 1));
+  }
+
+  /** @param {number} time */
+  move(time) {
+    if (!this.motion) return;
+    this.scene.move(time);
+    this.timeline.move(time);
+    this.more.move(time);
+    this.accessibility.move(time, this.clock.playing, this.clock.speed);
+    const label = this.clock.playing ? t("pause") : t("play");
+    if (this.button && this.button.textContent !== label) this.button.textContent = label;
+    if (!this.clock.isRead) return;
+    if (this.timeText) this.timeText.textContent = t("timeText", { time: time.toFixed(this.clock.playing ? 1 : 2) }) + slackText(this.motion, time);
+    this.timeline.update(time);
+  }
+
+  destroy() {
+    this.clock.pause();
+    this.accessibility.close();
+    this.curves.destroy();
+    this.more.destroy();
+    this.scene.release();
+  }
+}

@@ -1,0 +1,222 @@
+/** Runs for the page, computed in a worker, or in the page itself where workers are refused. */
+
+import { commandLine, pythonLines } from "../model/run_code.js";
+import { InputError } from "../model/rules.js";
+import { t } from "../strings.js";
+import { askBlock } from "../page/api.js";
+import { tell } from "../page/dom.js";
+
+/** @typedef {import("../model/options.js").OptionsRequest} OptionsRequest */
+/** @typedef {import("../model/reply.js").RunQuestion} RunQuestion */
+/** @typedef {import("../model/reply.js").Reply} Reply */
+/** @typedef {import("../page/block.js").Block} Block */
+/**
+ * A question, and who waits for the answer.
+ * @typedef {{question: RunQuestion, isRepeated: boolean, resolve: (block: Block) => void,
+ *   reject: (error: Error) => void}} Pending
+ */
+
+// Samples of a run that is drawn.
+export const MOST_SAMPLES = 30_000;
+// A run may take so long before a newer one ends it.
+const PATIENCE = 200; // ms
+
+/** A run that takes longer than a minute and that the user has not agreed to. */
+export class LongRunError extends Error {
+  /** @param {number} seconds */
+  constructor(seconds) {
+    super(t("longRun", { count: Math.ceil(seconds / 60) }));
+    this.name = "LongRunError";
+    this.seconds = seconds;
+  }
+}
+
+/** Takes the place of a worker in pages where workers are refused. */
+class Inline {
+  /** @param {(answer: Reply) => void} receive */
+  constructor(receive) {
+    this.receive = receive;
+  }
+
+  /** @param {RunQuestion} question */
+  async postMessage(question) {
+    const { answer } = await import("../model/reply.js");
+    this.receive(await answer(question));
+  }
+
+  terminate() {}
+}
+
+/**
+ * Computes runs one after the other. The run that is under way is delivered, so that a slider that moves
+ * shows runs on its way; of those that wait, the newest only.
+ */
+export class Runner {
+  /** @param {import("../model/registry.js").Registry} registry */
+  constructor(registry) {
+    this.registry = registry;
+    /** @type {Worker | Inline | null} */
+    this.worker = null;
+    /** Whether the worker has begun to answer: one that still loads is not ended. */
+    this.isReady = false;
+    this.number = 0;
+    /** What the worker computes. @type {Pending | null} */
+    this.running = null;
+    this.busySince = 0;
+    /** What it computes next. @type {Pending | null} */
+    this.waiting = null;
+  }
+
+  /** Begin to load the worker and what it computes with. */
+  start() {
+    this.worker ??= this.startWorker();
+    return this.worker;
+  }
+
+  startWorker() {
+    let worker;
+    try {
+      worker = new Worker(new URL("../model/run_worker.js", import.meta.url), { type: "module" });
+    } catch {
+      return this.startInline(); // refused by the page's policy or by the browser
+    }
+    this.isReady = false;
+    worker.addEventListener("message", ({ data }) => {
+      this.isReady = true;
+      if (data) this.receive(data);
+    });
+    worker.addEventListener("error", ({ message }) => {
+      if (this.isReady) {
+        this.restart(message);
+        return;
+      }
+      this.worker = this.startInline();
+      if (this.running) void this.worker.postMessage(this.running.question);
+    });
+    return worker;
+  }
+
+  startInline() {
+    return new Inline((answer) => this.receive(answer));
+  }
+
+  /**
+   * Return a run as a block.
+   * @param {OptionsRequest} request
+   * @param {{mostSamples?: number, isAgreed?: boolean}} [how] `isAgreed`: however long it takes
+   * @returns {Promise<Block>}
+   * @throws {InputError} for bad input
+   * @throws {LongRunError} for a run that takes longer than a minute
+   */
+  compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false } = {}) {
+    this.number += 1;
+    const question = { number: this.number, request, mostSamples, isAgreed };
+    return new Promise((resolve, reject) => {
+      this.waiting?.reject(aborted());
+      this.waiting = { question, resolve, reject, isRepeated: false };
+      this.next();
+    });
+  }
+
+  /** Compute what waits; a run that takes long makes way for it. */
+  next() {
+    const { waiting, running } = this;
+    if (!waiting) return;
+    if (running) {
+      if (!this.isReady || performance.now() - this.busySince < PATIENCE) {
+        setTimeout(() => this.next(), PATIENCE);
+        return;
+      }
+      running.reject(aborted());
+      this.endWorker();
+    }
+    this.waiting = null;
+    this.ask(waiting);
+  }
+
+  /** @param {Pending} pending */
+  ask(pending) {
+    this.running = pending;
+    this.busySince = performance.now();
+    void this.start().postMessage(pending.question);
+  }
+
+  /** Forget what is asked for now. */
+  stop() {
+    this.waiting?.reject(aborted());
+    this.waiting = null;
+    this.running?.reject(aborted());
+  }
+
+  /** End the worker; the next run begins another one. */
+  end() {
+    this.endWorker();
+    this.waiting = null;
+  }
+
+  endWorker() {
+    this.worker?.terminate();
+    this.worker = null;
+    this.running = null;
+  }
+
+  /**
+   * Put another worker in the place of one that failed, and give it the same question once more.
+   * @param {string} [reason]
+   */
+  restart(reason) {
+    const { running } = this;
+    this.endWorker();
+    if (running && !running.isRepeated) {
+      tell(t("workerAgain"));
+      this.ask({ ...running, isRepeated: true });
+      return;
+    }
+    running?.reject(new Error(reason || t("workerGone")));
+    this.next();
+  }
+
+  /** @param {Reply} answer */
+  receive(answer) {
+    const { running } = this;
+    if (running?.question.number !== answer.number) return;
+    if (answer.fault && !answer.fault.about) {
+      this.restart(answer.fault.message);
+      return;
+    }
+    this.running = null;
+    this.settle(running, answer);
+    this.next();
+  }
+
+  /**
+   * @param {Pending} pending
+   * @param {Reply} answer
+   */
+  settle({ question, resolve, reject }, { number, block, seconds, fault }) {
+    if (block) resolve(block);
+    else if (seconds) reject(new LongRunError(seconds));
+    else if (fault?.isBeyond && this.registry.server) {
+      this.askProgram(question).then((whole) => {
+        if (number === this.number) resolve(whole);
+        else reject(aborted());
+      }, reject);
+    } else reject(new InputError(fault?.about.rule, fault?.about.about));
+  }
+
+  /**
+   * Return a run that pages do not compute, from the program that serves this one.
+   * @param {RunQuestion} question
+   */
+  async askProgram({ request, mostSamples }) {
+    const { about, ...columns } = await askBlock("api/run", { ...request, most_samples: mostSamples });
+    const { options } = about;
+    return { ...columns, about: { ...about, python: pythonLines(this.registry, options),
+      command: commandLine(this.registry, options) } };
+  }
+}
+
+/** The error that ends a run that is no longer wanted. */
+function aborted() {
+  return new DOMException("a newer run is wanted", "AbortError");
+}

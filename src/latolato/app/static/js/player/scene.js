@@ -1,0 +1,254 @@
+/** The picture of a toy, to scale: the hand that holds the pivot, rods, balls, and what they do. */
+
+import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
+import { coloursOf, el, fitCanvas } from "../page/dom.js";
+import { drawAngle } from "./angle.js";
+import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
+import { contactPoint, Flashes, strengthOf } from "./flash.js";
+import { drawHangers, drawLines } from "./hang.js";
+import { before } from "./motion.js";
+import { drawMover, moverBox } from "./mover.js";
+import { drawTrails } from "./trail.js";
+import { boxAbout, fitScale, joined, place } from "./scale.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./scale.js").Scale} Scale */
+/** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./angle.js").LedBall} LedBall */
+
+// Kinds of contact up to this one are impacts, above that one they are those of strings.
+const TOP = 1;
+const RELEASE = 3;
+// Smaller balls are drawn this large [pixels of the page].
+const LEAST_RADIUS = 4;
+// A flash goes on while the run stands still; another picture comes before that when it plays.
+const NEXT_FLASH = 40; // ms
+const NAMES = ["ink", "soft", "line", "card", "right", "left", "flash", "force", "speed", "skin",
+  "skin-line", "sleeve"];
+
+export class Scene {
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this.canvas = canvas;
+    /** @type {Motion | null} */
+    this.motion = null;
+    this.time = 0;
+    this.arrows = false;
+    /** What the arrows mean; it stands where the page puts it. */
+    this.legend = el("ul", { class: "legend of-arrows", hidden: true });
+    this.flashes = new Flashes();
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    /** @type {Motion | null} a run that is drawn behind, in outline */
+    this.pinned = null;
+    /** Balls that a pointer leads, drawn in place of the run. @type {LedBall | null} */
+    this.held = null;
+    /** Where the balls were last drawn, in pixels of the canvas. */
+    this.drawn = /** @type {{x: number, y: number}[]} */ ([]);
+    /** @type {Record<string, string>} */
+    this.colours = {};
+    this.fist = 0;
+    this.fastest = 1;
+    this.release = fitCanvas(canvas, () => this.draw());
+  }
+
+  /** @param {Motion} motion */
+  show(motion) {
+    this.motion = motion;
+    this.held = null;
+    this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
+    this.fastest = topSpeed(motion);
+    this.legend.replaceChildren(...legendOf(motion));
+    this.draw();
+  }
+
+  /**
+   * Show arrows and what they mean, or neither.
+   * @param {boolean} isOn
+   */
+  showArrows(isOn) {
+    this.arrows = isOn;
+    this.legend.hidden = !isOn;
+    this.draw();
+  }
+
+  /**
+   * Draw an instant; contacts since the last one flash.
+   * @param {number} time
+   */
+  move(time) {
+    const { motion } = this;
+    if (motion?.contacts.length && time > this.time && time - this.time < 1) {
+      for (let k = before(motion.contacts, time); motion.contacts[k] > this.time; k -= 1) {
+        if (motion.contacts[k] > time) continue;
+        if (this.mark(k)) break;
+      }
+    }
+    this.time = time;
+    this.draw();
+  }
+
+  /**
+   * Show a contact; returns whether it was a clack.
+   * @param {number} k its number
+   */
+  mark(k) {
+    const motion = /** @type {Motion} */ (this.motion);
+    const kind = motion.block.arrays.contact_kind[k];
+    if (kind > TOP && kind <= RELEASE) return false;
+    const pose = motion.pose(motion.contacts[k]);
+    if (kind <= TOP) this.flash(pose, motion.closingSpeed(k));
+    else this.ring(pose, motion.ballsAt(k).filter((ball) => motion.pullsAt(ball, k)));
+    return kind <= TOP;
+  }
+
+  /**
+   * Ring balls whose strings go slack or taut.
+   * @param {Pose} pose
+   * @param {import("./motion.js").MotionBall[]} balls
+   */
+  ring(pose, balls) {
+    for (const { ball, x, y } of pose.balls)
+      if (balls.includes(ball)) this.flashes.ring({ x, y }, this.motion?.radius(ball) ?? 0);
+  }
+
+  /**
+   * Show the flash of a clack.
+   * @param {Pose} pose of the balls that meet
+   * @param {number} speed at which they do [rad/s]
+   */
+  flash({ balls }, speed) {
+    const { motion } = this;
+    if (!motion || balls.length < 2) return;
+    this.flashes.add(contactPoint(balls, (ball) => motion.radius(ball)),
+      strengthOf(speed, motion.naturalFrequency));
+  }
+
+  /** Return the box of all that is drawn about now: the motions, the hand and what moves it [m]. */
+  frame() {
+    const { motion, arrows, time } = this;
+    if (!motion) return { left: -1, right: 1, low: -1, high: 1 };
+    const box = motion.box(time);
+    const [low, high] = motion.pivotRange;
+    const hand = handBox(this.fist);
+    const [left, right] = motion.acrossRange;
+    return joined([{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
+      { left: left + hand.left, right: right + hand.right, low: low + hand.low, high: high + hand.high },
+      moverBox(motion, arrows), this.pinned?.box(time),
+      ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
+    ].filter((each) => each !== null && each !== undefined));
+  }
+
+  /**
+   * Return how many pixels of a canvas of this size a metre is, and where the origin lies.
+   * @param {number} [width] in pixels
+   * @param {number} [height]
+   * @param {number} [ratio] pixels for one of the page
+   */
+  scale(width = this.canvas.width, height = this.canvas.height, ratio = window.devicePixelRatio || 1) {
+    return fitScale(this.frame(), width, height, ratio);
+  }
+
+  /**
+   * The position on the canvas of a point of the plane, in the canvas's own pixels.
+   * @param {number} x
+   * @param {number} y
+   */
+  place(x, y) {
+    return place(this.scale(), x, y);
+  }
+
+  /** The pose of pivot and balls on show. */
+  pose() {
+    return this.held ?? this.motion?.pose(this.time) ?? null;
+  }
+
+  draw() {
+    const { canvas } = this;
+    clearTimeout(this.timer);
+    const context = canvas.getContext("2d");
+    if (!context) return;
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    this.colours = coloursOf(NAMES, canvas);
+    const pose = this.pose();
+    // A canvas that is not in the page has no colours.
+    if (!this.colours.ink || !pose) return;
+    const scale = this.scale();
+    this.drawn = placed(scale, pose);
+    if (this.paint(context, scale)) this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
+  }
+
+  /**
+   * Draw everything, the hand's arm at the back and the balls before the fist: it never hides one.
+   * Returns whether something flashes.
+   * @param {CanvasRenderingContext2D} context
+   * @param {Scale} scale
+   */
+  paint(context, scale) {
+    const { motion, colours, time } = this;
+    const pose = this.pose();
+    if (!motion || !pose) return false;
+    const { size, ratio } = scale;
+    const unit = motion.longest * size;
+    const pivot = place(scale, pose.across, pose.height);
+    context.lineCap = context.lineJoin = "round";
+    if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
+    drawMover(context, scale, motion, time, colours, this.arrows);
+    drawArm(context, pivot, this.fist * size, colours);
+    if (!this.held) drawTrails(context, scale, motion, time, colours);
+    const balls = placed(scale, pose);
+    drawHangers(context, scale, pose, motion, colours);
+    drawFist(context, pivot, this.fist * size, colours);
+    context.strokeStyle = colours.ink;
+    context.lineWidth = ratio;
+    pose.balls.forEach(({ ball }, i) => {
+      const radius = Math.max(motion.radius(ball) * size, LEAST_RADIUS * ratio);
+      context.beginPath();
+      context.arc(balls[i].x, balls[i].y, radius, 0, 2 * Math.PI);
+      context.fillStyle = ball.name === "left" ? colours.left : colours.right;
+      context.fill();
+      context.stroke();
+    });
+    if (this.held) {
+      drawAngle(context, scale, this.held, motion, colours);
+      return false;
+    }
+    // The fastest ball of a motion that grows may be yet to come.
+    if (this.arrows && motion.grows) this.fastest = topSpeed(motion);
+    if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
+    return this.flashes.draw(context, scale, unit, colours.flash);
+  }
+
+  /**
+   * Draw a pinned run in outline.
+   * @param {CanvasRenderingContext2D} context
+   * @param {Scale} scale
+   * @param {Motion} motion
+   */
+  paintPinned(context, scale, motion) {
+    const pose = motion.pose(this.time);
+    context.strokeStyle = this.colours.soft;
+    context.lineWidth = 1.2 * scale.ratio;
+    context.setLineDash([5 * scale.ratio, 4 * scale.ratio]);
+    drawLines(context, scale, pose);
+    for (const { ball, x, y } of pose.balls) {
+      const [bx, by] = place(scale, x, y);
+      context.beginPath();
+      context.arc(bx, by, motion.radius(ball) * scale.size, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    context.setLineDash([]);
+  }
+}
+
+/**
+ * The positions of a pose's balls, in pixels.
+ * @param {Scale} scale
+ * @param {Pose} pose
+ */
+function placed(scale, { balls }) {
+  return balls.map((ball) => {
+    const [x, y] = place(scale, ball.x, ball.y);
+    return { x, y };
+  });
+}

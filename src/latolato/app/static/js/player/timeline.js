@@ -1,0 +1,134 @@
+/** The strip below the stage: the angles over time, and the slider of the instant on the same axis. */
+
+import { t } from "../strings.js";
+import { Curves } from "./curves.js";
+import { el } from "../page/dom.js";
+import { TaskQueue } from "../page/task_queue.js";
+import { anglePanel } from "./panels.js";
+
+/** @typedef {import("./motion.js").Motion} Motion */
+/** @typedef {import("./clock.js").Clock} Clock */
+
+// The height of the curve is this share of the window's, within limits [pixels].
+const SHARE = 0.16;
+const LEAST = 64;
+const MOST = 190;
+// The slider moves in so many steps over the stretch on show.
+const STEPS = 1000;
+const HALF_TURN = Math.PI;
+
+export class Timeline {
+  /** @param {Clock} clock */
+  constructor(clock) {
+    this.clock = clock;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** @type {Motion | null} */
+    this.pinned = null;
+    const place = el("div", { class: "curves" });
+    this.scrub = el("input", { type: "range", min: "0", max: String(STEPS), step: "1", value: "0",
+      class: "scrub", "aria-label": t("scrub"), on: {
+        input: () => this.seek(Number(this.scrub.value) / STEPS),
+        keydown: (/** @type {KeyboardEvent} */ event) => this.key(event),
+      } });
+    const toggle = (/** @type {string} */ text, /** @type {string} */ hint, /** @type {() => void} */ click) =>
+      el("button", { type: "button", class: "plain toggle", title: t(hint), "aria-pressed": "false",
+        on: { click } }, t(text));
+    this.whole = toggle("wholeRun", "wholeRunHint", () => this.toggleWhole());
+    this.wrapped = toggle("wrapAngles", "wrapAnglesHint", () => this.press(this.wrapped));
+    this.pivot = toggle("pivotCurve", "pivotCurveHint", () => this.press(this.pivot));
+    // Which of them a run needs is known when it comes.
+    this.whole.hidden = this.wrapped.hidden = true;
+    this.toggles = el("span", { class: "toggles" }, this.whole, this.wrapped, this.pivot);
+    this.root = el("div", { class: "timeline" }, place, this.scrub);
+    this.curves = new Curves(place, clock, [this.panel()], { follows: true });
+    this.curves.onLayout = () => this.align();
+    this.later = new TaskQueue();
+  }
+
+  panel() {
+    return { ...anglePanel({ wrapped: isPressed(this.wrapped), pivot: isPressed(this.pivot) }),
+      height: () => Math.round(Math.min(Math.max(SHARE * window.innerHeight, LEAST), MOST)) };
+  }
+
+  /**
+   * Show a run.
+   * @param {Motion} motion
+   * @param {Motion | null} pinned
+   */
+  show(motion, pinned) {
+    this.motion = motion;
+    this.pinned = pinned;
+    this.wrapped.hidden = !motion.balls.some(({ row }) =>
+      motion.values("angle", row)?.some((angle) => Math.abs(angle) > HALF_TURN));
+    this.curves.panels = [this.panel()];
+    this.later.run(this.curves.show(motion, pinned));
+    this.move(this.clock.time);
+  }
+
+  /** @param {HTMLElement} button */
+  press(button) {
+    button.setAttribute("aria-pressed", String(!isPressed(button)));
+    if (this.motion) this.show(this.motion, this.pinned);
+  }
+
+  /** Show the whole run, or follow the clock again. */
+  toggleWhole() {
+    if (this.curves.isWhole) this.curves.follow();
+    else this.curves.zoom(0, this.clock.end);
+  }
+
+  /** Show whether the whole run is seen; of a short one it always is. */
+  mark() {
+    const { isWhole, readable } = this.curves;
+    this.whole.hidden = isWhole && readable >= this.clock.end;
+    if (isPressed(this.whole) !== isWhole) this.whole.setAttribute("aria-pressed", String(isWhole));
+  }
+
+  /** Put the slider under the part of the curve that it stands for. */
+  align() {
+    const over = this.curves.charts[0].plot.over.getBoundingClientRect();
+    this.scrub.style.setProperty("--from", `${over.left - this.root.getBoundingClientRect().left}px`);
+    this.scrub.style.setProperty("--across", `${over.width}px`);
+  }
+
+  /** @param {number} share of the stretch on show */
+  seek(share) {
+    const [from, to] = this.curves.span;
+    this.clock.seek(from + share * (to - from));
+  }
+
+  /**
+   * Go to the ends of the run, not of what is on show.
+   * @param {KeyboardEvent} event
+   */
+  key(event) {
+    const time = { Home: 0, End: this.clock.end }[event.key];
+    if (time === undefined) return;
+    event.preventDefault();
+    this.clock.seek(time);
+  }
+
+  /**
+   * Move the slider to an instant.
+   * @param {number} time
+   */
+  move(time) {
+    const [from, to] = this.curves.span;
+    this.scrub.value = String(Math.round((STEPS * (time - from)) / (to - from || 1)));
+  }
+
+  /**
+   * Say where the slider stands.
+   * @param {number} time
+   */
+  update(time) {
+    if (this.motion?.grows) return;
+    this.scrub.setAttribute("aria-valuetext", t("instantOf", { time: time.toFixed(2), end: this.clock.end }));
+  }
+}
+
+/** @param {HTMLElement | undefined} button */
+function isPressed(button) {
+  return button?.getAttribute("aria-pressed") === "true";
+}
