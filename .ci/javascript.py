@@ -1,7 +1,7 @@
 """Check that pages import no module in a circle, and only what lies below a module.
 
-Kernels lie below the model, which lies below what views share: `page` (fields, links, messages) below
-`player` (stage, curves, sound). Views import no other views.
+Kernels lie below the model, which lies below what views share: `page` (fields, links, messages)
+below `player` (stage, curves, sound). Views import no other views.
 
 Imports of types, which stand in comments, are not followed.
 """
