@@ -5,7 +5,7 @@ import { pathToFileURL } from "node:url";
 const [site, requests, answers] = process.argv.slice(2);
 const load = (/** @type {string} */ name) => import(pathToFileURL(`${site}/js/model/${name}.js`));
 const [{ specify }, { run }, { blockOf }, files, { loadRegistry }] = await Promise.all(
-  ["case", "simulate", "block", "files", "registry"].map(load));
+  ["case", "simulate", "run_block", "run_files", "registry"].map(load));
 const registry = await loadRegistry();
 const results = [];
 for (const request of JSON.parse(readFileSync(requests, "utf8"))) {

@@ -5,9 +5,9 @@ import { pathToFileURL } from "node:url";
 const [site, requests, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
 const [{ specify }, { run }, { blockOf }, { loadRegistry }] = await Promise.all(
-  ["case", "simulate", "block", "registry"].map((name) => load(`model/${name}`)));
+  ["case", "simulate", "run_block", "registry"].map((name) => load(`model/${name}`)));
 const [{ format, parse }, { readable }] = await Promise.all(
-  ["state", "reading"].map((name) => load(`shared/${name}`)));
+  ["state", "link_parts"].map((name) => load(`page/${name}`)));
 const [{ questionOf }, { pointsOf }] = await Promise.all(
   ["question", "plan"].map((name) => load(`map/${name}`)));
 const { computeMap, countSteps, moduleOf } = await load("kernels/map");

@@ -95,10 +95,15 @@ def message_of(error: Exception) -> dict[str, Any]:
 
 
 def field_of(error: Exception) -> str | None:
-    """Return the option that an error is about."""
+    """Return the option of a run or a table that an error is about."""
     from latolato.scenario.options import law_options
 
+    name = parameter_of(error)
+    return name if name in law_options() or name in _OF_TABLES else None
+
+
+def parameter_of(error: Exception) -> str | None:
+    """Return the name of the parameter that an error is about, without the number of its value."""
     if not isinstance(error, InputError) or error.parameter is None:
         return None
-    name = error.parameter.partition("[")[0]  # of initial_angle[1]
-    return name if name in law_options() or name in _OF_TABLES else None
+    return error.parameter.partition("[")[0]  # of initial_angle[1]

@@ -19,7 +19,7 @@ from typing import Any
 import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import field_of, in_thread
+from latolato.app.answers import in_thread, parameter_of
 from latolato.app.processes import Workers
 from latolato.core.faults import line_of
 
@@ -82,8 +82,8 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
             job = await in_thread(websocket, prepare, request)
             block = job.ready or await _done(websocket, workers, job)
         except Exception as error:
-            # As it is: the questions of Analyse have names of their own, which their page puts.
-            await websocket.send_json({"error": line_of(error), "field": field_of(error)})
+            # As it is: analyses have parameters of their own, for which their page has labels.
+            await websocket.send_json({"error": line_of(error), "field": parameter_of(error)})
         else:
             if block is None:
                 return

@@ -2,7 +2,7 @@
 
 import { el } from "../page/dom.js";
 import { Form } from "../page/form.js";
-import { inWords, NAMES } from "../page/words.js";
+import { inWords } from "../page/words.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
@@ -112,15 +112,15 @@ export class ArgumentForm {
   }
 
   /**
-   * Show a refusal beside the field that it names first; returns whether there is such a field.
+   * Show a refusal beside the field that it is about; returns whether there is such a field.
    * @param {string | null} text
+   * @param {string | null} [name] of the option
    */
-  error(text) {
-    const name = text?.match(NAMES)?.find((word) => this.form.fields.has(word));
+  error(text, name = null) {
     for (const [each, field] of this.form.fields)
       field.error(each === name && text ? inWords(text, this.words) : null);
-    if (name && !this.fields[name]) return false;
-    if (name && this.more.querySelector(".error:not([hidden])")) this.more.open = true;
-    return name !== undefined;
+    if (this.more.querySelector(".error:not([hidden])")) this.more.open = true;
+    // Choices and switches have no place for one.
+    return this.root.querySelector(".error:not([hidden])") !== null;
   }
 }

@@ -215,9 +215,12 @@ export class AnalyseView {
     this.answer.classList.toggle("stale", this.asked !== "" && JSON.stringify(this.question) !== this.asked);
   }
 
-  /** @param {string} text why there is no result */
-  refuse(text) {
-    if (!this.own.error(text)) this.job.refuse(inWords(text, this.own.words));
+  /**
+   * @param {string} text why there is no result
+   * @param {string | null} field that it is about
+   */
+  refuse(text, field) {
+    if (!this.own.error(text, field)) this.job.refuse(inWords(text, this.own.words));
     else this.job.error.hidden = true;
   }
 
@@ -231,7 +234,7 @@ export class AnalyseView {
     const block = await this.job.run("ws/analyse", question);
     if (JSON.stringify(question) !== this.asked) return;
     if (!block) {
-      if (!this.job.error.hidden) this.refuse(this.job.error.textContent ?? "");
+      if (!this.job.error.hidden) this.refuse(this.job.error.textContent ?? "", this.job.field);
       this.asked = "";
       return;
     }

@@ -68,6 +68,8 @@ export class JobLine {
     this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
       t("cancel"));
     this.error = el("p", { class: "error", role: "alert", hidden: true });
+    /** What the refusal on show is about. @type {string | null} */
+    this.field = null;
     this.line = el("div", { class: "row job", hidden: true }, this.bar, this.text, this.cancel);
     this.root = el("div", {}, this.line, this.error);
   }
@@ -90,7 +92,10 @@ export class JobLine {
         if (this.running === own) this.show(status);
       } });
     } catch (error) {
-      if (error instanceof Refusal) this.refuse(error.message);
+      if (error instanceof Refusal) {
+        this.field = error.field;
+        this.refuse(error.message);
+      }
       else if (!(error instanceof DOMException)) throw error;
       return null;
     } finally {

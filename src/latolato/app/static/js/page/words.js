@@ -1,7 +1,7 @@
 /** Refusals of the server in the words of a page. */
 
 // Names of options: those of one word are words of other sentences too, but not as “… must be”.
-export const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
+const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
 
 /**
  * Return a refusal with the words of the page for the options that it names.
