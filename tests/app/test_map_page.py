@@ -323,7 +323,7 @@ def test_a_map_is_coarse_until_somebody_asks_for_all_points(page):
     open_map(page, "&map.scenario=fig05_push&map.duration=1&map.observable=largest_angle")
     done = "() => window.latolato.views.map.grid.done"
     assert page.evaluate(done) == 50 * 50
-    page.get_by_text("Finer: 40000 points, about").wait_for()
+    page.get_by_text("Finer: 40000 points.").wait_for()
     page.get_by_role("button", name="Finer", exact=True).click()
     wait_done(page, 2)
     assert page.evaluate(done) == 200 * 200

@@ -112,7 +112,7 @@ def label_of(name: str, unit: str = "") -> str:
 
     Examples
     --------
-    >>> label_of("transient_periods"), label_of("damping", "kg m/s"), label_of("period", "1")
+    >>> label_of("transient_periods"), label_of("damping", "kg*m/s"), label_of("period", "1")
     ('Transient periods', 'Linear damping coefficient', 'Period')
     """
     from latolato.core.quantities import QUANTITIES
