@@ -365,6 +365,17 @@ def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_p
     assert not page.locator(".stale").count()
 
 
+@pytest.mark.parametrize("scenario", ["toy", "ballpair_asymmetric"])
+def test_every_analysis_has_its_fields_on_the_page(page, scenario):
+    page.goto(f"/?view=analyse&scenario={scenario}")
+    page.get_by_role("heading", name="Choose an analysis").wait_for()
+    for name, form in forms().items():
+        page.get_by_label("Analysis", exact=True).select_option(name)
+        page.get_by_role("heading", name=form["title"], exact=True).wait_for()
+        fields = page.locator(".settings .field")
+        assert fields.count() == len(form["options"]), name
+
+
 def test_a_link_computes_at_once(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=inverted_limits&analyse.ask=1")
     page.get_by_role("img", name="Inverted limits").wait_for(timeout=240_000)

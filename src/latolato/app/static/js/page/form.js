@@ -241,7 +241,7 @@ export class Form {
    */
   numberField(name, option, mayBeEmpty = MAY_BE_EMPTY.includes(name)) {
     const knob = new Knob(name, option, { label: this.label(name, option),
-      isList: this.isList(name, option), mayBeEmpty, registry: this.registry, unitChosen: () => this.read(),
+      isList: this.isList(option), mayBeEmpty, registry: this.registry, unitChosen: () => this.read(),
       take: (text) => this.give(name, text || null) });
     knob.chosen = this.units[name] ?? "";
     const read = (/** @type {string | null} */ text) =>
@@ -254,12 +254,11 @@ export class Form {
 
   /**
    * Return whether an option takes several numbers.
-   * @param {string} name
    * @param {FieldOption} option
    */
-  isList(name, option) {
+  isList(option) {
     return option.several
-      || (START.includes(name) && this.registry.systems[this.kinds.system].angles === 2);
+      || (option.for_each_ball === true && this.registry.systems[this.kinds.system].angles === 2);
   }
 
   /**

@@ -11,7 +11,7 @@ import { short } from "./unit_text.js";
  *   units: {name: string, size: number}[], several: boolean, choices: string[], switch: boolean,
  *   whole: boolean, default: any, usual: any, low: number | null, high: number | null,
  *   suggested: [number, number] | null, placeholder?: string, labels?: Record<string, string>,
- *   isExplained?: boolean, takesRange?: boolean}} FieldOption
+ *   isExplained?: boolean, takesRange?: boolean, for_each_ball?: boolean}} FieldOption
  */
 
 // Entries of a run that stand in the form, in this order.
