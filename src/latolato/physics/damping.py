@@ -121,6 +121,90 @@ def _flow_slopes(
     return time / divisor, (1.0 - rate * time) / (divisor * divisor)
 
 
+# Below this argument the series of `_effective_time_slope` and `_log_excess` are exact enough.
+_SERIES_OF_SLOPES = 0.01
+
+
+@formula
+def _effective_time_slope(rate: float, time: float) -> float:
+    """Derivative of `effective_time` with respect to the rate [s^2]."""
+    x = rate * time
+    if abs(x) < _SERIES_OF_SLOPES:
+        terms = 1 / 2 - x * (1 / 3 - x * (1 / 8 - x * (1 / 30 - x * (1 / 144 - x * (1 / 840)))))
+        return -time * time * terms
+    return (time * math.exp(-x) + math.expm1(-x) / rate) / rate
+
+
+@formula
+def _log_excess(x: float) -> float:
+    """``(x/(1 + x) - ln(1 + x))/x^2``, -1/2 at zero."""
+    if abs(x) < _SERIES_OF_SLOPES:
+        total = 0.0
+        for k in range(8, -1, -1):
+            total = (k + 1) / (k + 2) - x * total
+        return -total
+    return (x / (1.0 + x) - math.log1p(x)) / (x * x)
+
+
+@formula
+def drift_changes(
+    velocity: float, sign: float, interval: float, body: Any, change: Any
+) -> tuple[float, float]:
+    """Derivatives of what `drift` returns with respect to a parameter, at a fixed velocity.
+
+    With ``x = c2 sign w E`` and ``d = 1 + x`` the travelled angle ``ln(d)/(c2 sign)`` has the
+    derivatives ``w/d`` by E and ``sign (w E)^2 (x/d - ln d)/x^2`` by c2; the velocity afterwards is
+    ``w (1 - c1 E)/d``.
+
+    Parameters
+    ----------
+    interval : float
+        The interval itself [s], of which `drift` gets the `effective_time` E.
+    change : record
+        By how much ``damping_rate`` and ``quadratic`` change per unit of the parameter.
+    """
+    return _flow_changes(
+        velocity, sign, interval, body.damping_rate, body.quadratic, change.damping_rate,
+        change.quadratic,
+    )  # fmt: skip
+
+
+@formula
+def drift_changes_in_plane(
+    speed: float, interval: float, body: Any, change: Any
+) -> tuple[float, float]:
+    """Derivatives of the way and the speed of `drift_in_plane` with respect to a parameter."""
+    quadratic = body.quadratic * body.inverse_length
+    grown = change.quadratic * body.inverse_length + body.quadratic * change.inverse_length
+    return _flow_changes(
+        speed, 1.0, interval, body.damping_rate, quadratic, change.damping_rate, grown
+    )
+
+
+@formula
+def _flow_changes(
+    velocity: float, sign: float, interval: float, rate: float, quadratic: float,
+    rate_change: float, quadratic_change: float,
+) -> tuple[float, float]:  # fmt: skip
+    """See `drift_changes`."""
+    time = effective_time(rate, interval)
+    later = _effective_time_slope(rate, interval) * rate_change
+    way = velocity * time
+    x, divisor = quadratic * sign * way, 1.0 + quadratic * sign * way
+    kept = 1.0 - rate * time
+    farther = velocity * later / divisor + sign * way * way * _log_excess(x) * quadratic_change
+    grown = sign * (quadratic_change * way + quadratic * velocity * later)
+    slowed = rate_change * time + rate * later + kept * grown / divisor
+    return farther, -velocity * slowed / divisor
+
+
+@formula
+def viscous_drag_slope(velocity: float, body: Any) -> float:
+    """Derivative of `viscous_drag` with respect to the velocity [1/s]."""
+    slope: float = body.damping_rate + 2.0 * body.quadratic * abs(velocity)
+    return slope
+
+
 @formula
 def viscous_drag(velocity: float, body: Any) -> float:
     """Deceleration by all drag that vanishes with the velocity [rad/s^2]."""

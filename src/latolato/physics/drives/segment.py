@@ -282,6 +282,175 @@ def pivot_across_acceleration(t: float, p: Any) -> float:
     return _quintic_bend(s, p.x2, p.x3, p.x4, p.x5) if p.form == POLYNOMIAL else 0.0
 
 
+# Derivatives with respect to a parameter, on which a segment's numbers depend: p holds the numbers
+# and d by how much each of them changes per unit of the parameter. The time since the segment's
+# start changes as well, against `start`.
+
+
+@formula
+def _swept_parts(s: float, p: Any) -> tuple[float, float, float, float, float]:
+    """Return amplitude, its first and second derivative, frequency and phase of a swept cosine."""
+    amplitude = p.c0 + s * (p.c1 + s * (p.c2 + s * p.c3))
+    growth = p.c1 + s * (2.0 * p.c2 + s * 3.0 * p.c3)
+    bend = 2.0 * p.c2 + s * 6.0 * p.c3
+    phase = p.phase + s * (p.frequency + 0.5 * p.rate * s)
+    return amplitude, growth, bend, p.frequency + p.rate * s, phase
+
+
+@formula
+def _swept_changes(s: float, p: Any, d: Any) -> tuple[float, float, float, float, float]:
+    """Return the derivatives of all that `_swept_parts` returns."""
+    _, growth, bend, w, _ = _swept_parts(s, p)
+    amplitude, own_growth, own_bend, own_w, phase = _swept_parts(s, d)
+    later = -d.start
+    return (
+        amplitude + growth * later,
+        own_growth + bend * later,
+        own_bend + 6.0 * p.c3 * later,
+        own_w + p.rate * later,
+        phase + w * later,
+    )
+
+
+@formula
+def _swept_velocity_change(s: float, p: Any, d: Any) -> float:
+    """Return the derivative of `_swept_velocity`."""
+    amplitude, growth, _, w, phase = _swept_parts(s, p)
+    d_amplitude, d_growth, _, d_w, d_phase = _swept_changes(s, p, d)
+    across = d_growth - amplitude * w * d_phase
+    along = growth * d_phase + d_amplitude * w + amplitude * d_w
+    return across * cosine(phase) - along * sine(phase)
+
+
+@formula
+def _swept_acceleration_change(s: float, p: Any, d: Any) -> float:
+    """Return the derivative of `_swept_acceleration`."""
+    amplitude, growth, bend, w, phase = _swept_parts(s, p)
+    d_amplitude, d_growth, d_bend, d_w, d_phase = _swept_changes(s, p, d)
+    along, across = bend - amplitude * w * w, 2.0 * growth * w + amplitude * p.rate
+    d_along = d_bend - d_amplitude * w * w - 2.0 * amplitude * w * d_w
+    d_across = 2.0 * (d_growth * w + growth * d_w) + d_amplitude * p.rate + amplitude * d.rate
+    return (d_along - across * d_phase) * cosine(phase) - (d_across + along * d_phase) * sine(phase)
+
+
+@formula
+def _crank_velocity_change(s: float, p: Any, d: Any) -> float:
+    """Return the derivative of `_crank_velocity`.
+
+    With ``u = A sin q`` and ``r = sqrt(L^2 - u^2)`` the velocity is ``-w u (1 + side A cos q/r)``.
+    """
+    phase = p.frequency * s + p.phase
+    turned = d.phase + d.frequency * s - p.frequency * d.start
+    c, q = cosine(phase), sine(phase)
+    u, du = p.c0 * q, d.c0 * q + p.c0 * c * turned
+    root = math.sqrt(p.rod * p.rod - u * u)
+    d_root = (p.rod * d.rod - u * du) / root
+    tilt = p.side * p.c0 * c / root
+    d_tilt = p.side * (d.c0 * c - p.c0 * q * turned - p.c0 * c * d_root / root) / root
+    return -(d.frequency * u + p.frequency * du) * (1.0 + tilt) - p.frequency * u * d_tilt
+
+
+@formula
+def _crank_acceleration_change(s: float, p: Any, d: Any) -> float:
+    """Return the derivative of `_crank_acceleration`: that of ``w^2`` times `_crank_bend`.
+
+    The bend is ``-A (cos q + side lam n/m^(3/2))`` with ``n = 1 - 2 S + lam^2 S^2``,
+    ``m = 1 - lam^2 S`` and ``S = sin^2 q``.
+    """
+    w, phase = p.frequency, p.frequency * s + p.phase
+    turned = d.phase + d.frequency * s - w * d.start
+    c, q, lam = cosine(phase), sine(phase), p.c0 / p.rod
+    d_lam = (d.c0 - lam * d.rod) / p.rod
+    square, d_square = q * q, 2.0 * q * c * turned
+    n = 1.0 - 2.0 * square + lam * lam * square * square
+    dn = 2.0 * (lam * lam * square - 1.0) * d_square + 2.0 * lam * square * square * d_lam
+    m = 1.0 - lam * lam * square
+    dm = -2.0 * lam * square * d_lam - lam * lam * d_square
+    shape = n / (m * math.sqrt(m))
+    d_shape = (dn - 1.5 * n * dm / m) / (m * math.sqrt(m))
+    bend = -p.c0 * (c + p.side * lam * shape)
+    d_bend = -d.c0 * (c + p.side * lam * shape)
+    d_bend -= p.c0 * (p.side * (d_lam * shape + lam * d_shape) - q * turned)
+    return w * (2.0 * d.frequency * bend + w * d_bend)
+
+
+@formula
+def pivot_velocity_change(t: float, p: Any, d: Any) -> float:
+    """Return the derivative of `pivot_velocity` with respect to a parameter [m/s per unit]."""
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q, turned = w * s + p.phase, d.phase + d.frequency * s - w * d.start
+        return -(d.c0 * w + p.c0 * d.frequency) * sine(q) - p.c0 * w * turned * cosine(q)
+    if p.form == STILL:
+        return 0.0
+    if p.form == SWEPT:
+        return _swept_velocity_change(s, p, d)
+    if p.form == CRANK:
+        return _crank_velocity_change(s, p, d)
+    bend = _quintic_bend(s, p.c2, p.c3, p.c4, p.c5)
+    return _quintic_slope(s, d.c1, d.c2, d.c3, d.c4, d.c5) - bend * d.start
+
+
+@formula
+def pivot_acceleration_change(t: float, p: Any, d: Any) -> float:
+    """Return the derivative of `pivot_acceleration` with respect to a parameter [m/s^2 per unit].
+
+    A change of `start` alone, by -1, makes it the derivative with respect to the time.
+    """
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q, turned = w * s + p.phase, d.phase + d.frequency * s - w * d.start
+        weaker = (d.c0 * w + 2.0 * p.c0 * d.frequency) * w
+        return p.c0 * w * w * turned * sine(q) - weaker * cosine(q)
+    if p.form == STILL:
+        return 0.0
+    if p.form == SWEPT:
+        return _swept_acceleration_change(s, p, d)
+    if p.form == CRANK:
+        return _crank_acceleration_change(s, p, d)
+    steeper = 6.0 * p.c3 + s * (24.0 * p.c4 + s * 60.0 * p.c5)
+    return _quintic_bend(s, d.c2, d.c3, d.c4, d.c5) - steeper * d.start
+
+
+@formula
+def pivot_across_velocity_change(t: float, p: Any, d: Any) -> float:
+    """Return the derivative of `pivot_across_velocity` with respect to a parameter."""
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q, turned = w * s + p.phase, d.phase + d.frequency * s - w * d.start
+        c, n = cosine(q), sine(q)
+        moved = w * (d.x1 * c - d.x0 * n - (p.x1 * n + p.x0 * c) * turned)
+        return moved + d.frequency * (p.x1 * c - p.x0 * n)
+    if p.form != POLYNOMIAL:
+        return 0.0
+    bend = _quintic_bend(s, p.x2, p.x3, p.x4, p.x5)
+    return _quintic_slope(s, d.x1, d.x2, d.x3, d.x4, d.x5) - bend * d.start
+
+
+@formula
+def pivot_across_acceleration_change(t: float, p: Any, d: Any) -> float:
+    """Return the derivative of `pivot_across_acceleration` with respect to a parameter."""
+    s, w = t - p.start, p.frequency
+    if p.form == COSINE:
+        q, turned = w * s + p.phase, d.phase + d.frequency * s - w * d.start
+        c, n = cosine(q), sine(q)
+        moved = d.x0 * c + d.x1 * n + (p.x1 * c - p.x0 * n) * turned
+        return -w * (w * moved + 2.0 * d.frequency * (p.x0 * c + p.x1 * n))
+    if p.form != POLYNOMIAL:
+        return 0.0
+    steeper = 6.0 * p.x3 + s * (24.0 * p.x4 + s * 60.0 * p.x5)
+    return _quintic_bend(s, d.x2, d.x3, d.x4, d.x5) - steeper * d.start
+
+
+# The derivative with respect to a parameter of each formula that a motion depends on.
+CHANGES = {
+    pivot_acceleration: pivot_acceleration_change,
+    pivot_velocity: pivot_velocity_change,
+    pivot_across_acceleration: pivot_across_acceleration_change,
+    pivot_across_velocity: pivot_across_velocity_change,
+}
+
+
 @formula
 def rotation(p: Any) -> tuple[float, float, float]:
     """Return strength [m/s^2], frequency [rad/s] and phase of a pivot at rest or a steady cosine.
