@@ -30,7 +30,7 @@ from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED, between_walls, checked_contact, walls_of
-from latolato.sweeps.axes import parameters_of
+from latolato.simulation.vary import parameters_of
 
 if TYPE_CHECKING:
     import xarray as xr

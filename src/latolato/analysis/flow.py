@@ -28,7 +28,7 @@ from latolato.simulation.start import (
     checked_system,
     walls_of,
 )
-from latolato.sweeps.axes import DERIVED, parameters_of, replaced
+from latolato.simulation.vary import DERIVED, parameters_of, replaced
 
 Floats = NDArray[np.float64]
 # Drives under which orbits are followed.

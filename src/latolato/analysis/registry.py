@@ -75,7 +75,7 @@ def _checked_and_recorded(name: str, function: Any) -> Any:
 
 def quantity_named(name: str, system: System, drive: Drive | None) -> Quantity:
     """Return the quantity of a parameter of a system or a drive, a plain number if unknown."""
-    from latolato.sweeps.axes import parameters_of
+    from latolato.simulation.vary import parameters_of
 
     drive = drive or Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     parameters = parameters_of(checked_system(system), checked_drive(drive))

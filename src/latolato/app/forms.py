@@ -41,7 +41,7 @@ from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables,
 from latolato.scenario.tables import RATIOS
 from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
-from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of
+from latolato.simulation.vary import DERIVED, TARGETS, parameters_of
 from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan
 
 # Others would run on a page as exact contact: see `contactOf` in ``js/model/case.js``.

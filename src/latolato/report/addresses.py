@@ -11,7 +11,7 @@ from urllib.parse import quote, urlencode
 from latolato.scenario.options import flat_options, law_options
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.run import simulate
-from latolato.sweeps.axes import DERIVED
+from latolato.simulation.vary import DERIVED
 
 
 def address_of_preset(name: str, *, is_map: bool) -> str:

@@ -18,7 +18,8 @@ from latolato.physics.drives import drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import systems
 from latolato.scenario.units import to_si, to_si_list
-from latolato.sweeps.axes import DERIVED, TARGETS, parameters_of, unknown_parameter
+from latolato.simulation.vary import DERIVED, TARGETS, parameters_of
+from latolato.sweeps.axes import unknown_parameter
 
 if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan

@@ -17,7 +17,7 @@ from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
 from latolato.simulation.record import BALL, BALLS
-from latolato.sweeps.axes import DERIVED, parameters_of
+from latolato.simulation.vary import DERIVED, parameters_of
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.plan import Plan
 from latolato.sweeps.statuses import FLAGS, with_words

@@ -40,15 +40,8 @@ from latolato.simulation.start import (
     checked_system,
     warn_of_degrees,
 )
-from latolato.sweeps.axes import (
-    Axis,
-    checked_axes,
-    is_replaced,
-    names_in,
-    parameters_of,
-    replaced,
-    unknown_parameter,
-)
+from latolato.simulation.vary import parameters_of, replaced
+from latolato.sweeps.axes import Axis, checked_axes, is_replaced, names_in, unknown_parameter
 
 DEFAULT_OBSERVABLES = ("mean_energy", "crossings", "largest_angle")
 # More points than this are refused: they would take days to compute, and fill a disk.

@@ -27,7 +27,7 @@ from latolato.physics.noise import KEY, VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.physics.problems import FINE, OUT_OF_RANGE, TRANSIENT, refusal
 from latolato.simulation.start import kicks_of
-from latolato.sweeps.axes import DERIVED, parameters_of, replaced
+from latolato.simulation.vary import DERIVED, parameters_of, replaced
 from latolato.sweeps.plan import Plan
 
 Floats = NDArray[np.float64]

@@ -194,12 +194,12 @@ def _amplitudes_of(scenario: Scenario) -> tuple[float, float]:
 def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
     """Return the numbers that a diagram can vary: what they are, their units, usual limits [SI]."""
     from latolato.analysis.flow import value_of
-    from latolato.sweeps import axes
+    from latolato.simulation import vary
 
     if not scenario.drive.moves:
         return {}
     result = {}
-    for name, parameter in axes.parameters_of(scenario.system, scenario.drive).items():
+    for name, parameter in vary.parameters_of(scenario.system, scenario.drive).items():
         if parameter.owner not in ("system", "drive"):
             continue
         try:

@@ -33,7 +33,7 @@ from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import LatoLato, System, systems
 from latolato.simulation.start import checked_system
-from latolato.sweeps.axes import replaced
+from latolato.simulation.vary import replaced
 
 if TYPE_CHECKING:
     import xarray as xr
