@@ -144,6 +144,8 @@ def place_of(spec: KernelSpec) -> tuple[str, tuple[str, ...]]:
     if spec.make is kernels.engine:
         if laws[0] == "make_clamped":
             return "clamp", ("one", "lanes")
+        if laws[0] == "make_sensitive":  # pages differentiate nothing
+            return "sensitive", ()
         if len(laws) > _UPRIGHT:
             return "engine", ("plane_one",) if settings["count"] == 1 else ("plane_two",)
         return "engine", ("one", "lanes") if settings["count"] == 1 else ("two",)
@@ -386,7 +388,8 @@ def _record_layout(dtype: np.dtype[Any]) -> dict[str, Any]:
     fields = {}
     for name in dtype.names:
         inner, at = dtype.fields[name][:2]
-        fields[name] = {"at": at, "type": _type_of(inner.base), "shape": inner.shape}
+        if 0 not in inner.shape:  # arrays for which a run has no room on pages
+            fields[name] = {"at": at, "type": _type_of(inner.base), "shape": inner.shape}
     return {"size": dtype.itemsize, "fields": fields}
 
 

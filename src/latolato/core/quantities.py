@@ -221,6 +221,21 @@ QUANTITIES: dict[str, Quantity] = {
     "mathieu_a": Quantity("1", "a", "Mathieu parameter a"),
     "mathieu_q": Quantity("1", "b", "Mathieu parameter q (the paper's b)"),
     # contacts
+    "parameter": Quantity("", "", "parameter"),
+    "parameter_unit": Quantity("", "", "unit of the parameter"),
+    "angle_sensitivity": Quantity(
+        "rad", r"\partial\theta/\partial p", "derivative of the angle, per unit of the parameter"
+    ),
+    "angular_velocity_sensitivity": Quantity(
+        "rad/s",
+        r"\partial\omega/\partial p",
+        "derivative of the angular velocity, per unit of the parameter",
+    ),
+    "contact_time_sensitivity": Quantity(
+        "s",
+        r"\partial t_c/\partial p",
+        "derivative of the time of contact, per unit of the parameter",
+    ),
     "contact_time": Quantity("s", "t_c", "time of contact"),
     "contact_kind": Quantity("1", "", "kind of contact"),
     "angular_velocity_before": Quantity(

@@ -272,6 +272,7 @@ def make_steering(
         timetable = Timetable(
             points.segments[first:last], points.kick_times[kick:last_kick],
             points.kick_sizes[:, kick:last_kick],
+            points.segments[:0],
         )  # fmt: skip
         output = Output(
             scratch.no_times, scratch.no_samples, scratch.contact_times, scratch.contact_kinds,

@@ -46,7 +46,14 @@ from latolato.numerics.prepare import (
     make_prepare,
     write_stepper,
 )
-from latolato.numerics.run_record import Output, State, as_objects, run_dtype, write_back
+from latolato.numerics.run_record import (
+    MOST_PARAMETERS,
+    Output,
+    State,
+    as_objects,
+    run_dtype,
+    write_back,
+)
 from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
@@ -85,6 +92,25 @@ class Start:
     distances: tuple[float, ...] = ()
 
 
+@dataclass(frozen=True)
+class Directions:
+    """How the numbers of a run change per unit of each parameter; see `engine.sensitivity`.
+
+    Attributes
+    ----------
+    changes : ndarray, shape (parameter,)
+        Records of `run_record.CHANGE`.
+    segments : ndarray, shape (parameter, segment)
+        By how much the numbers of the drive's segments change.
+    start : ndarray, shape (4, parameter)
+        The derivatives of the state at time zero: angle and angular velocity of each ball.
+    """
+
+    changes: NDArray[Any]
+    segments: NDArray[Any]
+    start: Floats
+
+
 @dataclass
 class Trajectory:
     """What a kernel wrote; arrays are of shape (time,) or (contact,) unless noted.
@@ -99,6 +125,9 @@ class Trajectory:
         Angular velocities before (one row a ball) and after; in the plane more.
     slots : ndarray, shape (slot, ball)
         What was watched, one observable's slots after the other's.
+    doubt, doubted_since : int, float
+        Why and since when derivatives with respect to parameters are unknown [s]; 0 if they are
+        known to the end.
     """
 
     samples: Floats
@@ -112,6 +141,8 @@ class Trajectory:
     status: str
     failed: bool
     slots: Floats
+    doubt: int = 0
+    doubted_since: float = math.inf
 
 
 def choose_step(
@@ -145,6 +176,15 @@ def _case_of(
         bounds=(drive.largest_acceleration, drive.fastest_frequency), duration=duration,
         is_exact=1, **numbers,
     )  # fmt: skip
+
+
+def prepared_case(
+    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, step: float
+) -> NDArray[Any]:
+    """Return the record of a run at time zero, of shape (1,), with steps of this length [s]."""
+    case = _case_of(system, drive, start, duration, law)
+    case["step"] = step
+    return prepared_runs(case, choose_stepper(system))
 
 
 def laws_key(system: System) -> tuple[Formula, Formula]:
@@ -252,6 +292,28 @@ def prepared_runs(
     return runs
 
 
+def _differentiated(
+    runs: NDArray[Any], directions: Directions, segment: np.dtype[Any]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return a run with room for derivatives, and how the drive's segments change, in one row."""
+    count = len(directions.changes)
+    result = np.zeros(1, dtype=run_dtype(segment, MOST_PARAMETERS))
+    for name in runs.dtype.names or ():
+        if name == "state":
+            for part in runs["state"].dtype.names or ():
+                if part != "tangent_map":
+                    result["state"][part] = runs["state"][part]
+        elif result.dtype[name] == runs.dtype[name]:
+            result[name] = runs[name]
+    result["parameters"] = count
+    result["changes"][0, :count] = directions.changes
+    result["sensitivity"][0, :, :count] = directions.start
+    # The entry after the last parameter is the time: segments that begin earlier are further on.
+    result["changes"]["moves_pivot"][0, count] = 1
+    result["segment_changes"]["start"][0, count] = -1.0
+    return result, np.ascontiguousarray(directions.segments.ravel())
+
+
 def prepare_cases(work: Cases, *, compiled: bool = True) -> None:
     """Prepare cases, compiled or as plain Python."""
     if compiled:
@@ -294,6 +356,7 @@ def integrate(
     law: ContactLaw = _EXACT,
     compiled: bool = True,
     watched: Sequence[Observable] = (),
+    directions: Directions | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Trajectory:
     """Return the trajectory from 0 to `duration` [s], sampled at `sample_times`.
@@ -308,6 +371,10 @@ def integrate(
         Whether the kernel is compiled or runs as plain Python.
     watched : sequence of Observable
         What is gathered of every step and its matrix; contacts are in the table.
+    directions : Directions, optional
+        Of up to `run_record.MOST_PARAMETERS` parameters, under exact contact: the derivatives of
+        the state with respect to each follow the other rows of the samples, and those of the
+        instants of contacts the other rows of their values.
     progress : callable, optional
         Called with the fraction done, now and then.
     """
@@ -325,17 +392,23 @@ def integrate(
     in_plane = moves_in_plane(system, drive)
     carry_on = engine_of(
         angles, *motion_laws(system, drive, in_plane=in_plane), segment=segments.dtype,
-        motion=law.motion, compiled=compiled, formulas=formulas,
+        motion="sensitive" if directions is not None else law.motion, compiled=compiled,
+        formulas=formulas,
     )  # fmt: skip
     runs = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
+    parameters, segment_changes = 0, segments[:0]
+    if directions is not None:
+        runs, segment_changes = _differentiated(runs, directions, segments.dtype)
+        parameters = len(directions.changes)
     state = runs["state"].view(np.recarray)[0]
     timetable = Timetable(
         segments,
         np.empty(0) if kick_times is None else kick_times,
         np.empty((angles, 0)) if kick_sizes is None else kick_sizes,
+        segment_changes,
     )
     rows = records.PLANE_ROWS if in_plane else records.SAMPLE_ROWS
-    samples = np.full((rows, len(sample_times)), np.nan)
+    samples = np.full((rows + 2 * angles * parameters, len(sample_times)), np.nan)
     spare = SPARE_IN_PLANE if in_plane else SPARE_ROWS
     acc = blank_slots(watched, angles).ravel()
     for first, formula in formulas[ON_START]:
@@ -350,7 +423,7 @@ def integrate(
         buffers = (
             np.empty(size),
             np.empty(size, dtype=np.int64),
-            np.zeros((records.CONTACT_ROWS, size)),
+            np.zeros((records.CONTACT_ROWS + parameters, size)),
         )
         output = Output(sample_times, samples, *buffers)
         written = carry_on(
@@ -386,5 +459,6 @@ def integrate(
     return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, float(min(reached, duration)), step, stepper, status, failed,
-        acc.reshape(-1, angles),
+        acc.reshape(-1, angles), int(runs["doubt"][0]),
+        float(runs["doubted_since"][0]) if runs["doubt"][0] else math.inf,
     )  # fmt: skip

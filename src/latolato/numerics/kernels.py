@@ -43,6 +43,7 @@ from latolato.numerics.callbacks import (
 from latolato.numerics.derived_plane import PLANE_OBSERVED
 from latolato.numerics.parts import Part
 from latolato.numerics.records import segment_dtype
+from latolato.numerics.run_record import MOST_PARAMETERS
 from latolato.numerics.trajectory import motion_of
 from latolato.observables import Observable
 
@@ -74,8 +75,12 @@ def engine(
     *laws_and_part: Any,
     count: int,
     segment: np.dtype[Any],
+    parameters: int = 0,
 ) -> Callable[..., int]:
-    """The engine ``(run, stop, most_steps)`` of a motion."""
+    """The engine ``(run, stop, most_steps)`` of a motion.
+
+    Its runs have room for derivatives with respect to so many `parameters`.
+    """
     from latolato.numerics.callback_kernels import make_address_callbacks
     from latolato.numerics.engine.laws import laws_of
     from latolato.numerics.engine.loop import empty_arguments
@@ -83,7 +88,7 @@ def engine(
     from latolato.numerics.run_record import run_dtype
 
     *formulas, part = laws_and_part
-    run_at = record_at(run_dtype(segment))
+    run_at = record_at(run_dtype(segment, parameters))
     arguments_at = bundle_at(kind_of(empty_arguments(segment)))
     laws = laws_of(*formulas, part=part)
     carry_on = part(make_motion(laws, count, make_address_callbacks(part), part))
@@ -238,7 +243,9 @@ def engine_spec(
     motion : str
         One of `trajectory.MOTIONS`.
     """
-    settings = ("count", count), ("segment", segment)
+    settings: tuple[tuple[str, Any], ...] = ("count", count), ("segment", segment)
+    if motion == "sensitive":
+        settings += (("parameters", MOST_PARAMETERS),)
     return KernelSpec(engine, ENGINE, (motion_of(motion), *laws), settings)
 
 
@@ -400,6 +407,8 @@ def every_spec(observables: Iterable[type[Observable]]) -> Iterator[KernelSpec]:
     across = pivot_across_acceleration, pivot_velocity, pivot_across_velocity
     for count in (1, 2):
         yield engine_spec(count, usual, pivot_acceleration, *laws, *across)
+        yield engine_spec(count, usual, pivot_acceleration, *laws, motion="sensitive")
+        yield engine_spec(count, usual, pivot_acceleration, *laws, *across, motion="sensitive")
     yield observer_spec(
         usual, pivot_height, pivot_velocity, pivot_acceleration, pivot_across,
         pivot_across_velocity, pivot_across_acceleration,

@@ -116,6 +116,27 @@ POINT = layout_of(Point)
 # Rows are those of the state; the further columns are free for scratch.
 MATRIX_SHAPE = (4, 7)
 
+# With respect to so many parameters a run may be differentiated at once.
+MOST_PARAMETERS = 8
+
+
+class Change(Protocol):
+    """By how much the numbers of a run change per unit of a parameter."""
+
+    bodies: Annotated[list[Body], 4]
+    gravity: float
+    low: float
+    high: float
+    restitution: float
+    string_restitution: float
+    offset_low: float
+    offset_high: float
+    radius: Pair
+    moves_pivot: int  # whether the segments of the drive change
+
+
+CHANGE = layout_of(Change)
+
 # As many words as an observable is shown at most; see `callbacks`.
 _SHOWN = 14
 # As many words as say where everything lies that compiled code is given; see `abi.words_of`.
@@ -162,6 +183,17 @@ class Run(Protocol):
     # Addresses of the engine and of the observables' kernels; see `kernels.callback_table`.
     engine: int
     callbacks: int
+    # Derivatives with respect to parameters, see `engine.sensitivity`. There is room for them only
+    # where they are asked for (`run_dtype`). The entry after the last parameter is the time.
+    parameters: int
+    doubt: int  # why they are not known any more, and since when [s]
+    doubted_since: float
+    changes: list[Change]  # shape (parameter + 1,)
+    sensitivity: Floats  # of the state, shape (4, parameter)
+    forcing: Floats  # what a step or an event adds to them, likewise
+    delay: Floats  # by how much the present event is later [s per unit], shape (parameter,)
+    kept: Floats  # a copy of the tangent map through slack
+    segment_changes: list[Segment]  # of the present segment, shape (parameter + 1,)
     segment: Segment  # last: a drive may bring its own layout
 
 
@@ -176,9 +208,30 @@ class Output(NamedTuple):
 
 
 @functools.cache
-def run_dtype(segment: np.dtype[Any] | None = None) -> np.dtype[Any]:
-    """The layout of a `Run`; `segment` is that of the drive's segments."""
-    return layout_of(Run, segment=segment or segment_dtype())
+def run_dtype(segment: np.dtype[Any] | None = None, parameters: int = 0) -> np.dtype[Any]:
+    """The layout of a `Run`; `segment` is that of the drive's segments.
+
+    It has room for derivatives with respect to so many `parameters`.
+    """
+    segment, slack_rows = segment or segment_dtype(), DELAY_ROWS + 2
+    directions = parameters + 1 if parameters > 0 else 0
+    columns = 4 + parameters if parameters > 0 else 0
+    return layout_of(
+        Run,
+        state=layout_of(State, tangent_map=_array("f8", slack_rows, 4 + parameters)),
+        changes=_array(CHANGE, directions),
+        sensitivity=_array("f8", 4, parameters),
+        forcing=_array("f8", 4, parameters),
+        delay=_array("f8", parameters),
+        kept=_array("f8", slack_rows, columns),
+        segment_changes=_array(segment, directions),
+        segment=segment,
+    )
+
+
+def _array(kind: Any, *shape: int) -> np.dtype[Any]:
+    """The layout of an array of this kind and shape."""
+    return np.dtype((kind, shape))
 
 
 def as_objects(records: NDArray[Any]) -> Any:

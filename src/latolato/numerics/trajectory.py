@@ -8,15 +8,24 @@ from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.numerics.callbacks import Callbacks
 from latolato.numerics.clamp import make_clamped
-from latolato.numerics.engine.laws import Formula, Laws, laws_of
+from latolato.numerics.engine.laws import Formula, Laws, laws_of, with_changes
 from latolato.numerics.engine.loop import make_engine
 from latolato.numerics.parts import Part, as_it_stands
+
+
+def make_sensitive(
+    laws: Laws, count: int, callbacks: Callbacks, part: Part = as_it_stands
+) -> Callable[..., int]:
+    """Return the engine of exact contact that carries derivatives with respect to parameters."""
+    return make_engine(with_changes(laws), count, callbacks, part)
+
 
 # What a contact law names: called with laws, the number of balls, the functions that observables
 # are shown by and what makes parts. Others may add their own, built by `make_engine` of their own
 # modes.
 MOTIONS: dict[str, Callable[[Laws, int, Callbacks, Part], Callable[..., int]]] = {
     "exact": make_engine,
+    "sensitive": make_sensitive,
     "clamp": make_clamped,
 }
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from latolato.core.parameters import Parameter
 from latolato.core.registry import check_increasing, checked_array, in_unit
 from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Floats, Start, choose_step
@@ -17,6 +18,7 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.parameters import MOST_SAMPLES, RUN_PARAMETERS
+from latolato.simulation.sensitivity import checked_names
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     checked_contact,
@@ -24,6 +26,7 @@ from latolato.simulation.start import (
     checked_start,
     checked_system,
     kicks_of,
+    walls_of,
     warn_of_degrees,
 )
 
@@ -46,6 +49,10 @@ class RunPlan:
         Length of the first try's steps [s].
     kick_times, kick_sizes : ndarray, shapes (kick,) and (ball, kick), or None
         Of the noise [s], [rad/s].
+    offset : float or None
+        The angle above the low contact angle at which the run starts, if that was given [rad].
+    sensitivity_to : tuple of Parameter
+        With respect to what the run is differentiated.
     """
 
     system: System
@@ -62,6 +69,8 @@ class RunPlan:
     noise: VelocityKicks | None
     kick_times: Floats | None
     kick_sizes: Floats | None
+    offset: float | None = None
+    sensitivity_to: tuple[Parameter, ...] = ()
 
 
 def make_run_plan(
@@ -80,6 +89,7 @@ def make_run_plan(
     frame: str = "pivot",
     noise: VelocityKicks | None = None,
     contact_limit: int = 1_000_000,
+    sensitivity_to: str | Sequence[str] = (),
 ) -> RunPlan:
     """Return the plan of a run; parameters and errors are those of `latolato.simulate`."""
     drive = checked_drive(drive, checked_system(system))
@@ -102,7 +112,7 @@ def make_run_plan(
     if law.fixed_step is not None and law.fixed_step > end:
         raise broken_rule("clamp_step", {"end": end}, parameter="clamp_step", value=law.fixed_step)
     step = choose_step(system, drive, start, tolerance, law, duration=end)
-    return RunPlan(
+    plan = RunPlan(
         system=system,
         drive=drive,
         law=law,
@@ -117,7 +127,11 @@ def make_run_plan(
         noise=noise,
         kick_times=kick_times,
         kick_sizes=kick_sizes,
+        offset=None if initial_offset is None else start.angles[0] - walls_of(system, law)[0],
     )
+    if isinstance(sensitivity_to, (list, tuple)) and not sensitivity_to:
+        return plan
+    return replace(plan, sensitivity_to=checked_names(sensitivity_to, plan))
 
 
 def _checked_times(

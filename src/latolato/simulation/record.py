@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +19,7 @@ from latolato.physics.contacts import CONTACT_KINDS, contact_laws
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 from latolato.simulation.plan import RunPlan
+from latolato.simulation.sensitivity import DOUBTS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,7 +106,8 @@ class Record:
             each.name: (each.dimensions, _with_any_length(each.values), each.attrs)
             for each in self.described()
         }
-        coordinates = {name: result.pop(name) for name in ("time", "ball") if name in result}
+        along = ("time", "ball", "parameter", "parameter_unit")
+        coordinates = {name: result.pop(name) for name in along if name in result}
         return xr.Dataset(result, coords=coordinates, attrs=self.attrs)
 
 
@@ -168,6 +170,36 @@ def record_of(
     if is_string and two:
         variables["contact_ball"] = (("contact",), values[records.C_BALL].astype(np.int8))
     return Record(system, times, variables, attrs)
+
+
+def add_sensitivities(record: Record, plan: RunPlan, trajectories: Sequence[Trajectory]) -> None:
+    """Add derivatives with respect to parameters to the record of a run.
+
+    Each of the trajectories is that of the run, differentiated by some of the plan's parameters.
+    """
+    two, size = plan.system.angles == 2, 2 * plan.system.angles
+    angles, velocities, delays = [], [], []
+    for trajectory in trajectories:
+        count = len(trajectory.contact_values) - records.CONTACT_ROWS
+        rows = trajectory.samples[-size * count :].reshape(count, size, -1)
+        angles.append(rows[:, 0::2])
+        velocities.append(rows[:, 1::2])
+        delays.append(trajectory.contact_values[records.CONTACT_ROWS :])
+    per_ball = ("parameter", "ball", "time") if two else ("parameter", "time")
+    for name, values in (("angle", angles), ("angular_velocity", velocities)):
+        joined = np.concatenate(values)
+        record.variables[f"{name}_sensitivity"] = per_ball, joined if two else joined[:, 0]
+    late = ("parameter", "contact"), np.concatenate(delays)
+    record.variables["contact_time_sensitivity"] = late
+    names = np.array([parameter.name for parameter in plan.sensitivity_to])
+    units = np.array([parameter.quantity.unit for parameter in plan.sensitivity_to])
+    record.variables["parameter"] = ("parameter",), names
+    record.variables["parameter_unit"] = ("parameter",), units
+    first = min(trajectories, key=lambda trajectory: trajectory.doubted_since)
+    record.attrs["sensitivity_status"] = "known"
+    if first.doubt:
+        since, reason = first.doubted_since, DOUBTS[first.doubt]
+        record.attrs["sensitivity_status"] = f"unknown from {since:.6g} s on: {reason}"
 
 
 def _on_strings(

@@ -15,6 +15,7 @@ from latolato.numerics import records
 from latolato.numerics.derived import ACROSS_ROWS, BALL_ROWS, PIVOT_ROWS, Observation, ball_records
 from latolato.numerics.engine.samples import MOST_HALVINGS, MOST_STEPS_TO_REPEAT, allowed_error
 from latolato.numerics.integrate import (
+    Directions,
     Floats,
     Trajectory,
     integrate,
@@ -28,7 +29,8 @@ from latolato.physics.drives import Drive
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import System
 from latolato.simulation.plan import RunPlan, make_run_plan
-from latolato.simulation.record import Record, attributes_of, record_of
+from latolato.simulation.record import Record, add_sensitivities, attributes_of, record_of
+from latolato.simulation.sensitivity import batches_of, directions_of
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
 )
@@ -55,6 +57,7 @@ def simulate(
     frame: str = "pivot",
     noise: VelocityKicks | None = None,
     contact_limit: int = 1_000_000,
+    sensitivity_to: str | Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Return the motion of a system as a dataset over time, with contacts and energies.
@@ -96,6 +99,10 @@ def simulate(
         Random velocity kicks.
     contact_limit : int
         Contacts after which the run stops with a status and a warning.
+    sensitivity_to : str or sequence of str
+        Parameters with respect to which the motion is differentiated, by the names that axes of
+        sweeps have: ``"restitution"``, ``"right_mass"``, ``"drive_phase"``, ``"frequency_ratio"``,
+        ``"initial_angle_left"``. All others keep their values; see Notes.
     progress : callable, optional
         Called with the fraction done, now and then.
 
@@ -107,7 +114,10 @@ def simulate(
         (`drive_work`, `damping_loss`, `impact_loss`, `capture_loss` and, on strings,
         `retension_loss`) is per ball for one angle and the sum of both balls for a `BallPair`. On
         strings there are also `distance`, `radial_velocity` and `slack` on ``time``, and contacts
-        of kinds ``slack`` and ``taut``.
+        of kinds ``slack`` and ``taut``. With `sensitivity_to` there are `angle_sensitivity` and
+        `angular_velocity_sensitivity` on ``parameter`` and ``time``, the derivatives at a fixed
+        time, and `contact_time_sensitivity` on ``parameter`` and ``contact``; the units are those
+        of the variable per SI unit of the parameter.
 
     Raises
     ------
@@ -123,6 +133,13 @@ def simulate(
     if that was not enough. The motion does not depend on `times`; the attribute `energy_residual`
     is the largest error of the ledger at all steps and samples [J].
     Chaotic motion amplifies every error: only its statistics can be trusted at late times.
+
+    Derivatives with respect to parameters are exact through impacts, rest, lift-off and slack: they
+    follow the variational equation of the very steps, and jump at events. Walls move with radius
+    and length, and a start at an `initial_offset` moves with its wall. They are NaN, and the
+    attribute `sensitivity_status` says since when and why, once they do not exist or cannot be
+    trusted: after a graze, two events at one instant, or a capture of two balls. Of the start of
+    rest by capture `contact_time_sensitivity` alone is NaN.
     A contact is missed if the ball dips into a wall and returns within a quarter of a step while
     its acceleration keeps its sign at the ends; the depth of such a dip is below the step's error.
 
@@ -149,6 +166,7 @@ def simulate(
         frame=frame,
         noise=noise,
         contact_limit=contact_limit,
+        sensitivity_to=sensitivity_to,
     )
     return run_plan(plan, progress).to_dataset()
 
@@ -170,9 +188,14 @@ def run_plan(plan: RunPlan, progress: Callable[[float], None] | None = None) -> 
     if progress is not None and not callable(progress):
         raise InputError("must be a function", parameter="progress", value=progress)
     clamped = plan.law.fixed_step is not None
-    trajectory, halvings = _integrated(plan, plan.step, progress), 0
+    # One run carries a few parameters; with more of them it is made again for the others.
+    batches: list[Directions | None] = [
+        directions_of(plan, parameters) for parameters in batches_of(plan.sensitivity_to)
+    ]
+    first, *others = batches or [None]
+    trajectory, halvings = _integrated(plan, plan.step, first, progress), 0
     if not clamped:
-        trajectory, halvings = _closed(plan, trajectory, progress)
+        trajectory, halvings = _closed(plan, trajectory, first, progress)
     residual = float(trajectory.state.ledger_error)
     if trajectory.status != "complete":
         if not trajectory.contact_times.size and not np.isfinite(trajectory.samples[0]).any():
@@ -193,6 +216,10 @@ def run_plan(plan: RunPlan, progress: Callable[[float], None] | None = None) -> 
     if not plan.law.stores_energy:
         attrs["energy_residual"] = max(residual, _sampled_residual(trajectory, quantities))
     result = record_of(plan.system, trajectory, quantities, plan.instants, plan.frame, attrs)
+    if plan.sensitivity_to:
+        step = trajectory.step
+        again = [_integrated(plan, step, directions, None) for directions in others]
+        add_sensitivities(result, plan, [trajectory, *again])
     if plan.system.suspension == "string":
         attrs.update(_slackness(plan.system, trajectory))
     elif "tension" in result:
@@ -200,8 +227,13 @@ def run_plan(plan: RunPlan, progress: Callable[[float], None] | None = None) -> 
     return result
 
 
-def _integrated(plan: RunPlan, step: float, progress: Callable[[float], None] | None) -> Trajectory:
-    """Return the trajectory of a plan with steps of this length [s]."""
+def _integrated(
+    plan: RunPlan,
+    step: float,
+    directions: Directions | None,
+    progress: Callable[[float], None] | None,
+) -> Trajectory:
+    """Return the trajectory of a plan with steps of this length [s], differentiated if asked."""
     return integrate(
         plan.system,
         plan.drive,
@@ -214,12 +246,16 @@ def _integrated(plan: RunPlan, step: float, progress: Callable[[float], None] | 
         kick_sizes=plan.kick_sizes,
         law=plan.law,
         step=step,
+        directions=directions,
         progress=progress,
     )
 
 
 def _closed(
-    plan: RunPlan, trajectory: Trajectory, progress: Callable[[float], None] | None
+    plan: RunPlan,
+    trajectory: Trajectory,
+    directions: Directions | None,
+    progress: Callable[[float], None] | None,
 ) -> tuple[Trajectory, int]:
     """Return the run with the largest step that closes the energy ledger, and its halvings.
 
@@ -242,7 +278,7 @@ def _closed(
             warnings.warn(text, RuntimeWarning, stacklevel=4)
             return trajectory, halvings
         halvings += 1
-        trajectory = _integrated(plan, plan.step * 0.5**halvings, progress)
+        trajectory = _integrated(plan, plan.step * 0.5**halvings, directions, progress)
 
 
 def _share_of(time: Any, trajectory: Trajectory) -> Any:

@@ -10,6 +10,7 @@ from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.sensitivity import CAPTURED, Sensitivity
 from latolato.numerics.engine.taut_step import (
     SHORTEST,
     TautStep,
@@ -18,6 +19,7 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import UNCHANGED, clear_matrix, write_joint_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands
+from latolato.numerics.records import CONTACT_ROWS
 from latolato.numerics.run_record import (
     CONTACT,
     FLIGHT,
@@ -58,10 +60,17 @@ def logarithm(ratio: float) -> float:
 
 
 def make_events(
-    swing: TautStep, balls: Balls, report: Report, count: int, part: Part = as_it_stands
-) -> tuple[Event, ...]:
+    swing: TautStep, balls: Balls, report: Report, sensitivity: Sensitivity, count: int,
+    part: Part = as_it_stands,
+) -> tuple[Event, ...]:  # fmt: skip
     """Make the events of `count` balls under exact contact."""
-    two = count == 2
+    two, delay_rows = count == 2, CONTACT_ROWS
+    doubt, write_delays, forget_delays, reach_contact = (
+        sensitivity.doubt, sensitivity.write_delays, sensitivity.forget_delays,
+        sensitivity.reach_contact,
+    )  # fmt: skip
+    add_contact, add_impact = sensitivity.add_contact, sensitivity.add_impact
+    begin_joint, finish_joint = sensitivity.begin_joint, sensitivity.finish_joint
     sticking = STICKING if two else REST
 
     @part
@@ -73,6 +82,7 @@ def make_events(
         values[count, row] = run.now[0].velocity
         if two:
             values[1, row], values[3, row] = before_2, run.now[1].velocity
+        write_delays(run, output, delay_rows)
         run.rows += 1
 
     @part
@@ -81,6 +91,7 @@ def make_events(
         clear_matrix(run.jacobian, 4)
         if two:
             write_joint_matrix(run.jacobian, share_of(run), UNCHANGED)
+        add_contact(run, run.state.side)
         report.matrix(run, accumulators, 2 * count, 0.0, -math.inf)
 
     @part
@@ -112,7 +123,9 @@ def make_events(
         )
         ratio = pulled / end.acceleration if end.acceleration != 0.0 else 0.0
         balls.settle(run)
+        begin_joint(run, run.state.side)
         write_joint_matrix(run.jacobian, share_of(run), (1.0, 0.0, 0.0, ratio))
+        finish_joint(run, run.state.side)
         report.matrix(run, accumulators, 4, 0.0, -math.inf)
 
     @part
@@ -161,10 +174,18 @@ def make_events(
         v1, v2 = run.now[0].velocity, run.now[1].velocity
         b1, b2 = run.bodies[0], run.bodies[1]
         a1, a2 = acceleration_with_drag(run.now[0], b1), acceleration_with_drag(run.now[1], b2)
-        lost = state.impact_loss
+        lost, closing = state.impact_loss, v1 - v2 if two else v1
+        reach_contact(run, side, closing)
+        if run.t == 0.0:
+            sensitivity.check_start(run, side)
+        else:
+            sensitivity.check_graze(run, side, closing)
         rests = collide_balls(run, side) if two else collide_with_wall(run, side)
         captures = rests and state.impact_loss == lost
-        closing = v1 - v2 if two else v1
+        if captures and closing != 0.0:
+            forget_delays(run)
+            if two:
+                doubt(run, CAPTURED)
         if closing != 0.0 or run.t > 0.0:
             impact = BOTTOM if side < 0.0 else TOP
             write_row(run, output, contacts.REST if captures else impact, v1, v2)
@@ -213,6 +234,7 @@ def make_events(
                 0,
                 wall_saltation(v1, after_1, a1, acceleration_with_drag(run.now[0], b1)),
             )
+        add_impact(run, run.side, e, v1, v2)
         report.matrix(run, accumulators, 2 * count, 0.0, 2.0 * logarithm(e))
 
     @part
@@ -229,8 +251,9 @@ def make_events(
         else:
             state.capture_loss += 0.5 * b1 * v1 * v1
             run.now[0].velocity = 0.0
-        report_sticking_start(run, accumulators)
         state.mode, state.side, state.touch = sticking, run.side, 0.0
+        forget_delays(run)
+        report_sticking_start(run, accumulators)
         h = settings.step
         least = max(_HOLD * min(h, run.goal - run.t), _SHORTEST_REST * h, SHORTEST * run.t)
         state.held_until = min(run.t + least, run.goal)
@@ -244,6 +267,7 @@ def make_events(
     def release(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: sticking contact ends."""
         state = run.state
+        sensitivity.reach_release(run)
         state.mode, state.touch = FLIGHT, state.side
         write_row(run, output, contacts.RELEASE, run.now[0].velocity, run.now[1].velocity)
         balls.settle(run)

@@ -10,6 +10,7 @@ from latolato.numerics.contact_time import GAP, RATE
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.sensitivity import GRAZING, GRAZING_DEPTH, Sensitivity
 from latolato.numerics.engine.stiction import Stiction, add_compression
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.taut_step import (
@@ -54,13 +55,13 @@ def make_cut_at_turn(
 
 
 def make_flight(
-    swing: TautStep, balls: Balls, stiction: Stiction, report: Report, strings: Strings, count: int,
-    part: Part = as_it_stands,
+    swing: TautStep, balls: Balls, stiction: Stiction, report: Report, strings: Strings,
+    sensitivity: Sensitivity, count: int, part: Part = as_it_stands,
 ) -> Mode:  # fmt: skip
     """Make the mode of `count` balls in flight; their strings, if any, are taut."""
     two, await_slack, has_strings = count == 2, strings.await_slack, strings is not NO_STRINGS
     gap, gap_rate, fly_by = balls.gap, balls.gap_rate, balls.fly_by
-    gap_course = balls.gap_course
+    gap_course, doubt = balls.gap_course, sensitivity.doubt
     tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, stiction, part)
 
     @inlined(part)
@@ -163,10 +164,12 @@ def make_flight(
         length, was_whole, t_end = run.length, run.is_whole, run.t_end
         balls.shorten(run, balls.locate(run, RATE, 0.0, 0.0, length))
         depth = (gap(run.end) - wall) * side
-        if abs(depth) < 1e-9:
+        if abs(depth) < GRAZING_DEPTH:
             run.state.grazes += 1
         if depth > 0.0:
             return True
+        if -depth < GRAZING_DEPTH:
+            doubt(run, GRAZING)
         run.length, run.is_whole, run.t_end = length, was_whole, t_end
         fly_by(run, length, run.end)
         return False
@@ -266,17 +269,23 @@ def make_flight(
             note_matrix(run, accumulators)
 
     @part
-    def note_matrix(run: Run, accumulators: Accumulators) -> None:
-        """Report the tangent map of the step, one block a ball."""
-        spread = 0.0
+    def write_tangent(run: Run, length: float) -> None:
+        """Write the tangent map of a part of the step, one block a ball."""
         clear_matrix(run.jacobian, 4)
         for i in range(count):
+            swing.prepare(run, i, ANY_LENGTH + i, length)
+            write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, run.now[i]))
+
+    @part
+    def note_matrix(run: Run, accumulators: Accumulators) -> None:
+        """Report the tangent map of the step."""
+        spread = 0.0
+        write_tangent(run, run.length)
+        for i in range(count):
             b, begin, end = run.bodies[i], run.now[i], run.end[i]
-            swing.prepare(run, i, ANY_LENGTH + i, run.length)
-            write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, begin))
             spread += divergence(run.length, end.angle - begin.angle, b)
             if begin.sign == 0.0:
                 spread = -math.inf
         report.matrix(run, accumulators, 2 * count, run.length, spread)
 
-    return Mode(FLIGHT, plan=plan, evaluate_inside=evaluate_inside, note=note)
+    return Mode(FLIGHT, plan, evaluate_inside, note, write_tangent)

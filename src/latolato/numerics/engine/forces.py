@@ -15,7 +15,7 @@ from latolato.numerics.engine.laws import Laws
 from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.numerics.records import Body
 from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
-from latolato.physics.damping import drift, drift_slopes
+from latolato.physics.damping import drift, drift_changes, drift_slopes
 from latolato.physics.pendulum import swung
 
 # The pivot's acceleration [m/s^2] and its velocity against the air [m/s], x and y each.
@@ -35,12 +35,18 @@ class Pull(NamedTuple):
         The derivative of their sum with respect to the angle [1/s^2].
     tension : function ``(run, b, angle, velocity, moving)``
         The tension over mass and length [1/s^2].
+    moved : function ``(run, t, p)``
+        The derivative of the pivot's `Motion` with respect to parameter p.
+    change : function ``(run, b, angle, moving, body, p, moved)``
+        That of the sum of `accelerations`, at a fixed angle, for the body of this number.
     """
 
     motion: Callable[..., Motion]
     accelerations: Callable[..., tuple[float, float, float]]
     gradient: Callable[..., float]
     tension: Callable[..., float]
+    moved: Callable[..., Motion]
+    change: Callable[..., float]
 
 
 class Forces(NamedTuple):
@@ -53,6 +59,16 @@ class Forces(NamedTuple):
     tension: Callable[..., float]
     static_tension: Callable[..., float]
     write_pivot_motion: Callable[..., None]
+    pivot_change: Callable[..., Motion]
+    pull_change: Callable[..., float]
+    pull_gradient: Callable[..., float]
+    tension_change: Callable[..., float]
+
+
+@formula
+def no_change(t: float, segment: Any, change: Any) -> float:
+    """Return zero: where derivatives with respect to parameters are not asked for."""
+    return 0.0
 
 
 @formula
@@ -67,6 +83,7 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
     """Make the functions for a pivot that moves up and down."""
     inline = inlined(part)
     pivot_acceleration, restoring, slope = laws.pivot_acceleration, laws.restoring, laws.slope
+    (acceleration_change,) = laws.changes or (no_change,)
 
     @inline
     def motion(run: Run, t: float) -> Motion:
@@ -89,7 +106,20 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
     def tension(run: Run, b: Body, angle: float, velocity: float, moving: Motion) -> float:
         return tension_at(angle, velocity, moving[1], run.settings.gravity, b.inverse_length)
 
-    pull = Pull(motion=motion, accelerations=accelerations, gradient=gradient, tension=tension)
+    @inline
+    def moved(run: Run, t: float, p: int) -> Motion:
+        return 0.0, acceleration_change(t, run.segment, run.segment_changes[p]), 0.0, 0.0
+
+    @inline
+    def change(
+        run: Run, b: Body, angle: float, moving: Motion, body: int, p: int, moved: Motion
+    ) -> float:
+        changed, restored = run.changes[p], restoring(angle, run.settings.is_linear)
+        lifted, shorter = changed.gravity + moved[1], changed.bodies[body].inverse_length
+        result: float = swung(lifted, b.inverse_length, restored)
+        return result + swung(run.settings.gravity + moving[1], shorter, restored)
+
+    pull = Pull(motion, accelerations, gradient, tension, moved, change)
     return make_forces(pull, laws, part)
 
 
@@ -103,6 +133,9 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
     assert laws.plane is not None
     inline, pivot_acceleration = inlined(part), laws.pivot_acceleration
     across_acceleration, up_velocity, across_velocity = laws.plane
+    up_change, across_change, up_velocity_change, across_velocity_change = (
+        laws.changes or (no_change,) * 4
+    )
 
     @part
     def motion(run: Run, t: float) -> Motion:
@@ -152,7 +185,29 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         along: float = x * sine(angle) - y * cosine(angle)
         return velocity * velocity + b.inverse_length * along
 
-    pull = Pull(motion=motion, accelerations=accelerations, gradient=gradient, tension=tension)
+    @part
+    def moved(run: Run, t: float, p: int) -> Motion:
+        segment, changed = run.segment, run.segment_changes[p]
+        ax, ay = across_change(t, segment, changed), up_change(t, segment, changed)
+        if run.settings.in_lab == 0:
+            return ax, ay, 0.0, 0.0
+        wx = across_velocity_change(t, segment, changed)
+        return ax, ay, wx, up_velocity_change(t, segment, changed)
+
+    @part
+    def change(
+        run: Run, b: Body, angle: float, moving: Motion, body: int, p: int, moved: Motion
+    ) -> float:
+        (ax, ay, wx, wy), (dax, day, dwx, dwy) = moving, moved
+        other, lifted = run.changes[p].bodies[body], run.settings.gravity + ay
+        result: float = angular_acceleration(b, angle, -dax, -run.changes[p].gravity - day)
+        result += angular_acceleration(other, angle, -ax, -lifted)
+        result += wind_acceleration(b, angle, dwx, dwy)
+        turned = angle + b.wind_offset
+        result -= other.wind_drag * (wx * cosine(turned) + wy * sine(turned))
+        return result + other.wind_offset * wind_acceleration(b, angle, wy, -wx)
+
+    pull = Pull(motion, accelerations, gradient, tension, moved, change)
     return make_forces(pull, laws, part)
 
 
@@ -160,6 +215,7 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
     """Make the functions of a ball under a pull."""
     accelerations, gradient, pull_tension = pull.accelerations, pull.gradient, pull.tension
     motion, push, push_slope = pull.motion, laws.push, laws.push_slope
+    moved, change, sensitive = pull.moved, pull.change, len(laws.changes) > 0
     follows_always = laws.plane is not None  # strings need it
 
     @part
@@ -255,23 +311,94 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         end.work, end.loss = work, loss
 
     @part
+    def pivot_change(run: Run, t: float, p: int) -> Motion:
+        """The derivative of the pivot's motion with respect to parameter p."""
+        if run.changes[p].moves_pivot == 0:
+            return 0.0, 0.0, 0.0, 0.0
+        result: Motion = moved(run, t, p)
+        return result
+
+    @part
+    def pull_change(run: Run, body: int, t: float, angle: float, p: int) -> float:
+        """Derivative of `free` with respect to parameter p, at a fixed angle."""
+        b, moving = run.bodies[body], pivot_motion(run, t)
+        result: float = change(run, b, angle, moving, body, p, pivot_change(run, t, p))
+        return result
+
+    @part
+    def pull_gradient(run: Run, body: int, t: float, angle: float) -> float:
+        """Derivative of `free` with respect to the angle [1/s^2]."""
+        result: float = gradient(run, run.bodies[body], angle, pivot_motion(run, t))
+        return result
+
+    @part
+    def tension_change(
+        run: Run, body: int, point: Point, p: int, rates: tuple[float, float]
+    ) -> float:
+        """Derivative of `tension` with respect to parameter p, along rates of the point.
+
+        These are those of angle and angular velocity. With a force per mass (x, y) the tension
+        over mass and length is ``w^2 + (x sin - y cos)/l``.
+        """
+        b, other, (turned, faster) = run.bodies[body], run.changes[p].bodies[body], rates
+        (ax, ay, wx, wy), rate = motion_of(point), b.damping_rate
+        dax, day, dwx, dwy = pivot_change(run, run.t, p)
+        s, c = sine(point.angle), cosine(point.angle)
+        x, y = -ax - rate * wx, -(run.settings.gravity + ay) - rate * wy
+        dx = -dax - rate * dwx - other.damping_rate * wx
+        dy = -run.changes[p].gravity - day - rate * dwy - other.damping_rate * wy
+        pulled = (x * c + y * s) * turned + dx * s - dy * c
+        shorter: float = other.inverse_length * (x * s - y * c)
+        return 2.0 * point.velocity * faster + b.inverse_length * pulled + shorter
+
+    @inlined(part)
+    def kick_forcing(
+        run: Run, body: int, row: int, t: float, angle: float, moving: Motion, sign: float,
+        h: float, kicked: float,
+    ) -> None:  # fmt: skip
+        """Follow the forcing through a kick that changes a perturbation by `kicked`."""
+        b = run.bodies[body]
+        for p in range(run.parameters):
+            pulled = change(run, b, angle, moving, body, p, pivot_change(run, t, p))
+            pulled -= run.changes[p].bodies[body].coulomb * sign
+            run.forcing[row + 1, p] += kicked * run.forcing[row, p] + h * pulled
+
+    @inlined(part)
+    def drift_forcing(
+        run: Run, body: int, row: int, velocity: float, sign: float, interval: float, far: float,
+        kept: float,
+    ) -> None:  # fmt: skip
+        """Follow the forcing through a drift of these `drift_slopes`."""
+        for p in range(run.parameters):
+            other, farther, faster = run.changes[p].bodies[body], 0.0, 0.0
+            if other.damping_rate != 0.0 or other.quadratic != 0.0:
+                farther, faster = drift_changes(velocity, sign, interval, run.bodies[body], other)
+            own = run.forcing[row + 1, p]
+            run.forcing[row, p] += far * own + farther
+            run.forcing[row + 1, p] = kept * own + faster
+
+    @part
     def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
         """Tangent map of a prepared step, row by row.
 
         A kick adds ``h a'(angle)`` times the perturbation of the angle to that of the velocity, and
         a drift is differentiated exactly: the map belongs to the very step, not to an approximation
-        of the flow.
+        of the flow. The forcing of parameters in ``run.forcing`` goes along from where it begins,
+        in the rows of the ball or, of two balls as one body, in the first two.
         """
         sign = begin.sign
         if sign == 0.0:
             return 1.0, 0.0, 0.0, 0.0
         b, t, moving = run.bodies[body], run.t, motion_of(begin)
         angle, velocity, a = begin.angle, begin.velocity, begin.acceleration
+        row, span = 2 * body if body < 2 else 0, run.tables[table, OFFSET, run.stages - 1]
         # The columns of the matrix: what starts as a unit of angle, and of velocity.
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
             kicked = h * (gradient(run, b, angle, moving) + push_slope(angle, run))
+            if sensitive:
+                kick_forcing(run, body, row, t, angle, moving, sign, h, kicked)
             velocity += h * a
             v1 += kicked * x1
             v2 += kicked * x2
@@ -279,13 +406,17 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
                 break
             drift_time = run.tables[table, DRIFT_TIME, i]
             far, kept = drift_slopes(velocity, sign, drift_time, b)
+            if sensitive:
+                interval = run.drifts[i] * span
+                drift_forcing(run, body, row, velocity, sign, interval, far, kept)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
             travelled, velocity = drift(velocity, sign, drift_time, b)
             angle += travelled
-            moving = motion(run, t + run.tables[table, OFFSET, i])
+            t = run.t + run.tables[table, OFFSET, i]
+            moving = motion(run, t)
             driven, falling, blown = accelerations(run, b, angle, moving)
             a = driven + falling + (blown + push(angle, run) - b.coulomb * sign)
         return x1, x2, v1, v2
@@ -298,4 +429,8 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         tension=tension,
         static_tension=static_tension,
         write_pivot_motion=write_pivot_motion,
+        pivot_change=pivot_change,
+        pull_change=pull_change,
+        pull_gradient=pull_gradient,
+        tension_change=tension_change,
     )

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.numerics.run_record import Run
+from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import (
     SLOPES,
     potential_linear,
@@ -50,6 +51,9 @@ class Laws(NamedTuple):
         What a mode adds to the acceleration [rad/s^2], its slope and its potential [1/s^2].
     plane : PlaneLaws or None
         Of a pivot that moves sideways, of strings and of air at rest in the room.
+    changes : tuple of formulas ``(t, segment, change)``
+        The derivatives with respect to a parameter of `pivot_acceleration` and, in the plane, of
+        the formulas of `PlaneLaws`; none where no run asks for them. See `engine.sensitivity`.
     """
 
     pivot_acceleration: Formula
@@ -60,6 +64,7 @@ class Laws(NamedTuple):
     push_slope: Formula
     push_potential: Formula
     plane: PlaneLaws | None = None
+    changes: tuple[Formula, ...] = ()
 
 
 @formula
@@ -136,3 +141,9 @@ def laws_of(
     result = restoring_laws(restoring, potential, part)
     in_plane = PlaneLaws(*plane) if plane else None
     return Laws(pivot_acceleration, *result, no_push, no_push, no_push, in_plane)
+
+
+def with_changes(laws: Laws) -> Laws:
+    """Return laws that know their derivatives with respect to parameters."""
+    formulas = (laws.pivot_acceleration, *(laws.plane or ()))
+    return laws._replace(changes=tuple(CHANGES[formula] for formula in formulas))

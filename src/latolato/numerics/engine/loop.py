@@ -18,6 +18,7 @@ from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.report import Report, make_report
 from latolato.numerics.engine.rest import make_rest
 from latolato.numerics.engine.samples import follow_ledger, write_place, write_sample
+from latolato.numerics.engine.sensitivity import Sensitivity, make_sensitivity
 from latolato.numerics.engine.slack import make_slack
 from latolato.numerics.engine.slack_step import NO_SLACK_STEP, SlackStep, make_slack_step
 from latolato.numerics.engine.sticking import make_sticking
@@ -27,7 +28,7 @@ from latolato.numerics.engine.tangent_map import make_tangent_map
 from latolato.numerics.engine.taut_step import TautStep, make_taut_step
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.records import Floats, Records
+from latolato.numerics.records import PLANE_ROWS, SAMPLE_ROWS, Floats, Records
 from latolato.numerics.run_record import (
     CONTACT,
     FLIGHT,
@@ -55,6 +56,8 @@ class Timetable(NamedTuple):
     segments: Records
     kick_times: Floats
     kick_sizes: Floats  # rad/s, shape (ball, kick)
+    # How the segments change with parameters: one row of segments after the other.
+    segment_changes: Records
 
 
 class Arguments(NamedTuple):
@@ -71,7 +74,7 @@ def empty_arguments(segment: np.dtype[Any]) -> Arguments:
     floats, table, numbers = np.empty(0), np.empty((1, 0)), np.empty(0, dtype=np.int64)
     kicks = np.empty((2, 2))[:, :1]  # those of one point among many are not contiguous
     return Arguments(
-        Timetable(np.empty(0, dtype=segment), floats, kicks),
+        Timetable(np.empty(0, dtype=segment), floats, kicks, np.empty(0, dtype=segment)),
         Output(floats, table, floats, numbers, table),
         Accumulators(floats, 0, 0),
     )
@@ -92,6 +95,7 @@ class Kit(NamedTuple):
     balls: Balls
     report: Report
     laws: Laws
+    sensitivity: Sensitivity
     balls_count: int
     part: Part
     plane: Plane | None = None
@@ -99,14 +103,14 @@ class Kit(NamedTuple):
 
 def usual_modes(kit: Kit) -> tuple[Mode, ...]:
     """Make the modes of exact contact."""
-    swing, balls, report, laws, count, part, plane = kit
+    swing, balls, report, laws, sensitivity, count, part, plane = kit
     stiction = make_stiction(swing, laws, part)
     strings = plane.strings if plane is not None else NO_STRINGS
-    flight = make_flight(swing, balls, stiction, report, strings, count, part)
+    flight = make_flight(swing, balls, stiction, report, strings, sensitivity, count, part)
     sticking = (
-        make_sticking(swing, balls, report, part)
+        make_sticking(swing, balls, report, sensitivity, part)
         if count == 2
-        else make_rest(stiction, report, part)
+        else make_rest(stiction, report, sensitivity, part)
     )
     if plane is None:
         return flight, sticking
@@ -119,7 +123,7 @@ def usual_events(kit: Kit) -> tuple[Event, ...]:
     """Make the events of exact contact."""
     if kit.plane is not None:
         return kit.plane.strings.events
-    return make_events(kit.swing, kit.balls, kit.report, kit.balls_count, kit.part)
+    return make_events(kit.swing, kit.balls, kit.report, kit.sensitivity, kit.balls_count, kit.part)
 
 
 def by_mode(modes: Sequence[Mode], what: str, part: Part) -> Callable[..., None]:
@@ -178,30 +182,42 @@ def make_engine(
     fall = make_slack_step(swing, part) if in_plane else NO_SLACK_STEP
     balls = make_balls(swing, fall, laws, count, part)
     report = make_report(laws, callbacks, part)
+    sensitivity, sensitive = make_sensitivity(swing, balls, laws, count, part), bool(laws.changes)
     plane, strings, kick = None, NO_STRINGS, fall.kick
     if in_plane:
-        gaps, usual = make_gaps(count, part), make_events(swing, balls, report, count, part)
-        tangent_map = make_tangent_map(swing, fall, gaps, report, count, part)
-        strings = make_strings(swing, balls, gaps, tangent_map, usual, count, part)
+        gaps = make_gaps(count, part)
+        usual = make_events(swing, balls, report, sensitivity, count, part)
+        tangent_map = make_tangent_map(swing, fall, gaps, report, laws, count, part)
+        strings = make_strings(swing, balls, gaps, tangent_map, sensitivity, usual, count, part)
         plane = Plane(fall, gaps, strings)
     release_string, resolve_contacts, kick_tangent_map = (
         strings.release_string,
         strings.resolve_contacts,
         strings.kick_tangent_map,
     )
-    kit = Kit(swing, balls, report, laws, count, part, plane)
+    kit = Kit(swing, balls, report, laws, sensitivity, count, part, plane)
     modes, events = make_modes(kit), make_all_events(kit)
     plan, note = by_mode(modes, "plan", part), by_mode(modes, "note", part)
     evaluate_inside, apply = by_mode(modes, "evaluate_inside", part), by_event(events, part)
+    write_tangent = by_mode(modes, "write_tangent" if sensitive else "evaluate_inside", part)
     apply_impact = next(event.apply for event in events if event.number == CONTACT)
     release = next(event.apply for event in events if event.number == RELEASE)
     restoring, slope = laws.restoring, laws.slope
 
     @part
+    def enter_segment(run: Run, timetable: Timetable) -> None:
+        """Take over the drive's present segment, and how it changes with parameters."""
+        run.segment = timetable.segments[run.state.segment]
+        if sensitive:
+            for p in range(run.parameters):
+                at = p * len(timetable.segments) + run.state.segment
+                run.segment_changes[p] = timetable.segment_changes[at]
+
+    @part
     def begin(run: Run, timetable: Timetable) -> None:
         """Set up everything that a step needs from the state."""
         state, h = run.state, run.settings.step
-        run.segment = timetable.segments[state.segment]
+        enter_segment(run, timetable)
         run.t = state.t_base + state.steps * h
         run.rows = run.done = run.is_nonsmooth = 0
         for i in range(count):
@@ -242,6 +258,12 @@ def make_engine(
         if state.kick < len(timetable.kick_times):
             run.goal = min(run.goal, timetable.kick_times[state.kick])
 
+    @part
+    def write_derivatives(run: Run, output: Output, length: float) -> None:
+        """Write the derivatives of the state at a sample, for which ``run.inside`` is there."""
+        write_tangent(run, length)
+        sensitivity.write_sample(run, output, PLANE_ROWS if in_plane else SAMPLE_ROWS)
+
     @inlined(part)
     def write_samples(run: Run, output: Output) -> None:
         """Write the samples that fall into the step."""
@@ -250,6 +272,8 @@ def make_engine(
             evaluate_inside(run, times[state.sample] - run.t)
             if in_plane:
                 write_place(run, output, run.inside, count)
+            if sensitive:
+                write_derivatives(run, output, times[state.sample] - run.t)
             write_sample(run, output, run.inside, count, run.work_inside, run.loss_inside)
 
     @inlined(part)
@@ -314,19 +338,30 @@ def make_engine(
         is_kick = state.kick < len(kick_times) and kick_times[state.kick] <= run.t
         if not (is_jump or is_kick):
             return
+        if sensitive and is_jump:
+            sensitivity.note_rates(run)
         moved = apply_jump_and_kick(run, timetable, is_jump, is_kick)
         is_slack = in_plane and (state.is_slack[0] != 0 or state.is_slack[count - 1] != 0)
         if is_jump:
             state.segment += 1
-            run.segment = segments[state.segment]
+            enter_segment(run, timetable)
+        if is_jump and is_slack:
+            sensitivity.check_slack_segment(run)
         if is_jump and not is_slack:
             clear_matrix(run.jacobian, 4)
+            jump = run.segment.jump
             for i in range(count):
-                jump, inverse_length = run.segment.jump, run.bodies[i].inverse_length
+                inverse_length = run.bodies[i].inverse_length
                 curvature = swung(
                     jump, inverse_length, slope(run.now[i].angle, run.settings.is_linear)
                 )
                 write_matrix(run.jacobian, i, (1.0, 0.0, curvature, 1.0))
+            if sensitive:
+                balls.settle(run)
+                one, other = run.now[0].angle, run.now[count - 1].angle
+                is_linear = run.settings.is_linear
+                restored = restoring(one, is_linear), restoring(other, is_linear)
+                sensitivity.add_segment(run, output, jump, restored)
             report.matrix(run, accumulators, 2 * count, 0.0, 0.0)
         if is_kick:
             state.kick += 1
@@ -352,6 +387,10 @@ def make_engine(
         while run.t >= stop and state.sample < len(times) and times[state.sample] <= stop:
             if in_plane:
                 write_place(run, output, run.now, count)
+            if sensitive:
+                for i in range(count):
+                    run.inside[i] = run.now[i]
+                write_derivatives(run, output, 0.0)
             write_sample(run, output, run.now, count, 0.0, 0.0)
         for i in range(count):
             point = run.now[i]

@@ -19,9 +19,13 @@ class Mode(NamedTuple):
         Fill ``run.inside``, with works and losses, for that part of the planned step [s].
     note : callable ``(run, accumulators)``
         Add up compression, and report the step and its tangent map.
+    write_tangent : callable ``(run, length)``, optional
+        Write the tangent map of that part of the planned step [s], and the forcing of parameters;
+        runs that are differentiated need it.
     """
 
     number: int
     plan: Callable[..., None]
     evaluate_inside: Callable[..., None]
     note: Callable[..., None]
+    write_tangent: Callable[..., None] | None = None

@@ -24,7 +24,7 @@ class Report(NamedTuple):
 
 def make_report(laws: Laws, callbacks: Callbacks, part: Part = as_it_stands) -> Report:
     """Make the functions that report steps and tangent maps, if an observable wants them."""
-    potential, restoring = laws.potential, laws.restoring
+    potential, restoring, sensitive = laws.potential, laws.restoring, len(laws.changes) > 0
     push, push_potential = laws.push, laws.push_potential
     on_step, on_tangent, is_wanted = callbacks.step, callbacks.tangent, callbacks.is_wanted
 
@@ -63,16 +63,29 @@ def make_report(laws: Laws, callbacks: Callbacks, part: Part = as_it_stands) -> 
         on_step(run, accumulators, ball, segment)
 
     @part
+    def carry_on(run: Run, size: int) -> None:
+        """Carry the derivatives with respect to parameters through a step or an event."""
+        for p in range(run.parameters):
+            for row in range(size):
+                for column in range(size):
+                    carried = run.jacobian[row, column] * run.sensitivity[column, p]
+                    run.forcing[row, p] += carried
+            for row in range(size):
+                run.sensitivity[row, p], run.forcing[row, p] = run.forcing[row, p], 0.0
+
+    @part
     def matrix(run: Run, accumulators: Accumulators, size: int, time: float, spread: float) -> None:
-        """Report the tangent map in ``run.jacobian``."""
+        """Report the tangent map in ``run.jacobian``; the forcing goes with it."""
+        if sensitive:
+            carry_on(run, size)
         if is_wanted(run, ON_TANGENT):
             on_tangent(run, accumulators, 0, size, time, spread, run.jacobian)
 
     @part
     def wants_tangent_map(run: Run) -> bool:
-        """Whether an observable wants tangent maps."""
+        """Whether an observable or a derivative wants tangent maps."""
         seen: bool = is_wanted(run, ON_TANGENT)
-        return seen
+        return seen or sensitive
 
     return Report(
         step=step,

@@ -45,7 +45,7 @@ def make_slack(
 ) -> Mode:  # fmt: skip
     """Make the mode of `count` balls of which at least one has a slack string."""
     await_slack, stop_at_once, await_string_contact = strings[:3]
-    follow_tangent_map = strings.follow_tangent_map
+    follow_tangent_map, write_tangent = strings.follow_tangent_map, strings.write_tangent
     tension, cut_at_turn = balls.tension, make_cut_at_turn(swing, balls, stiction, part)
     slopes, acceleration, spare_length_of, gap_of = (
         fall.slopes,
@@ -279,4 +279,4 @@ def make_slack(
             report.show(run, accumulators, i, (a0, a1), (e0, e1), (p0, p1), 0.0)
         follow_tangent_map(run)
 
-    return Mode(SLACK, plan=plan, evaluate_inside=evaluate_inside, note=note)
+    return Mode(SLACK, plan, evaluate_inside, note, write_tangent)

@@ -12,6 +12,7 @@ from latolato.numerics.contact_time import MOST_TRIALS, make_lowest
 from latolato.numerics.engine.balls import Balls, share_of
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.report import Report
+from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.stiction import add_compression
 from latolato.numerics.engine.taut_step import (
     ANY_LENGTH,
@@ -28,8 +29,12 @@ from latolato.physics.pair import contact_torque, radial_push
 _TABLE = ANY_LENGTH + PAIR_ROW
 
 
-def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as_it_stands) -> Mode:
+def make_sticking(
+    swing: TautStep, balls: Balls, report: Report, sensitivity: Sensitivity,
+    part: Part = as_it_stands,
+) -> Mode:  # fmt: skip
     """Make the mode of two balls in sticking contact."""
+    begin_joint, finish_joint = sensitivity.begin_joint, sensitivity.finish_joint
 
     @part
     def body_of(run: Run) -> int:
@@ -188,6 +193,16 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
         run.work_inside, run.loss_inside = inertia * one.work, inertia * one.loss
 
     @part
+    def write_tangent(run: Run, length: float) -> None:
+        """Write the tangent map of a part of the step of both as one."""
+        body, side = body_of(run), run.state.side
+        swing.prepare(run, body, _TABLE, length)
+        begin_joint(run, side)
+        matrix = swing.tangent(run, body, _TABLE, run.now[PAIR_ROW])
+        write_joint_matrix(run.jacobian, share_of(run), matrix)
+        finish_joint(run, side)
+
+    @part
     def note(run: Run, accumulators: Accumulators) -> None:
         """Add up compression, and report the step of each ball and the common tangent map."""
         body = body_of(run)
@@ -205,9 +220,7 @@ def make_sticking(swing: TautStep, balls: Balls, report: Report, part: Part = as
             )
             report.step(run, accumulators, i, a0, a1, 1.0)
         if report.wants_tangent_map(run):
-            swing.prepare(run, body, _TABLE, run.length)
-            matrix = swing.tangent(run, body, _TABLE, begin)
-            write_joint_matrix(run.jacobian, share_of(run), matrix)
+            write_tangent(run, run.length)
             report.matrix(run, accumulators, 4, run.length, -math.inf)
 
-    return Mode(STICKING, plan=plan, evaluate_inside=evaluate_inside, note=note)
+    return Mode(STICKING, plan, evaluate_inside, note, write_tangent)

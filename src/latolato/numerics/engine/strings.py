@@ -15,11 +15,12 @@ from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls
 from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
+from latolato.numerics.engine.sensitivity import CAPTURED, TOGETHER, Sensitivity
 from latolato.numerics.engine.slack_step import place_taut, radial_rate
 from latolato.numerics.engine.tangent_map import TangentMap
 from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.records import C_BALL, C_RADIAL
+from latolato.numerics.records import C_BALL, C_RADIAL, CONTACT_ROWS
 from latolato.numerics.run_record import (
     CONTACT,
     FLIGHT,
@@ -57,6 +58,7 @@ class Strings(NamedTuple):
     release_string: Callable[..., None]
     resolve_contacts: Callable[..., None]
     follow_tangent_map: Callable[..., None]
+    write_tangent: Callable[..., None]
     kick_tangent_map: Callable[..., None]
     events: tuple[Event, ...]
 
@@ -67,12 +69,12 @@ def _nothing(run: Run, *rest: Any) -> None:
 
 
 # Of balls on rods.
-NO_STRINGS = Strings(*(_nothing,) * 7, ())
+NO_STRINGS = Strings(*(_nothing,) * 8, ())
 
 
 def make_strings(
-    swing: TautStep, balls: Balls, gaps: Gaps, tangent_map: TangentMap, usual: tuple[Event, ...],
-    count: int, part: Part = as_it_stands,
+    swing: TautStep, balls: Balls, gaps: Gaps, tangent_map: TangentMap, sensitivity: Sensitivity,
+    usual: tuple[Event, ...], count: int, part: Part = as_it_stands,
 ) -> Strings:  # fmt: skip
     """Make the functions of the strings of `count` balls; `usual` are the events on rods."""
     two = count == 2
@@ -212,6 +214,7 @@ def make_strings(
             outward = radial_rate(run.now[i]) if run.state.is_slack[i] != 0 else 0.0
             values[C_RADIAL + count + i, row] = outward
         values[C_BALL, row] = ball
+        sensitivity.write_delays(run, output, CONTACT_ROWS)
         run.rows += 1
 
     @part
@@ -301,6 +304,7 @@ def make_strings(
         lost = 0.5 * closing * closing / mobility * (1.0 - e * e)
         if captures:
             state.capture_loss += lost
+            sensitivity.doubt(run, CAPTURED)
         else:
             state.impact_loss += lost
         kind = contacts.TOP if gaps.side(run.now) > 0.0 else contacts.BOTTOM
@@ -341,6 +345,7 @@ def make_strings(
         balls.settle(run)
         if state.has_tangent_map != 0 and is_simultaneous(run):
             tangent_map.mark_undefined(run)
+            sensitivity.doubt(run, TOGETHER)
         for _ in range(MOST_AT_ONCE):
             is_over = True
             for i in range(count):
@@ -371,6 +376,7 @@ def make_strings(
     def let_slack(run: Run, output: Output, i: int) -> None:
         """Make the string of a ball slack in flight, with its row of the table."""
         before = velocities(run)
+        tangent_map.reach_slack(run, i)
         release_string(run, i)
         write_row(run, output, contacts.SLACK, i + 1 if two else 0, before)
         run.state.mode = SLACK
@@ -429,6 +435,7 @@ def make_strings(
         """Event: a string reaches its full length, perhaps where its ball meets the other one."""
         balls.settle(run)
         tangent_map.reach_full_length(run)
+        tangent_map.find_delays(run, run.ball)
         _, slower = gaps.spare_length(run, run.ball, run.now[run.ball])
         if slower >= 0.0:
             tighten(run, output, run.ball, True)
@@ -444,6 +451,7 @@ def make_strings(
             return
         rows = run.rows
         tangent_map.reach_contact(run)
+        tangent_map.find_delays(run, 0)
         resolve_contacts(run, output, accumulators)
         if run.state.mode == SLACK and run.rows == rows:
             # They press against each other, which slack strings allow.
@@ -469,6 +477,7 @@ def make_strings(
         release_string=release_string,
         resolve_contacts=resolve_contacts,
         follow_tangent_map=tangent_map.step,
+        write_tangent=tangent_map.write_tangent,
         kick_tangent_map=tangent_map.kick,
         events=events,
     )

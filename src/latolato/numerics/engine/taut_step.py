@@ -43,6 +43,10 @@ class TautStep(NamedTuple):
     tension: Callable[..., float]
     static_tension: Callable[..., float]
     write_pivot_motion: Callable[..., None]
+    pivot_change: Callable[..., Any]
+    pull_change: Callable[..., float]
+    pull_gradient: Callable[..., float]
+    tension_change: Callable[..., float]
 
 
 @formula
@@ -70,9 +74,8 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
     Points are records; a step goes from one to another one and writes work and loss there.
     """
     make_forces = make_upright if laws.plane is None else make_planar
-    free, write_forces, step, tangent, tension, static_tension, write_pivot_motion = make_forces(
-        laws, part
-    )
+    forces = make_forces(laws, part)
+    free, write_forces, step = forces.free, forces.write_forces, forces.step
 
     @part
     def prepare(run: Run, body: int, table: int, length: float) -> None:
@@ -167,8 +170,12 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         free=free,
         settle=settle,
         turn=turn,
-        tangent=tangent,
-        tension=tension,
-        static_tension=static_tension,
-        write_pivot_motion=write_pivot_motion,
+        tangent=forces.tangent,
+        tension=forces.tension,
+        static_tension=forces.static_tension,
+        write_pivot_motion=forces.write_pivot_motion,
+        pivot_change=forces.pivot_change,
+        pull_change=forces.pull_change,
+        pull_gradient=forces.pull_gradient,
+        tension_change=forces.tension_change,
     )

@@ -62,7 +62,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
     const values = kernels.take("f8", parts.length - 2, size);
     kernels.fill(kernels.field(run, "words"), "arguments", {
       "timetable.segments": segments, "timetable.kick_times": kick_times,
-      "timetable.kick_sizes": kick_sizes,
+      "timetable.kick_sizes": kick_sizes, "timetable.segment_changes": segments,
       "output.sample_times": times, "output.samples": samples, "output.contact_times": buffer,
       "output.contact_kinds": kinds, "output.contact_values": values,
       "accumulators.acc": seen, "accumulators.column": 0, "accumulators.columns": balls,

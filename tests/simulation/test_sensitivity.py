@@ -1,0 +1,357 @@
+"""Derivatives with respect to parameters beside differences of runs and beside closed forms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import mpmath
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.core.errors import InputError
+from latolato.simulation.run import record
+
+# Weights of the central difference of eighth order, at 1 to 4 widths.
+_WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+TIMES = np.linspace(0.0, 6.0, 13)
+ENOUGH = 1e-7
+
+HARMONIC = ll.Harmonic(drive_amplitude=0.1, drive_frequency=6.0, drive_phase=0.3)
+STRONG = ll.Harmonic(drive_amplitude=0.5, drive_frequency=6.0)
+PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+TOY = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.05, restitution=0.9)
+PAIR = ll.BallPair(
+    right=ll.Ball(length=1.0, mass=0.8, radius=0.1, damping=0.05),
+    left=ll.Ball(length=0.95, mass=0.5, radius=0.08, damping=0.02),
+    restitution=0.9,
+)
+ON_STRINGS = replace(PAIR, restitution=0.8, suspension="string", string_restitution=0.2)
+ONE, TWO = {"initial_angle": 0.8}, {"initial_angle": (0.8, -0.5)}
+
+
+def varied(system, drive, start, name, value):
+    """Return laws and start with another value of one parameter."""
+    side, _, field = name.partition("_")
+    start = dict(start)
+    if name in start:
+        start[name] = value
+    elif side in ("right", "left"):
+        system = replace(system, **{side: replace(getattr(system, side), **{field: value})})
+    elif name.endswith(("_right", "_left")):
+        stem, _, side = name.rpartition("_")
+        numbers = list(start[stem])
+        numbers[0 if side == "right" else 1] = value
+        start[stem] = tuple(numbers)
+    elif hasattr(system, name):
+        system = replace(system, **{name: value})
+    else:
+        drive = replace(drive, **{name: value})
+    return system, drive, start
+
+
+def value_of(system, drive, start, name):
+    """Return the value of a parameter."""
+    side, _, field = name.partition("_")
+    if name in start:
+        return start[name]
+    if side in ("right", "left"):
+        return getattr(getattr(system, side), field)
+    if name.endswith(("_right", "_left")):
+        stem, _, side = name.rpartition("_")
+        return start[stem][0 if side == "right" else 1]
+    return getattr(system if hasattr(system, name) else drive, name)
+
+
+def differences(system, drive, start, name, width, times):
+    """Return the derivatives of angles, angular velocities and contact times, by runs."""
+    value = value_of(system, drive, start, name)
+    width *= abs(value) or 1.0
+    total = {}
+    for k, weight in enumerate(_WEIGHTS, 1):
+        for sign in (1.0, -1.0):
+            laws = varied(system, drive, start, name, value + sign * k * width)
+            run = record(laws[0], laws[1], times=times, tolerance=1e-13, **laws[2])
+            for key in ("angle", "angular_velocity", "contact_time"):
+                total[key] = total.get(key, 0.0) + sign * weight * np.asarray(run[key]) / width
+    return total
+
+
+def worst(system, drive, start, names, width=2e-5, times=TIMES):
+    """Return the largest error of any derivative, per largest derivative of its kind."""
+    run = record(system, drive, times=times, tolerance=1e-13, sensitivity_to=names, **start)
+    assert run.attrs["sensitivity_status"] == "known"
+    result = 0.0
+    for p, name in enumerate(names):
+        expected = differences(system, drive, start, name, width, times)
+        for key, wanted in expected.items():
+            found = np.asarray(run[f"{key}_sensitivity"])[p]
+            largest = np.max(abs(wanted), initial=0.0)
+            if largest == 0.0:  # before the first impact nothing depends on the restitution
+                assert not np.any(found)
+            else:
+                result = max(result, np.max(abs(found - wanted)) / largest)
+    return result
+
+
+@pytest.mark.parametrize(
+    "system, drive, names",
+    [
+        (PENDULUM, None, ("length", "mass", "damping", "gravity", "initial_angle")),
+        (PENDULUM, HARMONIC, ("drive_amplitude", "drive_frequency", "drive_phase")),
+        (
+            replace(PENDULUM, quadratic_damping=0.1, coulomb_damping=0.03),
+            HARMONIC,
+            ("length", "damping", "quadratic_damping", "coulomb_damping"),
+        ),
+        (ll.Mathieu(length=1.0, mass=0.8, damping=0.05), HARMONIC, ("length", "damping")),
+        (replace(PENDULUM, damping=0.3, drag_frame="lab"), HARMONIC, ("length", "mass", "damping")),
+    ],
+)
+def test_flights_without_walls(system, drive, names):
+    assert worst(system, drive, ONE, names, 2e-4) < ENOUGH
+
+
+@pytest.mark.parametrize(
+    "drive, names",
+    [
+        (
+            ll.Chirp(
+                drive_amplitude=0.1, drive_frequency=4.0, drive_frequency_final=7.0, sweep_time=2.3
+            ),
+            ("drive_amplitude", "drive_frequency", "drive_frequency_final", "sweep_time"),
+        ),
+        (
+            ll.CrankSlider(drive_amplitude=0.1, drive_frequency=6.0, connecting_rod_length=0.25),
+            ("drive_amplitude", "connecting_rod_length", "drive_frequency"),
+        ),
+        (
+            ll.PlanarHarmonic(
+                vertical_amplitude=0.1, horizontal_amplitude=0.05, drive_frequency=6.0,
+                vertical_phase=0.2, horizontal_phase=1.0,
+            ),
+            ("vertical_amplitude", "horizontal_amplitude", "horizontal_phase", "drive_frequency"),
+        ),
+        (
+            ll.FrequencySchedule(
+                drive_amplitude=0.1, times=[0, 1.7, 3.3], drive_frequencies=[5.0, 7.0, 4.0],
+                drive_phase=0.2, step_impulse=True,
+            ),
+            ("drive_amplitude", "drive_phase"),
+        ),
+        (
+            ll.FrequencySchedule(
+                drive_amplitude=0.1, times=[0, 1.7, 3.3], drive_frequencies=[5.0, 7.0, 4.0],
+                ramp=0.4,
+            ),
+            ("drive_amplitude", "ramp"),
+        ),
+        (
+            ll.StagedHarmonic(
+                times=[0, 1.7], drive_amplitudes=[0.1, 0.2], drive_frequencies=[5.0, 7.0],
+                ramps=[0.1, 0.3], drive_phase=0.4,
+            ),
+            ("drive_phase",),
+        ),
+    ],
+)  # fmt: skip
+def test_every_drive(drive, names):
+    system = PENDULUM if drive.moves_across else TOY
+    assert worst(system, drive, ONE, (*names, "length"), 5e-5) < 3 * ENOUGH
+
+
+@pytest.mark.parametrize("duration", [1.3, 6.0, 18.0])
+def test_after_one_six_and_many_impacts(duration):
+    times = np.linspace(0.0, duration, 14)
+    names = ("length", "radius", "restitution", "damping", "drive_frequency", "initial_angle")
+    width = 2e-5 if duration < 10.0 else 1e-7
+    assert worst(TOY, HARMONIC, ONE, names, width, times) < (ENOUGH if duration < 10.0 else 1e-5)
+
+
+def test_a_start_at_an_offset_moves_with_the_wall():
+    start = {"initial_offset": 0.7}
+    assert worst(TOY, HARMONIC, start, ("radius", "length", "initial_offset")) < ENOUGH
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3])
+def test_rest_and_lift_off(restitution):
+    system = replace(TOY, restitution=restitution)
+    run = record(system, STRONG, times=TIMES, **ONE)
+    if restitution == 0.0:
+        assert list(run["contact_kind"][:3]) == ["bottom", "rest", "release"]
+    assert worst(system, STRONG, ONE, ("length", "radius", "drive_amplitude")) < ENOUGH
+
+
+def test_two_balls():
+    names = ("right_length", "left_radius", "right_mass", "left_damping", "restitution")
+    assert worst(PAIR, HARMONIC, TWO, (*names, "initial_angle_left")) < ENOUGH
+
+
+@pytest.mark.parametrize("frame", ["pivot", "lab"])
+def test_two_balls_in_sticking_contact(frame):
+    system = replace(PAIR, restitution=0.0, drag_frame=frame)
+    names = ("right_length", "left_radius", "right_mass", "left_damping", "drive_amplitude")
+    assert "rest" in record(system, HARMONIC, times=TIMES, **TWO)["contact_kind"]
+    assert worst(system, HARMONIC, TWO, names) < ENOUGH
+
+
+def test_a_string_that_goes_slack_and_tightens():
+    system = replace(PENDULUM, suspension="string")
+    start = {"initial_angle": 2.2, "initial_angular_velocity": 0.5}
+    names = ("length", "mass", "damping", "gravity", "initial_angle", "initial_angular_velocity")
+    run = record(system, times=np.linspace(0.0, 3.0, 19), **start)
+    assert list(run["contact_kind"]) == ["slack", "taut"]
+    assert worst(system, None, start, names, times=np.linspace(0.0, 3.0, 19)) < ENOUGH
+
+
+@pytest.mark.parametrize("velocities", [(3.0, -4.5), (0.0, 4.0), (5.0, -5.5)])
+def test_two_balls_on_strings(velocities):
+    """Through slack, impacts in the air, and a string that an impact loosens.
+
+    Strings tighten in ever smaller bounces, whose last ones differences cannot follow: only the
+    state is compared.
+    """
+    times = np.linspace(0.0, 2.0, 21)
+    start = {"initial_angle": (1.2, -1.1), "initial_angular_velocity": velocities}
+    names = ("right_length", "right_mass", "restitution", "drive_amplitude")
+    run = record(ON_STRINGS, HARMONIC, times=times, tolerance=1e-13, sensitivity_to=names, **start)
+    assert run.attrs["sensitivity_status"] == "known"
+    for p, name in enumerate(names):
+        expected = differences(ON_STRINGS, HARMONIC, start, name, 1e-6, times)
+        for key in ("angle", "angular_velocity"):
+            found = run[f"{key}_sensitivity"][p]
+            assert found == pytest.approx(expected[key], abs=ENOUGH * np.max(abs(expected[key])))
+
+
+def test_a_free_swing_is_that_of_elliptic_functions():
+    amplitude, times = 2.0, np.linspace(0.1, 7.0, 12)
+    system = ll.Pendulum(length=1.3, mass=1.0)
+    names = ("initial_angle", "gravity", "length")
+    run = record(
+        system, initial_angle=amplitude, times=times, tolerance=1e-13, sensitivity_to=names
+    )
+
+    def angle(start, gravity, length, t):
+        k = mpmath.sin(start / 2)
+        phase = mpmath.ellipk(k * k) - mpmath.sqrt(gravity / length) * t
+        return 2 * mpmath.asin(k * mpmath.ellipfun("sn", phase, m=k * k))
+
+    point = (amplitude, system.gravity, system.length)
+    for p in range(3):
+        order = tuple(int(i == p) for i in range(3))
+        wanted = [mpmath.diff(lambda *x, t=t: angle(*x, t), point, order) for t in times]
+        assert run["angle_sensitivity"][p] == pytest.approx(np.array(wanted, float), rel=1e-8)
+
+
+def test_a_bouncing_ball_is_elementary():
+    """Close to its wall a ball falls as on a floor: t_n = t_1 (1 + 2 e + ... + 2 e^(n-1))."""
+    offset, e = 1e-6, 0.7
+    system = ll.LatoLato(length=1.0, mass=1.0, radius=0.5, restitution=e)
+    pull = system.gravity * math.sin(system.contact_angle_low) / system.length
+    first = math.sqrt(2.0 * offset / pull)
+    n = np.arange(6)
+    sums = 1.0 + 2.0 * np.array([sum(e**k for k in range(1, m + 1)) for m in n])
+    slopes = 2.0 * np.array([sum(k * e ** (k - 1) for k in range(1, m + 1)) for m in n])
+    run = record(
+        system, initial_offset=offset, duration=first * 5.0, tolerance=1e-12,
+        sensitivity_to=("restitution", "gravity", "initial_offset"),
+    )  # fmt: skip
+    late = run["contact_time_sensitivity"][:, :6]
+    assert len(run["contact_time"]) >= 6
+    assert late[0] == pytest.approx(first * slopes, rel=1e-5)
+    assert late[1] == pytest.approx(-0.5 * first * sums / system.gravity, rel=1e-5)
+    assert late[2] == pytest.approx(0.5 * first * sums / offset, rel=1e-5)
+
+
+def test_ratios_change_what_they_stand_for():
+    run = record(
+        TOY, HARMONIC, times=TIMES, **ONE,
+        sensitivity_to=(
+            "frequency_ratio", "drive_frequency", "amplitude_ratio", "drive_amplitude",
+            "drive_acceleration_ratio",
+        ),
+    )  # fmt: skip
+    ratio, frequency, amplitude_ratio, amplitude, lift = run["angle_sensitivity"]
+    assert ratio == pytest.approx(frequency * TOY.natural_frequency, rel=1e-9)
+    assert amplitude_ratio == pytest.approx(amplitude * TOY.length, rel=1e-9)
+    assert lift == pytest.approx(amplitude * TOY.gravity / HARMONIC.drive_frequency**2, rel=1e-9)
+
+
+def test_ten_parameters_are_carried_by_two_runs():
+    names = [
+        "length", "mass", "radius", "damping", "restitution", "gravity", "drive_amplitude",
+        "drive_frequency", "drive_phase", "initial_angle",
+    ]  # fmt: skip
+    together = ll.simulate(TOY, HARMONIC, times=TIMES, sensitivity_to=names, **ONE)
+    assert list(together.parameter.values) == names
+    for name in ("length", "initial_angle"):
+        alone = ll.simulate(TOY, HARMONIC, times=TIMES, sensitivity_to=name, **ONE)
+        for variable in ("angle_sensitivity", "contact_time_sensitivity"):
+            of_all = together[variable].sel(parameter=name)
+            np.testing.assert_allclose(of_all, alone[variable][0], rtol=1e-12, atol=1e-12)
+
+
+def test_a_run_is_the_same_with_its_derivatives():
+    plain = record(PAIR, HARMONIC, times=TIMES, **TWO)
+    differentiated = record(PAIR, HARMONIC, times=TIMES, sensitivity_to="restitution", **TWO)
+    np.testing.assert_allclose(differentiated["angle"], plain["angle"], rtol=1e-11, atol=1e-11)
+
+
+class TestDoubt:
+    def test_after_a_graze(self):
+        """A ball whose turning point, without the drive, lies just behind the top wall."""
+        system = ll.LatoLato(length=1.0, mass=1.0, radius=0.1, restitution=0.9)
+        height = math.cos(0.5) - math.cos(system.contact_angle_high + 1e-10)
+        speed = math.sqrt(2.0 * system.gravity / system.length * height)
+        start = {"initial_angle": 0.5, "initial_angular_velocity": speed}
+        run = record(system, duration=4.0, sensitivity_to="length", **start)
+        assert "grazed" in run.attrs["sensitivity_status"]
+        assert np.isfinite(run["angle_sensitivity"][0, 0])
+        assert np.isnan(run["angle_sensitivity"][0, -1])
+
+    def test_after_a_capture_of_two_balls(self):
+        system = replace(PAIR, restitution=0.3)
+        run = record(system, times=np.linspace(0.0, 20.0, 41), sensitivity_to="right_mass", **TWO)
+        status = run.attrs["sensitivity_status"]
+        assert status.startswith("unknown from")
+        assert "capture" in status
+        since = float(status.split()[2])
+        known = np.isfinite(run["angle_sensitivity"][0, 0])
+        np.testing.assert_array_equal(known, run["time"] < since)
+
+    def test_at_a_start_on_a_wall_that_moves_away(self):
+        start = {"initial_angle": TOY.contact_angle_low}
+        run = record(TOY, duration=1.0, sensitivity_to="radius", **start)
+        assert "at the start" in run.attrs["sensitivity_status"]
+        run = record(TOY, duration=1.0, sensitivity_to="radius", initial_offset=0.0)
+        assert run.attrs["sensitivity_status"] == "known"
+        wall = math.cos(TOY.contact_angle_low) ** -1 / TOY.length
+        assert run["angle_sensitivity"][0] == pytest.approx(wall, rel=1e-10)
+
+    def test_the_capture_of_one_ball_hides_its_time_alone(self):
+        system = replace(TOY, restitution=0.3)
+        run = record(system, duration=20.0, sensitivity_to="length", **ONE)
+        captured = run["contact_kind"] == "rest"
+        assert captured.any()
+        assert np.isnan(run["contact_time_sensitivity"][0][captured]).all()
+        assert np.isfinite(run["angle_sensitivity"]).all()
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        "names, system, more, words",
+        [
+            ("lenght", TOY, {}, "length"),
+            (["length", "length"], TOY, {}, "twice"),
+            ("mass", ll.Pendulum(length=1.0, mass=1.0), {}, "does not act"),
+            ("restitution", TOY, {"contact": None}, "does not act"),
+            ("string_restitution", TOY, {}, "string"),
+            ("length", TOY, {"contact": "clamp"}, "exact contact"),
+            ("length", TOY, {"noise": ll.VelocityKicks(noise_strength=1e-3)}, "noise"),
+            (3, TOY, {}, "no parameter 3"),
+        ],
+    )
+    def test_say_what_is_wrong(self, names, system, more, words):
+        with pytest.raises(InputError, match=words):
+            ll.simulate(system, duration=1.0, sensitivity_to=names, **ONE, **more)
