@@ -299,6 +299,30 @@ def test_the_legends_say_what_the_toy_does(page):
     )
 
 
+def test_charts_in_a_closed_panel_are_not_drawn(page):
+    open_held(page)
+    summary = page.get_by_text("Energy and more curves", exact=True)
+    summary.click()
+    page.evaluate(
+        """() => {
+          window.draws = { open: 0, closed: 0 };
+          const { curves, more } = window.latolato.views.toy.player;
+          const count = (charts, name) => charts.forEach(({ plot }) =>
+            (plot.hooks.draw ??= []).push(() => { window.draws[name] += 1; }));
+          count(curves.charts, "open");
+          count(more.curves.charts, "closed");
+        }"""
+    )
+    page.wait_for_function("() => draws.closed > 2")
+    summary.click()
+    page.wait_for_timeout(100)  # what was under way
+    page.evaluate("() => { draws.closed = draws.open = 0; }")
+    page.wait_for_function("() => draws.open > 5")
+    assert page.evaluate("() => draws.closed") == 0
+    summary.click()
+    page.wait_for_function("() => draws.closed > 2")
+
+
 def test_the_curve_goes_along_with_the_toy(page):
     open_held(page)
     page.locator(".transport").get_by_label("Speed").select_option("10")

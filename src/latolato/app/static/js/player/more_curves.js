@@ -75,6 +75,7 @@ export class MoreCurves {
 
   draw() {
     const { motion, pinned } = this;
+    if (!this.root.open) this.drawn = this.curves.motion = null;
     if (!this.root.open || !motion || this.drawn === motion) return;
     this.drawn = motion;
     this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
@@ -105,7 +106,7 @@ export class MoreCurves {
   /** @param {number} time */
   move(time) {
     const { drawn } = this;
-    if (!drawn || drawn.grows || !this.root.open) return;
+    if (!drawn || drawn.grows) return;
     this.phase.mark(byPaint(drawn.balls, (ball) => ({
       x: drawn.angle(ball, time) / DEGREE,
       y: ball.sign * drawn.at("angular_velocity", time, ball.row),
