@@ -120,8 +120,8 @@ export class Motion {
     this.grows = false;
     /** @type {Record<string, [number, number]>} */
     this.ranges = {};
-    /** The largest angle up to each sample [rad], once it was asked for. @type {Float32Array | null} */
-    this.peaks = null;
+    /** The largest angle up to each sample [rad], as far as it was asked for. @type {number[]} */
+    this.peaks = [];
   }
 
   /** The least and the largest height of the pivot [m]. */
@@ -149,13 +149,15 @@ export class Motion {
    * @param {number} time
    */
   highest(time) {
-    if (!this.peaks) {
-      const angles = this.balls.map((ball) => /** @type {Float32Array} */ (this.values("angle", ball.row)));
-      let most = 0;
-      this.peaks = Float32Array.from(this.time, (_, i) =>
-        (most = Math.max(most, ...angles.map((each) => fromBottom(each[i])))));
+    const { peaks } = this;
+    const last = before(this.time, time);
+    const angles = this.balls.map((ball) => /** @type {Float32Array} */ (this.values("angle", ball.row)));
+    for (let i = peaks.length; i <= last; i += 1) {
+      let most = peaks[i - 1] ?? 0;
+      for (const each of angles) most = Math.max(most, fromBottom(each[i]));
+      peaks.push(most);
     }
-    return this.peaks[before(this.time, time)];
+    return peaks[last];
   }
 
   /**
