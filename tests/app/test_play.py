@@ -162,7 +162,7 @@ def test_curves_go_through_the_data(page, scheme):
 # Where the marks of the phase portrait stand at an instant, in units of its axes and of one pixel
 # there, and whether its canvas has the colour of the ball at that place.
 PHASE = """(time) => {
-  const { clock, more: { phase } } = window.latolato.views.toy.player;
+  const { clock, more: { plots: { phase } } } = window.latolato.views.toy.player;
   clock.seek(time);
   const { bbox, ctx, scales: { x, y } } = phase.plot;
   const { left, top } = ctx.canvas.getBoundingClientRect();
