@@ -485,7 +485,7 @@ def test_the_space_bar_plays_and_does_not_scroll(page):
     page.get_by_role("link", name="Toy", exact=True).focus()
     page.keyboard.press("Space")
     assert page.evaluate(PLAYING)
-    page.get_by_label("Instant", exact=True).focus()
+    page.get_by_label("Time", exact=True).focus()
     page.keyboard.press("Space")
     assert not page.evaluate(PLAYING)
     assert page.evaluate("() => scrollY") == 0

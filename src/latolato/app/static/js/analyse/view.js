@@ -124,11 +124,11 @@ export class AnalyseView {
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
-        this.tell(t("offline"));
+        this.notify(t("offline"));
         this.timer = window.setTimeout(() => this.refresh(null), RETRY);
         return;
       }
-      this.tell(error.message);
+      this.notify(error.message);
       this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
       return;
     }
@@ -142,7 +142,7 @@ export class AnalyseView {
   }
 
   /** @param {string} text of the line above the title; none hides it */
-  tell(text) {
+  notify(text) {
     this.notice.textContent = text;
     this.notice.hidden = text === "";
   }
@@ -155,7 +155,7 @@ export class AnalyseView {
     const analysis = /** @type {Analysis | undefined} */ (this.analyses[what]);
     leaveOut(this.page, Object.keys(extra).filter((name) => (name === WHAT ? !analysis
       : name.startsWith(KEY) && name !== ASK && !(analysis && Object.hasOwn(analysis.options, name.slice(KEY.length))))));
-    this.tell("");
+    this.notify("");
     this.select.value = what;
     this.root.dataset.form = what;
     this.fields.hidden = this.summary.hidden = this.more.hidden = !analysis;

@@ -13,10 +13,10 @@ import { el } from "./dom.js";
  * an AbortError where the signal ends the job.
  * @param {string} path
  * @param {any} request
- * @param {{tell?: (status: Status) => void, signal?: AbortSignal}} [options]
+ * @param {{notify?: (status: Status) => void, signal?: AbortSignal}} [options]
  * @returns {Promise<Block>}
  */
-export function doJob(path, request, { tell, signal } = {}) {
+export function doJob(path, request, { notify, signal } = {}) {
   return new Promise((resolve, reject) => {
     if (signal?.aborted) {
       reject(new DOMException("", "AbortError"));
@@ -37,7 +37,7 @@ export function doJob(path, request, { tell, signal } = {}) {
       else {
         const message = JSON.parse(data);
         if ("error" in message) reject(new Refusal(message.error, message.field));
-        else tell?.(message);
+        else notify?.(message);
       }
     });
     socket.addEventListener("close", ({ reason }) => {
@@ -88,7 +88,7 @@ export class JobLine {
     this.line.dataset.status = "";
     this.show({ state: "waiting", elapsed: 0 });
     try {
-      return await doJob(path, request, { signal: own.signal, tell: (status) => {
+      return await doJob(path, request, { signal: own.signal, notify: (status) => {
         if (this.running === own) this.show(status);
       } });
     } catch (error) {
