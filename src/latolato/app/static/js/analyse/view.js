@@ -1,5 +1,6 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
+import { specify } from "../model/case.js";
 import { askJson, newest, Offline } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
@@ -7,6 +8,7 @@ import { JobLine } from "../page/jobs.js";
 import { openLink, withOptions } from "../page/links.js";
 import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
+import { inPagesWords } from "../page/refusals.js";
 import { FIRST } from "../page/state.js";
 import { inWords } from "../page/words.js";
 import { ENGLISH, t, tr } from "../strings.js";
@@ -128,8 +130,10 @@ export class AnalyseView {
         this.timer = window.setTimeout(() => this.refresh(null), RETRY);
         return;
       }
-      this.notify(error.message);
-      this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
+      const [text, field] = await specify(registry, this.request).then(
+        () => [error.message, /** @type {any} */ (error).field ?? null], (refusal) => inPagesWords(registry, refusal));
+      this.notify(text);
+      this.laws.error(text, field);
       return;
     }
     const about = /** @type {import("./arguments.js").About} */ (this.about);

@@ -8,6 +8,9 @@ import { el } from "./dom.js";
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
 
+// Work that waits for other work says so after this time.
+const PATIENCE = 1; // s
+
 /**
  * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
  * an AbortError where the signal ends the job.
@@ -52,7 +55,9 @@ export function doJob(path, request, { notify, signal } = {}) {
  * @param {Status} status
  * @returns {string}
  */
-export function statusText({ state, elapsed, progress }) {
+export function statusText({ state: reported, elapsed, progress }) {
+  // Nothing has to finish before work that begins at once.
+  const state = reported === "waiting" && elapsed < PATIENCE ? "working" : reported;
   const seconds = elapsed.toFixed(elapsed < 10 ? 1 : 0);
   if (state !== "working" || progress === undefined) return t(`job_${state}`, { seconds });
   return t("job_progress", { percent: Math.round(100 * progress), seconds });
