@@ -227,7 +227,7 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
     page.keyboard.press("r")
     wait_for_toy(page, "toy.time > 0.5")
     page.get_by_role("button", name="Keep the last minute").click()
-    page.get_by_text("It is a run of its own parameters").wait_for()
+    page.get_by_text("Its parameters and its link reproduce it").wait_for()
     # Browsers ask for the icon again when the address changes.
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 
