@@ -99,6 +99,7 @@ def test_every_analysis_and_option_has_a_label_in_words():
         assert "_" not in form["title"]
         for option in form["options"].values():
             assert "_" not in option["label"] + option["description"]
+            assert "SI unit" not in option["description"]  # a field has a unit of its own
 
 
 def test_a_label_is_that_of_a_quantity_only_in_its_unit():
@@ -456,6 +457,16 @@ def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
             { frequency_ratio: "2" }); }"""
     )
     assert found == {"length": "1 m", "frequency_ratio": "2"}
+
+
+def test_values_that_contradict_each_other_are_refused_in_the_units_of_the_page(page, watch):
+    page.goto("/?view=analyse&scenario=toy&length=1.5+cm")
+    notice = page.locator(".notice")
+    notice.wait_for()
+    assert notice.text_content() == (
+        "“radius of one ball” must be at least 0 mm and below the length, got 18; give less than 15"
+    )
+    watch.faults.clear()  # the server refuses the request
 
 
 def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):

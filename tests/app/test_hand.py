@@ -227,7 +227,7 @@ def test_a_toy_needs_no_server_once_it_is_there(page):
     page.keyboard.press("r")
     wait_for_toy(page, "toy.time > 0.5")
     page.get_by_role("button", name="Keep the last minute").click()
-    page.get_by_text("It is a run of its own parameters").wait_for()
+    page.get_by_text("Its parameters and its link reproduce it").wait_for()
     # Browsers ask for the icon again when the address changes.
     assert [url for url in requests if not url.endswith("icon.svg")] == []
 
@@ -297,6 +297,30 @@ def test_the_legends_say_what_the_toy_does(page):
     page.wait_for_function(
         "() => document.querySelector('figure.panel .legend output').textContent === ''"
     )
+
+
+def test_charts_in_a_closed_panel_are_not_drawn(page):
+    open_held(page)
+    summary = page.get_by_text("Energy and more curves", exact=True)
+    summary.click()
+    page.evaluate(
+        """() => {
+          window.draws = { open: 0, closed: 0 };
+          const { curves, more } = window.latolato.views.toy.player;
+          const count = (charts, name) => charts.forEach(({ plot }) =>
+            (plot.hooks.draw ??= []).push(() => { window.draws[name] += 1; }));
+          count(curves.charts, "open");
+          count(more.curves.charts, "closed");
+        }"""
+    )
+    page.wait_for_function("() => draws.closed > 2")
+    summary.click()
+    page.wait_for_timeout(100)  # what was under way
+    page.evaluate("() => { draws.closed = draws.open = 0; }")
+    page.wait_for_function("() => draws.open > 5")
+    assert page.evaluate("() => draws.closed") == 0
+    summary.click()
+    page.wait_for_function("() => draws.closed > 2")
 
 
 def test_the_curve_goes_along_with_the_toy(page):

@@ -33,7 +33,7 @@ def stored(page, folder):
 def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
     open_held(page)
     keep(page, key="2", seconds=1)
-    page.get_by_text("It is a run of its own parameters").wait_for()
+    page.get_by_text("Its parameters and its link reproduce it").wait_for()
     assert "drive=staged_harmonic" in page.url
     assert "toy.hand" not in page.url
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
@@ -49,7 +49,9 @@ def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
 def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
     open_held(page)
     keep(page, key="p", seconds=1)
-    page.get_by_text("A hand took part, so no parameters make it again").wait_for()
+    page.get_by_text(
+        "A hand took part, so neither parameters nor a link can reproduce it"
+    ).wait_for()
     assert page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
     page.get_by_text("Energy and more curves").click()
     page.get_by_text("the hand", exact=True).wait_for()
@@ -85,7 +87,7 @@ def test_a_second_thing_that_is_kept_takes_the_place_of_the_first(page):
     page.get_by_role("button", name="Hold it yourself").click()
     wait_for_toy(page, "toy?.time > 0.3")
     page.get_by_role("button", name="Keep the last minute").click()
-    page.get_by_text("It is a run of its own parameters").wait_for()
+    page.get_by_text("Its parameters and its link reproduce it").wait_for()
     page.wait_for_function(f"() => {PLAYER}.motion && !{PLAYER}.motion.about.by_hand")
 
 

@@ -189,7 +189,9 @@ def test_what_is_kept_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path
     shake(page)
     wait_for_toy(page, "toy.time > 3", timeout=30_000)
     page.get_by_role("button", name="Keep the last minute").click()
-    page.get_by_text("The pivot was shaken, so no parameters make it again").wait_for()
+    page.get_by_text(
+        "The pivot was shaken, so neither parameters nor a link can reproduce it"
+    ).wait_for()
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     page.get_by_text("Download", exact=True).click()
     for button, name in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):

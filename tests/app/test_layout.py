@@ -154,7 +154,7 @@ def test_energies_are_computed_when_they_are_asked_for(page):
     open_view(page, "&scenario=fig04a_push&duration=10 s")
     page.wait_for_timeout(300)
     assert page.evaluate(f"() => {PLAYER}.more.drawn") is None
-    assert page.evaluate(f"() => {PLAYER}.more.curves.charts.length") == 0
+    assert page.locator(".more-curves canvas").count() == 0
     page.get_by_text("Energy and more curves", exact=True).click()
     page.locator(".more-curves .ledger-row").first.wait_for()
     assert page.evaluate(f"() => {PLAYER}.more.curves.charts.length") == 2

@@ -443,7 +443,7 @@ def test_the_picture_stays_in_its_place_below_the_longest_text(page):
     tops = page.evaluate(
         """() => ["", "25 %",
           "2500 runs in 8.1 s, 308 runs/s. Finer: 40000 in 2 min"].map((text) => {
-          window.latolato.views.map.tools.say(text);
+          window.latolato.views.map.tools.showProgress(text);
           return document.querySelector(".map-field").getBoundingClientRect().top;
         })"""
     )

@@ -50,6 +50,9 @@ def over(scenario, x, y, duration=3.0, **more):
 KINDS = {
     "walls": over("fig05_push", "restitution", "radius", 5.0),
     "offset": over("fig05_push", "initial_offset", "frequency_ratio", 5.0),
+    "phase": over(
+        "fig05_push", "frequency_ratio", "drive_amplitude", 5.0, options={"drive_phase": 0.5}
+    ),
     "start": over("fig02", "initial_angle", "initial_angular_velocity", 5.0),
     "two balls": over("ballpair_asymmetric", "right_mass", ("initial_angle_left", -0.3, 0.1)),
     "kicks of two": over(

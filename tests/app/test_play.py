@@ -162,7 +162,7 @@ def test_curves_go_through_the_data(page, scheme):
 # Where the marks of the phase portrait stand at an instant, in units of its axes and of one pixel
 # there, and whether its canvas has the colour of the ball at that place.
 PHASE = """(time) => {
-  const { clock, more: { phase } } = window.latolato.views.toy.player;
+  const { clock, more: { plots: { phase } } } = window.latolato.views.toy.player;
   clock.seek(time);
   const { bbox, ctx, scales: { x, y } } = phase.plot;
   const { left, top } = ctx.canvas.getBoundingClientRect();
@@ -485,7 +485,7 @@ def test_the_space_bar_plays_and_does_not_scroll(page):
     page.get_by_role("link", name="Toy", exact=True).focus()
     page.keyboard.press("Space")
     assert page.evaluate(PLAYING)
-    page.get_by_label("Instant", exact=True).focus()
+    page.get_by_label("Time", exact=True).focus()
     page.keyboard.press("Space")
     assert not page.evaluate(PLAYING)
     assert page.evaluate("() => scrollY") == 0
@@ -525,6 +525,23 @@ def test_a_pinned_run_stays_behind_the_next(page):
     assert len(series) == 5  # time, two pinned angles, two angles
     page.get_by_role("button", name="Unpin this run").click()
     page.get_by_text("right ball, pinned").wait_for(state="detached")
+
+
+def test_a_mark_beyond_the_axes_of_a_portrait_is_not_shown(page):
+    page.goto("/")
+    hidden = page.evaluate(
+        """async () => {
+          const { XYPlot } = await import("/js/player/xy_plot.js");
+          const plot = new XYPlot(document.body, { x: "x", y: "y" }, ["right"]);
+          plot.show({ right: { xs: [0, 1], ys: [0, 1] } });
+          await new Promise((drawn) => setTimeout(drawn, 100));
+          return [0.5, 100].map((x) => {
+            plot.mark({ right: { x, y: 0.5 } });
+            return plot.dots[0].hidden;
+          });
+        }"""
+    )
+    assert hidden == [False, True]
 
 
 def test_the_ledger_makes_a_hundred_percent_on_each_side(page):

@@ -129,6 +129,15 @@ def test_a_block_of_the_program_holds_what_is_known_of_strings():
     assert about["ledger"]["retension_loss"] > 0.0
 
 
+def test_the_ledger_of_a_run_that_stops_early_is_that_of_its_last_sample():
+    limit = {"contact_limit": "10"}
+    with pytest.warns(RuntimeWarning, match="contact_limit"):
+        run = RunRequest("toy", limit).to_scenario().simulate()
+    about, _ = unpack(compute(RunRequest("toy", limit)))
+    assert np.isnan(run.drive_work.values[-1])
+    assert about["ledger"]["drive_work"] == run.drive_work.dropna("time").values[-1]
+
+
 def test_a_block_of_the_program_holds_what_the_run_holds():
     request = RunRequest("fig04a_push", {"duration": "3 s"})
     run = request.to_scenario().simulate(times=np.linspace(0.0, 3.0, 200))

@@ -121,11 +121,11 @@ def test_a_pause_says_where_everything_is_and_then_is_silent(page):
     stage = next(node for node in accessible(page) if "Animation" in text_of(node, "name"))
     assert text_of(stage, "description").startswith("Two balls hang")
     assert f"The left ball is {angle} degrees to the left" in text_of(stage, "description")
-    page.get_by_label("Instant", exact=True).fill("5000")
+    page.get_by_label("Time", exact=True).fill("5000")
     page.wait_for_timeout(200)
     assert said(page) == text
     # Unless somebody asks.
-    page.get_by_label("Instant", exact=True).blur()
+    page.get_by_label("Time", exact=True).blur()
     page.keyboard.press("w")
     assert said(page) != text
     assert "clack" in said(page)
@@ -358,7 +358,7 @@ def test_a_described_view_is_accessible_also_enlarged(page, view):
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("w")
     assert page.locator(".narration").is_visible()
-    page.evaluate("async () => (await import('./js/page/dom.js')).tell('A message.')")
+    page.evaluate("async () => (await import('./js/page/dom.js')).notify('A message.')")
     for scheme in ("light", "dark"):
         page.emulate_media(color_scheme=scheme)
         page.wait_for_timeout(200)

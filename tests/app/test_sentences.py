@@ -39,7 +39,7 @@ def told(tmp_path_factory):
     site = tmp_path_factory.mktemp("site")
     write_site(site)
     requests = [{"scenario": name, "end": end, "step": step} for name, end, step in RUNS]
-    program = Path(__file__).with_name("tell_in_node.mjs")
+    program = Path(__file__).with_name("sentences_in_node.mjs")
     answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
     return {run[::2]: answer for run, answer in zip(RUNS, answers, strict=True)}
 

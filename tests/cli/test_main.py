@@ -424,7 +424,7 @@ def test_a_run_that_leaves_the_range_of_numbers_fails_with_one_warning(capsys, t
     assert cli.main([*LINEAR, *shape, "--plot", str(tmp_path / "run.png")]) == 0
     printed = capsys.readouterr()
     assert printed.err.count("\n") == 1
-    assert "the motion left the range of numbers; later samples are NaN" in printed.err
+    assert "the motion left the range of numbers; there are no values after that" in printed.err
     assert "energy residual  unknown" in printed.out
 
 

@@ -541,7 +541,9 @@ class TestBadInput:
 class TestLimits:
     def test_contact_limit_stops_the_run_and_says_so(self):
         toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
-        with pytest.warns(RuntimeWarning, match="contact_limit = 10; later samples are NaN"):
+        with pytest.warns(
+            RuntimeWarning, match="contact_limit = 10; there are no values after that"
+        ):
             result = ll.simulate(toy, initial_angle=0.5, duration=60.0, contact_limit=10)
         assert "contact_limit = 10" in result.attrs["status"]
         assert result.sizes["contact"] == 10  # each of these impacts is one row

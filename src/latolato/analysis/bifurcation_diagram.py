@@ -71,7 +71,7 @@ def bifurcation_diagram(
         What is varied: any number of the system or the drive, such as drive_amplitude,
         frequency_ratio, restitution.
     low, high : float
-        Its limits, in its SI unit.
+        Its lowest and highest value, in the parameter's SI unit.
     points : int
         Values from low to high, 2 to 100000.
     direction : {"both", "up", "down"}

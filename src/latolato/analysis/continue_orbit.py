@@ -67,7 +67,7 @@ def continue_orbit(
         What is varied: a parameter of system or drive, ``frequency_ratio``, ``amplitude_ratio``
         or ``drive_acceleration_ratio``.
     low, high : float
-        Where the branch is followed, in the parameter's unit.
+        Its lowest and highest value on the branch, in the parameter's SI unit.
     direction : {"up", "down"}
         Where the parameter goes at first; a fold may turn it round.
     initial_angle, initial_angular_velocity, initial_offset, period

@@ -262,8 +262,8 @@ def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
     ball = system.balls[0]
     where = "hang straight down" if position == "hanging" else "stand upright"
     way_out = (
-        f"use ll.Pendulum(length={ball.length:g}, mass={ball.mass:g}, damping={ball.damping:g}, "
-        f"gravity={system.gravity:g}) for a ball without walls, as for tongues drawn over maps"
+        f"choose the system Pendulum, which has no walls, with length {ball.length:g}, "
+        f"mass {ball.mass:g}, damping {ball.damping:g} and gravity {system.gravity:g}"
     )
     if any(each.radius > 0.0 for each in system.balls):
         raise InputError(

@@ -88,8 +88,14 @@ def about(scenario: Scenario, run: Record | xr.Dataset) -> dict[str, Any]:
         "contact_kinds": CONTACT_KINDS,
         "balls": balls_of(scenario),
         "duration": float(run["time"][-1]),
-        "ledger": {name: float(run[name][-1]) for name in LEDGER if name in run},
+        "ledger": {name: _last(np.asarray(run[name])) for name in LEDGER if name in run},
     }
+
+
+def _last(values: NDArray[np.float64]) -> float:
+    """Return the last number of a run, also of one that stopped early; NaN if there is none."""
+    numbers = values[np.isfinite(values)]
+    return float(numbers[-1]) if numbers.size else math.nan
 
 
 def balls_of(scenario: Scenario) -> list[dict[str, Any]]:

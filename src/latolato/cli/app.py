@@ -33,10 +33,10 @@ def app(
         ),
     ] = None,
     video_megabytes: Annotated[
-        float | None, typer.Option(help="Largest video for Experiment, in MB. Default: 500.")
+        float | None, typer.Option(help="Largest video for Measure, in MB. Default: 500.")
     ] = None,
     video_minutes: Annotated[
-        float | None, typer.Option(help="Longest video for Experiment, in minutes. Default: 10.")
+        float | None, typer.Option(help="Longest video for Measure, in minutes. Default: 10.")
     ] = None,
 ) -> None:
     """Open the application in the browser: the toy, maps, measurements, analyses, the report."""

@@ -150,7 +150,7 @@ RULES = {
         "slack string, which is not described"
     ),
     "contact_limit": Rule("stopped at t = {time:.9g} s by contact_limit = {limit}"),
-    "ended_early": Rule("the run {status}; later samples are NaN"),
+    "ended_early": Rule("the run {status}; there are no values after that"),
     "open_ledger": Rule(
         "the energy ledger closes only to {residual:.3g} J, {share:.2g} of the largest energy: "
         "tolerance {tolerance:g} was not reached with step {step:.3g} s"

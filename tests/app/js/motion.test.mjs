@@ -38,6 +38,18 @@ test("the ball turns round at the instant of the contact, not at a sample", () =
   }
 });
 
+test("a run that stopped early ends at its last sample", () => {
+  const whole = bounce();
+  whole.block.arrays.angle.fill(NaN, 8);
+  whole.block.arrays.angular_velocity.fill(NaN, 8);
+  whole.block.arrays.strobe = Float64Array.from([0.25, 0.5, 0.75, 1]);
+  const motion = new Motion(whole.block);
+  assert.equal(motion.end, whole.time[7]);
+  assert.deepEqual(motion.strobes(), [0.25, 0.5]);
+  assert.equal(motion.values("angle").length, motion.time.length);
+  assert.ok(Math.abs(motion.angle(BALLS[0], motion.end) - (0.1 + motion.end - 0.5)) < 1e-6);
+});
+
 test("a pose puts the ball on its rod below the pivot", () => {
   const { balls } = bounce().pose(0.9);
   assert.ok(Math.abs(balls[0].x - Math.sin(0.5)) < 1e-6);

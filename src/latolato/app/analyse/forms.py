@@ -27,8 +27,8 @@ _WIDER = (1.4, 3.2)
 OWN_RUN = ("duration",)
 # Names of parameters in a text.
 _NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
-# An interval of SI units in a text; fields keep it by themselves.
-_INTERVAL = re.compile(r", in [([][^])]*[])]")
+# SI units in a text: an interval, which fields keep by themselves, or what a number is in.
+_SI = re.compile(r", in (?:[([][^])]*[])]|the parameter's SI unit)")
 _LETTERS = {
     "Poincare": "Poincaré",
     "w/w0": "ω/ω₀",
@@ -93,7 +93,7 @@ def _option(option: Parameter) -> dict[str, Any]:
     default = "" if option.is_required or option.default is None else option.default
     if isinstance(default, (tuple, list)):
         default = ", ".join(f"{value:g}" for value in default)
-    description = _INTERVAL.sub("", option.description)
+    description = _SI.sub("", option.description)
     shown = {
         "label": label_of(option.name, option.unit),
         "symbol": "",

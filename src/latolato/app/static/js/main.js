@@ -1,7 +1,7 @@
 /** The page: its views, its colours and what they share. */
 
 import { loadRegistry } from "./model/registry.js";
-import { beforePrint, el, tell } from "./page/dom.js";
+import { beforePrint, el, notify } from "./page/dom.js";
 import { keep, recall } from "./page/preferences.js";
 import { AddressStore } from "./page/history.js";
 import { speakInPage } from "./page/language.js";
@@ -111,7 +111,7 @@ function startViews(page) {
       });
       if (page.store.state.view !== view) return;
       if (!View) {
-        tell(t("offline"));
+        notify(t("offline"));
         clearTimeout(again);
         again = window.setTimeout(() => void show(), RETRY);
         return;
@@ -208,7 +208,7 @@ if (isReadable(location.search, registry.format)) {
   if (format(state) !== format(store.state)) store.amend(state, "preset");
   sayLeft(page, left);
 } else {
-  page.messages.say("link", t("newerAddress"), { stays: true });
+  page.messages.show("link", t("newerAddress"), { stays: true });
   store.amend(parse(""), "preset");
 }
 /** @type {HTMLElement} */ (document.querySelector(".skip")).textContent = t("skip");

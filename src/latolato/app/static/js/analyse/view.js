@@ -1,5 +1,6 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
+import { specify } from "../model/case.js";
 import { askJson, newest, Offline } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
@@ -7,6 +8,7 @@ import { JobLine } from "../page/jobs.js";
 import { openLink, withOptions } from "../page/links.js";
 import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
+import { inPagesWords } from "../page/refusals.js";
 import { FIRST } from "../page/state.js";
 import { inWords } from "../page/words.js";
 import { ENGLISH, t, tr } from "../strings.js";
@@ -124,12 +126,14 @@ export class AnalyseView {
     } catch (error) {
       if (!(error instanceof Error)) throw error;
       if (error instanceof Offline) {
-        this.tell(t("offline"));
+        this.notify(t("offline"));
         this.timer = window.setTimeout(() => this.refresh(null), RETRY);
         return;
       }
-      this.tell(error.message);
-      this.laws.error(error.message, /** @type {any} */ (error).field ?? null);
+      const [text, field] = await specify(registry, this.request).then(
+        () => [error.message, /** @type {any} */ (error).field ?? null], (refusal) => inPagesWords(registry, refusal));
+      this.notify(text);
+      this.laws.error(text, field);
       return;
     }
     const about = /** @type {import("./arguments.js").About} */ (this.about);
@@ -142,7 +146,7 @@ export class AnalyseView {
   }
 
   /** @param {string} text of the line above the title; none hides it */
-  tell(text) {
+  notify(text) {
     this.notice.textContent = text;
     this.notice.hidden = text === "";
   }
@@ -155,7 +159,7 @@ export class AnalyseView {
     const analysis = /** @type {Analysis | undefined} */ (this.analyses[what]);
     leaveOut(this.page, Object.keys(extra).filter((name) => (name === WHAT ? !analysis
       : name.startsWith(KEY) && name !== ASK && !(analysis && Object.hasOwn(analysis.options, name.slice(KEY.length))))));
-    this.tell("");
+    this.notify("");
     this.select.value = what;
     this.root.dataset.form = what;
     this.fields.hidden = this.summary.hidden = this.more.hidden = !analysis;

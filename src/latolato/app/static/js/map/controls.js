@@ -121,7 +121,7 @@ export class MapControls {
     const [low, high] = this.limits;
     const fits = value === null || (side === "low" ? value < high : value > low);
     if (fits) this.keep({ [side]: value });
-    else this[side].problem.say(t("mapLimits"));
+    else this[side].problem.show(t("mapLimits"));
   }
 
   /** @param {string} value */

@@ -7,7 +7,7 @@ import { Preview } from "../player/preview.js";
 import { inPagesWords } from "../page/refusals.js";
 import { Runner } from "../player/runner.js";
 import { t } from "../strings.js";
-import { cellText, withName } from "./tell.js";
+import { cellText, withName } from "./texts.js";
 
 // Beyond it, a run that is computed is announced.
 const PATIENCE = 700; // ms
@@ -26,7 +26,7 @@ export class Cursor {
    * Say what is known of a place, by default that of the cross.
    * @param {[number, number] | null} [at]
    */
-  tell(at = null) {
+  describe(at = null) {
     const { grid, chart } = this.view;
     const place = at ?? chart.cross;
     const cell = place && grid ? chart.cell(...place) : -1;
@@ -46,7 +46,7 @@ export class Cursor {
     const column = cell % grid.width;
     chart.cross = [grid.x[column], grid.y[(cell - column) / grid.width]];
     chart.draw();
-    this.tell();
+    this.describe();
   }
 
   /** Put the cross where the address has it, if that is on the map. */

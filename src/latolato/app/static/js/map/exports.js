@@ -1,6 +1,6 @@
 /** The menu from which the map on show is stored: its numbers and its picture. */
 
-import { el, tell } from "../page/dom.js";
+import { el, notify } from "../page/dom.js";
 import { fileOf, JobLine, saveFile } from "../page/jobs.js";
 import { t } from "../strings.js";
 import { lookOf } from "./colours.js";
@@ -103,7 +103,7 @@ export class MapFiles {
    */
   keep(file, name, missing) {
     saveFile(file, name);
-    tell(t(missing ? "mapStoredPart" : "stored", { name, missing }));
+    notify(t(missing ? "mapStoredPart" : "stored", { name, missing }));
   }
 
   /** Cancel a file that is being made. */

@@ -12,14 +12,14 @@ import { localShort, shownUnit } from "../page/unit_text.js";
  */
 export function problemOf(input) {
   const line = el("p", { class: "error", id: freshId(), role: "alert", hidden: true });
-  const say = (/** @type {string | null} */ text) => {
+  const show = (/** @type {string | null} */ text) => {
     line.hidden = text === null;
     line.textContent = text ?? "";
     input.setAttribute("aria-invalid", String(text !== null));
     if (text === null) input.removeAttribute("aria-describedby");
     else input.setAttribute("aria-describedby", line.id);
   };
-  return { line, say };
+  return { line, show };
 }
 
 /** A number field that shows one unit and reads any that is known. */
@@ -66,7 +66,7 @@ export class QuantityField {
     this.unit.textContent = shownUnit(units[0]?.name ?? "");
     const text = value === null ? "" : localShort(value / (units[0]?.size ?? 1), 4);
     this.example = text;
-    this.problem.say(null);
+    this.problem.show(null);
     if (document.activeElement === this.input) return;
     this.input.value = chosen ? text : "";
     this.input.placeholder = chosen ? "" : text;
@@ -77,7 +77,7 @@ export class QuantityField {
     const { registry, quantity: { unit, units }, mayBeEmpty, example } = this;
     const { values: [value = null], problem } = readEntry(this.input.value,
       { registry, usual: units[0] ?? { name: "", size: 1 }, unit, mayBeEmpty, example });
-    this.problem.say(problem);
+    this.problem.show(problem);
     this.isRefused = false;
     if (problem !== null) return;
     this.isNew = true;
@@ -91,7 +91,7 @@ export class QuantityField {
   refuse(text) {
     if (text === null && !this.isRefused) return;
     this.isRefused = text !== null;
-    this.problem.say(text);
+    this.problem.show(text);
   }
 }
 

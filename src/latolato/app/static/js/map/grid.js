@@ -119,7 +119,7 @@ export class Grid {
    * @returns {{value: number, why: "" | "notYet" | "noAnswer" | "noValue", status: string,
    *   exact: boolean}}
    */
-  tell(at, k) {
+  read(at, k) {
     const status = this.status[at];
     const value = this.values[k]?.[at] ?? NaN;
     const name = this.about.statuses?.[status] ?? "";

@@ -101,7 +101,7 @@ function completeStride(grid) {
   const isKnown = () => {
     for (let row = 0; row < height; row += stride)
       for (let column = 0; column < width; column += stride) {
-        const { exact, why } = grid.tell(row * width + column, 0);
+        const { exact, why } = grid.read(row * width + column, 0);
         if (!exact || why === "notYet") return false;
       }
     return true;

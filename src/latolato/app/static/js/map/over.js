@@ -5,7 +5,7 @@ import { inPagesWords } from "../page/refusals.js";
 import { lookOf } from "./colours.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { OF_COLOURS } from "./overcontrols.js";
-import { withUnit } from "./tell.js";
+import { withUnit } from "./texts.js";
 import { liftOff, Placing, tongue } from "./theory.js";
 import { parseTrials, placedTrials } from "./trials.js";
 import { t } from "../strings.js";

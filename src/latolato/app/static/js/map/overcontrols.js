@@ -28,7 +28,7 @@ export class OverControls {
     /** What contour lines are drawn of. @type {Shown} */
     this.quantity = { unit: "1", units: [] };
     this.contours = choice(t("mapContours"), (v) => {
-      this.problem.say(null);
+      this.problem.show(null);
       keep({ contours: v || null, levels: null });
     });
     const id = freshId();
@@ -60,7 +60,7 @@ export class OverControls {
     const text = this.levels.value.trim();
     const levels = levelsOf(this.registry, text, this.quantity);
     const many = levels !== null && levels.length > MOST_LEVELS;
-    this.problem.say(!levels ? t("noLevels", { text, example: localList(["10", "20", "50"]) })
+    this.problem.show(!levels ? t("noLevels", { text, example: localList(["10", "20", "50"]) })
       : many ? t("tooManyLevels", { most: MOST_LEVELS, count: levels.length }) : null);
     if (levels && !many) keep({ levels: levels.length ? levels.join(",") : null });
   }

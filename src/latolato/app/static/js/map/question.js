@@ -5,7 +5,7 @@ import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/run_block.js";
 import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
-import { optionsOf, partsOf, withoutRatios } from "../model/options.js";
+import { optionsOf, partsOf, withoutAlternatives, withoutRatios } from "../model/options.js";
 import { brokenRule, checkedNumber, general, InputError, refusal, unknown } from "../model/rules.js";
 import { t } from "../strings.js";
 import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
@@ -64,9 +64,11 @@ export async function questionOf(registry, layout, request) {
   const system = systemOf(registry, kernels, input.system, partsOf(registry, input).system);
   for (const name of [input.initial_distance === undefined ? "" : "initial_distance", askedX?.name, askedY?.name])
     if (name && isOfStrings(name)) checkStrings(system.suspension, name);
-  const fixed = (input.drive ?? "fixed_pivot") === "fixed_pivot";
-  const named = fixed ? { ...input, ...gentleDrive({ options: { ...system.balls[0], ...input,
-    gravity: system.gravity }, sweep }) } : input;
+  const gentle = gentleDrive({ options: { ...system.balls[0], ...input, gravity: system.gravity }, sweep });
+  const { drive: kind = "fixed_pivot" } = input;
+  // A drive of which only the phase is given is varied by the axes as well.
+  const usual = kind === gentle.drive ? withoutAlternatives(registry, gentle, Object.keys(input)) : {};
+  const named = kind === "fixed_pivot" ? { ...input, ...gentle } : { ...usual, ...input };
   const parts = partsOf(registry, named);
   withoutRatios(registry, named.drive, parts.drive, system.naturalFrequency);
   const drive = driveOf(registry, named.drive, parts.drive);

@@ -46,7 +46,7 @@ export class Toolbar {
    * @param {string} text
    * @param {number | null} [share] null leaves the bar as it is
    */
-  say(text, share = null) {
+  showProgress(text, share = null) {
     this.text.textContent = text;
     if (share !== null) this.progress.value = share;
   }

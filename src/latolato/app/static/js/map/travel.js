@@ -1,6 +1,6 @@
 /** Ways over a map: enlarged, moved by whole cells, and back. */
 
-import { tell } from "../page/dom.js";
+import { notify } from "../page/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -24,7 +24,7 @@ export class Travel {
     const { grid, controls } = this.view;
     if (!grid) return;
     if (grid.about.stored) {
-      tell(t("mapStoredZoom"));
+      notify(t("mapStoredZoom"));
       return;
     }
     const [xlow, xhigh, ylow, yhigh] = box(grid);

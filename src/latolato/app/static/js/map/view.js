@@ -22,7 +22,7 @@ import { followHand } from "./pointer.js";
 import { PageJob, StoredJob } from "./job.js";
 import { contourVariable, Over } from "./over.js";
 import { Pool } from "./pool.js";
-import { doneText, legend } from "./tell.js";
+import { doneText, legend } from "./texts.js";
 import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
 
@@ -96,7 +96,7 @@ export class MapView {
     this.bar = new ColourBar(bar);
     this.cursor = new Cursor(this, readout);
     const keys = followHand(this.field, this.chart, {
-      hover: (at) => this.cursor.tell(at),
+      hover: (at) => this.cursor.describe(at),
       pick: (x, y) => { this.cursor.put(x, y); void this.cursor.run(); },
       box: (box) => this.travel.zoom(box),
       pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
@@ -177,7 +177,7 @@ export class MapView {
     this.stop();
     if (!this.shown) return;
     this.wanted = sameBut(request);
-    this.tools.say(t("mapBegins"), 0);
+    this.tools.showProgress(t("mapBegins"), 0);
     this.page.messages.drop("map");
     this.controls.refuse(null);
     this.veil(this.grid !== null);
@@ -213,13 +213,13 @@ export class MapView {
    * @param {number} minutes
    */
   askFirst(minutes) {
-    this.tools.say(t("mapLong", { count: minutes }), 0);
+    this.tools.showProgress(t("mapLong", { count: minutes }), 0);
     this.tools.state("asks");
   }
 
   /** @param {string} message */
   sayRestart(message) {
-    this.page.messages.say("map", t("mapRestarted", { message }), { stays: true });
+    this.page.messages.show("map", t("mapRestarted", { message }), { stays: true });
   }
 
   /** Return whether a map is on its way. */
@@ -270,7 +270,7 @@ export class MapView {
     const { count } = /** @type {PageJob | StoredJob} */ (this.job);
     const share = Math.min(grid.done / count, 1);
     if (rate > 0)
-      this.tools.say(t("mapRate", { percent: Math.floor(100 * share),
+      this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share),
         rate: Math.round(rate) }), share);
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
@@ -282,7 +282,7 @@ export class MapView {
     const grid = /** @type {Grid} */ (this.grid);
     grid.complete = true;
     const { count } = /** @type {PageJob | StoredJob} */ (this.job);
-    this.tools.say(doneText(grid, progress, count), 1);
+    this.tools.showProgress(doneText(grid, progress, count), 1);
     this.tools.state(count < grid.width * grid.height ? "coarse" : "done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
@@ -297,12 +297,12 @@ export class MapView {
     const said = sentence(registry, error);
     const own = error instanceof InputError ? error.about.fields ?? [] : [];
     this.controls.refuse(said, field === null ? own : [...own, field]);
-    this.page.messages.say("map", said,
+    this.page.messages.show("map", said,
       { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
     this.wanted = "";
     if (field && this.form.fields.has(field)) this.form.error(text, field);
-    this.tools.say("", 0);
+    this.tools.showProgress("", 0);
     this.tools.state("done");
   }
 
@@ -316,7 +316,7 @@ export class MapView {
   stopOrGo() {
     if (this.tools.now === "asks") {
       this.agreed = this.wanted;
-      this.tools.say(t("mapBegins"), 0);
+      this.tools.showProgress(t("mapBegins"), 0);
       this.tools.state("busy");
       this.job?.start();
     } else if (this.tools.now === "coarse") {
@@ -324,7 +324,7 @@ export class MapView {
       this.controls.keep({ size: USUAL_SIZE });
     } else if (this.growing()) {
       this.stop();
-      this.tools.say(t("mapStopped"));
+      this.tools.showProgress(t("mapStopped"));
       this.tools.state("stopped");
       this.repaint();
     } else {
@@ -350,7 +350,7 @@ export class MapView {
     this.classes.replaceChildren(...legend(grid, look, this.over.shown(),
       chart.trials !== null, contourVariable(grid, extra)));
     this.tools.back.disabled = !this.travel.seen.length;
-    this.cursor.tell();
+    this.cursor.describe();
     this.over.contours();
     chart.paint();
   }

@@ -7,7 +7,7 @@ import { t } from "../strings.js";
 const AGAIN = 2000; // ms
 
 /**
- * @typedef {{tell: (status: import("../page/jobs.js").Status) => void, signal: AbortSignal}} Follow
+ * @typedef {{notify: (status: import("../page/jobs.js").Status) => void, signal: AbortSignal}} Follow
  * @typedef {{kind: string, title: string, headline: string[], hint: string, is_slow: boolean,
  *   fewest_balls: number}} FitKind
  * @typedef {{desk: string, fields: Record<string, any>, fits: FitKind[], examples: string[],
@@ -59,7 +59,7 @@ export class Desk {
    * @param {Follow} follow
    * @returns {Promise<string>}
    */
-  upload(file, { tell, signal }) {
+  upload(file, { notify, signal }) {
     const { hello } = this;
     return new Promise((resolve, reject) => {
       if (!hello) throw new Refusal(t("offline"));
@@ -72,7 +72,7 @@ export class Desk {
       request.setRequestHeader("X-Name", encodeURIComponent(file.name));
       request.responseType = "json";
       const show = (/** @type {number} */ progress) =>
-        tell({ state: "uploading", progress, elapsed: 0 });
+        notify({ state: "uploading", progress, elapsed: 0 });
       request.upload.addEventListener("progress", (e) => show(e.loaded / e.total));
       request.addEventListener("abort", () => reject(new DOMException("", "AbortError")));
       request.addEventListener("error", () => reject(new Refusal(t("offline"))));

@@ -93,7 +93,7 @@ export class Session {
     clip.cancel = () => own.abort();
     this.changed();
     try {
-      return await start({ signal: own.signal, tell: ({ state, progress = 0 }) => {
+      return await start({ signal: own.signal, notify: ({ state, progress = 0 }) => {
         clip.stage = state;
         clip.share = progress;
         this.changed();

@@ -48,7 +48,8 @@ function aboutOf(run) {
   const { columns, warnings, case: each } = run;
   const { registry, system, kernels } = each;
   const options = resolvedOf(each);
-  const last = (/** @type {string} */ name) => columns[name][0][columns[name][0].length - 1];
+  // Of a run that stopped early, the last one before it did.
+  const last = (/** @type {string} */ name) => columns[name][0].filter(Number.isFinite).at(-1) ?? NaN;
   return {
     options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal, warnings, duration: each.duration, attributes: attributesOf(run, options),
     contact_kinds: kernels.layout.contact_kinds, balls: ballsOf(system),

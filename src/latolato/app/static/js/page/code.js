@@ -1,7 +1,7 @@
 /** Lines of code on show, each with a button that copies them. */
 
 import { t } from "../strings.js";
-import { el, tell } from "./dom.js";
+import { el, notify } from "./dom.js";
 
 /**
  * Return an element for each text.
@@ -11,6 +11,6 @@ export function codeBlocks(texts) {
   return texts.map((text) => el("div", { class: "code" }, el("pre", { tabindex: "0" }, text),
     el("button", { type: "button", class: "plain", on: { click: async () => {
       await navigator.clipboard.writeText(text);
-      tell(t("copied"));
+      notify(t("copied"));
     } } }, t("copy"))));
 }

@@ -78,7 +78,7 @@ export function freshId() {
  * Show a line of text for a while, and to screen readers.
  * @param {string} text
  */
-export function tell(text) {
+export function notify(text) {
   const place = document.getElementById("status");
   if (!place) return;
   place.textContent = text;

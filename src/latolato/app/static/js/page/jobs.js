@@ -8,15 +8,18 @@ import { el } from "./dom.js";
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
 
+// Work that waits for other work says so after this time.
+const PATIENCE = 1; // s
+
 /**
  * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
  * an AbortError where the signal ends the job.
  * @param {string} path
  * @param {any} request
- * @param {{tell?: (status: Status) => void, signal?: AbortSignal}} [options]
+ * @param {{notify?: (status: Status) => void, signal?: AbortSignal}} [options]
  * @returns {Promise<Block>}
  */
-export function doJob(path, request, { tell, signal } = {}) {
+export function doJob(path, request, { notify, signal } = {}) {
   return new Promise((resolve, reject) => {
     if (signal?.aborted) {
       reject(new DOMException("", "AbortError"));
@@ -37,7 +40,7 @@ export function doJob(path, request, { tell, signal } = {}) {
       else {
         const message = JSON.parse(data);
         if ("error" in message) reject(new Refusal(message.error, message.field));
-        else tell?.(message);
+        else notify?.(message);
       }
     });
     socket.addEventListener("close", ({ reason }) => {
@@ -52,7 +55,9 @@ export function doJob(path, request, { tell, signal } = {}) {
  * @param {Status} status
  * @returns {string}
  */
-export function statusText({ state, elapsed, progress }) {
+export function statusText({ state: reported, elapsed, progress }) {
+  // Nothing has to finish before work that begins at once.
+  const state = reported === "waiting" && elapsed < PATIENCE ? "working" : reported;
   const seconds = elapsed.toFixed(elapsed < 10 ? 1 : 0);
   if (state !== "working" || progress === undefined) return t(`job_${state}`, { seconds });
   return t("job_progress", { percent: Math.round(100 * progress), seconds });
@@ -88,7 +93,7 @@ export class JobLine {
     this.line.dataset.status = "";
     this.show({ state: "waiting", elapsed: 0 });
     try {
-      return await doJob(path, request, { signal: own.signal, tell: (status) => {
+      return await doJob(path, request, { signal: own.signal, notify: (status) => {
         if (this.running === own) this.show(status);
       } });
     } catch (error) {

@@ -3,7 +3,7 @@
 import { loadJson } from "../kernels/load.js";
 import { translateRegistry } from "../model/registry.js";
 import { ENGLISH, languageCode, setLanguage, t, tr } from "../strings.js";
-import { el, tell } from "./dom.js";
+import { el, notify } from "./dom.js";
 import { keep, recall } from "./preferences.js";
 import { format } from "./state.js";
 
@@ -56,10 +56,10 @@ export async function speakInPage({ registry, store }) {
   const asked = lang ? [lang] : [];
   const code = firstOf(languages, [...asked, recall(KEPT) ?? "", ...navigator.languages]);
   const isUnknown = lang && ![lang, lang.split("-")[0]].includes(firstOf(languages, asked));
-  await speak(registry, code).catch(() => tell(t("languageUnread", languages[code])));
+  await speak(registry, code).catch(() => notify(t("languageUnread", languages[code])));
   document.documentElement.lang = languageCode();
   if (isUnknown) {
-    tell(t("languageUnknown", { name: lang, spoken: languages[languageCode()].name }));
+    notify(t("languageUnknown", { name: lang, spoken: languages[languageCode()].name }));
     store.state = { ...store.state, lang: undefined };
   }
   const select = /** @type {HTMLSelectElement} */ (document.getElementById("language"));

@@ -209,7 +209,7 @@ export function leaveOut(page, names) {
  */
 export function sayLeft({ messages, store }, left, about = "link") {
   if (!left.length) return;
-  messages.say(about, t("leftOut", { parts: left.map(partText).join(", ") }), { stays: true });
+  messages.show(about, t("leftOut", { parts: left.map(partText).join(", ") }), { stays: true });
   const { step } = store;
   const end = store.subscribe(() => {
     if (store.step === step) return;

@@ -1,7 +1,7 @@
 /** Messages on the stage: what has happened to the run on show, and what can be done about it. */
 
 import { t } from "../strings.js";
-import { el, tell } from "./dom.js";
+import { el, notify } from "./dom.js";
 
 /** @typedef {{label: string, act: () => void}} MessageAction */
 
@@ -24,7 +24,7 @@ export class Messages {
    * @param {{actions?: MessageAction[], stays?: boolean, isBad?: boolean}} [how] with actions, a message stays
    *   until it is answered or dismissed; `isBad` is for what was refused
    */
-  say(about, text, { actions = [], stays = actions.length > 0, isBad = false } = {}) {
+  show(about, text, { actions = [], stays = actions.length > 0, isBad = false } = {}) {
     const old = this.shown.get(about);
     if (!text) {
       this.drop(about);
@@ -46,7 +46,7 @@ export class Messages {
     else this.root.append(message);
     if (!stays) this.fade(about, message, Math.max(SHORTEST, PER_LETTER * text.length));
     const { top } = this.root.getBoundingClientRect();
-    if (top < 0 || top > window.innerHeight) tell(text);
+    if (top < 0 || top > window.innerHeight) notify(text);
   }
 
   /**

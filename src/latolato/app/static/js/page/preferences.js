@@ -1,7 +1,7 @@
 /** Choices of a person, kept in the browser from one visit to the next where it keeps anything. */
 
 import { t } from "../strings.js";
-import { tell } from "./dom.js";
+import { notify } from "./dom.js";
 
 /** What the browser did not keep, until the page is left. @type {Map<string, string>} */
 const unkept = new Map();
@@ -30,7 +30,7 @@ export function keep(key, text) {
     unkept.delete(key);
   } catch {
     unkept.set(key, text);
-    if (!isSaid) tell(t("unkept"));
+    if (!isSaid) notify(t("unkept"));
     isSaid = true;
   }
 }

@@ -1,7 +1,7 @@
 /** Share what is on show: a link to it, and a picture of the stage. */
 
 import { t } from "../strings.js";
-import { el, freshId, tell } from "./dom.js";
+import { el, freshId, notify } from "./dom.js";
 import { saveFile } from "./jobs.js";
 import { format } from "./state.js";
 
@@ -78,11 +78,11 @@ export class Share {
     this.link.value = this.address;
     try {
       await navigator.clipboard.writeText(this.link.value);
-      tell(t("copied"));
+      notify(t("copied"));
     } catch {
       this.link.focus();
       this.link.select();
-      tell(t("shareByHand"));
+      notify(t("shareByHand"));
     }
   }
 
@@ -90,6 +90,6 @@ export class Share {
     const picture = await this.picture();
     if (!picture) return;
     saveFile(picture, this.fileName);
-    tell(t("stored", { name: this.fileName }));
+    notify(t("stored", { name: this.fileName }));
   }
 }

@@ -14,6 +14,8 @@ import { short } from "../page/unit_text.js";
 /** Of the numbers and names of axes. */
 export const FONT = "12px system-ui, sans-serif";
 const HEIGHT = 170;
+// A wider line takes several times as long to draw without a graphics card.
+const WIDTH = 1;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
 
@@ -67,7 +69,7 @@ export function chartOptions(owner, panel, curves) {
       label: curve.label,
       scale: curve.axis ?? "y",
       stroke: paint(curve.paint),
-      width: 1.3,
+      width: WIDTH,
       dash: curve.dash,
       points: { show: false },
       paths: (/** @type {any} */ u, /** @type {number} */ k, /** @type {number} */ i0,

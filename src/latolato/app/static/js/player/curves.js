@@ -297,12 +297,13 @@ export class Curves {
 
   /** @param {number} time */
   move(time) {
-    if (this.motion?.grows) {
+    if (!this.motion) return;
+    if (this.motion.grows) {
       this.grow();
       if (this.clock.isRead) this.read(time);
       return;
     }
-    const span = this.follows && this.motion ? this.spanAt(time) : this.span;
+    const span = this.follows ? this.spanAt(time) : this.span;
     if (span[0] !== this.span[0]) this.setSpan(...span);
     else this.place();
     if (this.clock.isRead) this.read(time);

@@ -154,7 +154,7 @@ const degrees = (angle) => (Math.abs(angle) < 10 ? short(angle, 2) : String(Math
  * @param {number} [since] when what drives the motion changed last
  * @returns {SpokenSentence | null}
  */
-export function tellOf(log, from, to, since = 0) {
+export function bestSentence(log, from, to, since = 0) {
   return newsOf(log, from, to) ?? summaryOf(log, from, to, since) ?? newestOf(log, from, to);
 }
 

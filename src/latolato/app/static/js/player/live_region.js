@@ -1,7 +1,7 @@
 /** When to say something about a motion: a sentence at a time, as fast as a person can follow. */
 
 import { t } from "../strings.js";
-import { isNews, placesOf, startOf, tellOf } from "./describe.js";
+import { bestSentence, isNews, placesOf, startOf } from "./describe.js";
 import { el, freshId } from "../page/dom.js";
 
 /** @typedef {import("./describe.js").SpokenSentence} SpokenSentence */
@@ -36,7 +36,7 @@ export class LiveRegion {
     this.source = null;
     this.isPlaying = false;
     this.time = 0;
-    this.saidAt = -Infinity;
+    this.announcedAt = -Infinity;
     this.from = 0;
     this.since = 0;
     /** @type {SpokenSentence | null} */
@@ -53,9 +53,9 @@ export class LiveRegion {
    * Say something now.
    * @param {SpokenSentence[]} sentences
    */
-  say(sentences) {
+  announce(sentences) {
     if (!sentences.length) return;
-    this.saidAt = this.clock();
+    this.announcedAt = this.clock();
     this.from = this.time;
     this.line.textContent = inText(sentences);
   }
@@ -69,7 +69,7 @@ export class LiveRegion {
     this.from = this.since = 0;
     this.last = null;
     this.describe(0);
-    if (this.isPlaying) this.say([startOf(source.motion)]);
+    if (this.isPlaying) this.announce([startOf(source.motion)]);
   }
 
   /**
@@ -86,11 +86,11 @@ export class LiveRegion {
     this.last = null;
     this.describe(this.time);
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.tellChange(), SETTLE);
+    this.timer = setTimeout(() => this.announceChange(), SETTLE);
   }
 
   /** Say which parameter of the run is another one. */
-  tellChange() {
+  announceChange() {
     const { before, source } = this;
     this.before = null;
     if (!before || !source) return;
@@ -98,7 +98,7 @@ export class LiveRegion {
     const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(before[name]));
     if (!names.length) return;
     const isOther = names.length > MOST_CHANGES || now.system !== before.system;
-    this.say(isOther ? [startOf(source.motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
+    this.announce(isOther ? [startOf(source.motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
   }
 
   /**
@@ -126,7 +126,7 @@ export class LiveRegion {
     this.turns[name] = [this.turns[name]?.[0] ?? before, now];
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
-      this.say(Object.entries(this.turns).flatMap(([each, ends]) => this.changed(each, ...ends)));
+      this.announce(Object.entries(this.turns).flatMap(([each, ends]) => this.changed(each, ...ends)));
       this.turns = {};
     }, SETTLE);
   }
@@ -147,20 +147,20 @@ export class LiveRegion {
     if (ends) this.pause();
     if (begins) this.from = time;
     if (!isPlaying) return;
-    if (begins && time < 1) this.say([startOf(source.motion)]);
-    else if (this.clock() - this.saidAt > GAP) this.tell(source);
+    if (begins && time < 1) this.announce([startOf(source.motion)]);
+    else if (this.clock() - this.announcedAt > GAP) this.follow(source);
   }
 
   /** Say what happened since the last time, if that is worth saying. @param {LiveSource} source */
-  tell(source) {
+  follow(source) {
     const { time } = this;
-    const next = tellOf(source.log(), this.from, time, this.since);
+    const next = bestSentence(source.log(), this.from, time, this.since);
     const isNew = next && isNews(next, this.last);
-    this.saidAt = this.clock();
+    this.announcedAt = this.clock();
     this.from = time;
     if (!isNew) return;
     this.last = next;
-    this.say([next]);
+    this.announce([next]);
   }
 
   /** Say where everything stands. */
@@ -168,16 +168,16 @@ export class LiveRegion {
     const { source, time } = this;
     if (!source) return;
     this.describe(time);
-    this.say([{ name: "pausedAt", values: { time: time.toFixed(2) } }, ...placesOf(source.motion, time)]);
+    this.announce([{ name: "pausedAt", values: { time: time.toFixed(2) } }, ...placesOf(source.motion, time)]);
   }
 
   /** Say what happens now, whether it was said before or not. */
   answer() {
     const { source, time } = this;
     if (!source) return;
-    const now = tellOf(source.log(), time - GAP / 1000, time, this.since);
+    const now = bestSentence(source.log(), time - GAP / 1000, time, this.since);
     this.describe(time);
-    this.say([startOf(source.motion), ...(now ? [now] : []), ...placesOf(source.motion, time)]);
+    this.announce([startOf(source.motion), ...(now ? [now] : []), ...placesOf(source.motion, time)]);
   }
 
   /**

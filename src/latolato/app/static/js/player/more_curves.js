@@ -57,8 +57,10 @@ export class MoreCurves {
     this.curves = new Curves(curves, clock, ENERGY_PANELS);
     this.curves.onZoom = (from, to) => angles.zoom(from, to);
     const labels = { x: `${t("angle")} [°]`, y: `${t("angularVelocity")} [rad/s]` };
-    this.phase = new XYPlot(phase, labels, PAINTS);
-    this.section = new XYPlot(section, labels, PAINTS, { hasDots: true });
+    this.makePlots = () => ({ phase: new XYPlot(phase, labels, PAINTS),
+      section: new XYPlot(section, labels, PAINTS, { hasDots: true }) });
+    /** Made when they are first shown. @type {{phase: XYPlot, section: XYPlot} | null} */
+    this.plots = null;
   }
 
   /**
@@ -75,6 +77,7 @@ export class MoreCurves {
 
   draw() {
     const { motion, pinned } = this;
+    if (!this.root.open) this.drawn = this.curves.motion = null;
     if (!this.root.open || !motion || this.drawn === motion) return;
     this.drawn = motion;
     this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
@@ -82,6 +85,7 @@ export class MoreCurves {
       this.later.run(this.curves.show(motion));
       return;
     }
+    this.plots ??= this.makePlots();
     this.later.run([
       ...this.curves.show(motion, pinned),
       () => this.showPhase(motion),
@@ -105,8 +109,8 @@ export class MoreCurves {
   /** @param {number} time */
   move(time) {
     const { drawn } = this;
-    if (!drawn || drawn.grows || !this.root.open) return;
-    this.phase.mark(byPaint(drawn.balls, (ball) => ({
+    if (!drawn || drawn.grows) return;
+    this.plots?.phase.mark(byPaint(drawn.balls, (ball) => ({
       x: drawn.angle(ball, time) / DEGREE,
       y: ball.sign * drawn.at("angular_velocity", time, ball.row),
     })));
@@ -114,7 +118,7 @@ export class MoreCurves {
 
   /** @param {Motion} motion */
   showPhase(motion) {
-    this.phase.show(byPaint(motion.balls, (ball) => ({
+    this.plots?.phase.show(byPaint(motion.balls, (ball) => ({
       xs: scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE),
       ys: scaled(motion.values("angular_velocity", ball.row) ?? [], ball.sign),
     })));
@@ -123,7 +127,7 @@ export class MoreCurves {
   /** @param {Motion} motion */
   showSection(motion) {
     const instants = motion.strobes().filter((s) => s >= SETTLED * motion.end);
-    this.section.show(byPaint(motion.balls.filter((b, i) => i === 0 || b.row > 0), (ball) => ({
+    this.plots?.section.show(byPaint(motion.balls.filter((b, i) => i === 0 || b.row > 0), (ball) => ({
       xs: instants.map((s) => motion.angle(ball, s) / DEGREE),
       ys: instants.map((s) => ball.sign * motion.at("angular_velocity", s, ball.row)),
     })));
@@ -173,8 +177,8 @@ export class MoreCurves {
   destroy() {
     this.later.run([]);
     this.curves.destroy();
-    this.phase.destroy();
-    this.section.destroy();
+    this.plots?.phase.destroy();
+    this.plots?.section.destroy();
   }
 }
 

@@ -97,12 +97,24 @@ export function poseOf(height, balls, angleOf, across = 0, distanceOf = ({ lengt
   };
 }
 
+/**
+ * Return the instants of a run up to the last one with values: a run that stopped early has none later.
+ * @param {Block} block
+ */
+function instantsOf(block) {
+  const time = /** @type {Float64Array} */ (block.arrays.time);
+  const angles = row(block, "angle", 0);
+  let count = time.length;
+  while (count > 2 && Number.isNaN(angles[count - 1])) count -= 1;
+  return time.subarray(0, count);
+}
+
 export class Motion {
   /** @param {Block} block */
   constructor(block) {
     this.block = block;
     this.about = block.about;
-    this.time = /** @type {Float64Array} */ (block.arrays.time);
+    this.time = instantsOf(block);
     this.end = this.time[this.time.length - 1];
     /** @type {MotionBall[]} */
     this.balls = block.about.balls;
@@ -120,8 +132,8 @@ export class Motion {
     this.grows = false;
     /** @type {Record<string, [number, number]>} */
     this.ranges = {};
-    /** The largest angle up to each sample [rad], once it was asked for. @type {Float32Array | null} */
-    this.peaks = null;
+    /** The largest angle up to each sample [rad], as far as it was asked for. @type {number[]} */
+    this.peaks = [];
   }
 
   /** The least and the largest height of the pivot [m]. */
@@ -141,7 +153,8 @@ export class Motion {
    */
   values(name, ball = 0) {
     if (!(name in this.block.arrays)) return null;
-    return row(this.block, name, Math.min(ball, this.block.shapes[name][0] - 1));
+    const all = row(this.block, name, Math.min(ball, this.block.shapes[name][0] - 1));
+    return all.length === this.block.arrays.time.length ? all.subarray(0, this.time.length) : all;
   }
 
   /**
@@ -149,13 +162,15 @@ export class Motion {
    * @param {number} time
    */
   highest(time) {
-    if (!this.peaks) {
-      const angles = this.balls.map((ball) => /** @type {Float32Array} */ (this.values("angle", ball.row)));
-      let most = 0;
-      this.peaks = Float32Array.from(this.time, (_, i) =>
-        (most = Math.max(most, ...angles.map((each) => fromBottom(each[i])))));
+    const { peaks } = this;
+    const last = before(this.time, time);
+    const angles = this.balls.map((ball) => /** @type {Float32Array} */ (this.values("angle", ball.row)));
+    for (let i = peaks.length; i <= last; i += 1) {
+      let most = peaks[i - 1] ?? 0;
+      for (const each of angles) most = Math.max(most, fromBottom(each[i]));
+      peaks.push(most);
     }
-    return this.peaks[before(this.time, time)];
+    return peaks[last];
   }
 
   /**
@@ -410,6 +425,6 @@ export class Motion {
 
   /** Return the instants at which the drive begins a period; none for a drive without one. */
   strobes() {
-    return [...(this.block.arrays.strobe ?? [])];
+    return [...(this.block.arrays.strobe ?? [])].filter((instant) => instant <= this.end);
   }
 }

@@ -69,9 +69,10 @@ export class Playhead {
    */
   read(motion, curves, time, held, lag) {
     const period = (2 * Math.PI) / motion.naturalFrequency || 1;
-    const [first, last] = [time - period / 2, time + period / 2].map((each) => before(motion.time, each));
+    const { time: times } = motion;
+    const [first, last] = [time - period / 2, time + period / 2].map((each) => before(times, each));
     curves.forEach(({ ofPose, values }, k) => {
-      const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(motion.time, values, time);
+      const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(times, values, time);
       const [low, high] = range(values, first, last + 1);
       const text = isBehind(low, high, period, lag) ? "" : localShort(value, 4);
       if (this.values[k].textContent !== text) this.values[k].textContent = text;

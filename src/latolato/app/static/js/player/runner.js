@@ -4,7 +4,7 @@ import { commandLine, pythonLines } from "../model/run_code.js";
 import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
 import { askBlock } from "../page/api.js";
-import { tell } from "../page/dom.js";
+import { notify } from "../page/dom.js";
 
 /** @typedef {import("../model/options.js").OptionsRequest} OptionsRequest */
 /** @typedef {import("../model/reply.js").RunQuestion} RunQuestion */
@@ -168,7 +168,7 @@ export class Runner {
     const { running } = this;
     this.endWorker();
     if (running && !running.isRepeated) {
-      tell(t("workerAgain"));
+      notify(t("workerAgain"));
       this.ask({ ...running, isRepeated: true });
       return;
     }

@@ -48,7 +48,8 @@ export class Scene {
     /** @type {Record<string, string>} */
     this.colours = {};
     this.fist = 0;
-    this.fastest = 1;
+    /** The greatest speed of the balls [m/s], once arrows ask for it. */
+    this.fastest = 0;
     this.release = fitCanvas(canvas, () => this.draw());
   }
 
@@ -57,7 +58,7 @@ export class Scene {
     this.motion = motion;
     this.held = null;
     this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
-    this.fastest = topSpeed(motion);
+    this.fastest = 0;
     this.legend.replaceChildren(...legendOf(motion));
     this.draw();
   }
@@ -214,7 +215,7 @@ export class Scene {
       return false;
     }
     // The fastest ball of a motion that grows may be yet to come.
-    if (this.arrows && motion.grows) this.fastest = topSpeed(motion);
+    if (this.arrows && (motion.grows || !this.fastest)) this.fastest = topSpeed(motion);
     if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
     return this.flashes.draw(context, scale, unit, colours.flash);
   }

@@ -4,6 +4,7 @@ import { t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
 import { TaskQueue } from "../page/task_queue.js";
+import { range } from "./motion.js";
 import { anglePanel } from "./panels.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -60,7 +61,7 @@ export class Timeline {
     this.motion = motion;
     this.pinned = pinned;
     this.wrapped.hidden = !motion.balls.some(({ row }) =>
-      motion.values("angle", row)?.some((angle) => Math.abs(angle) > HALF_TURN));
+      range(motion.values("angle", row) ?? []).some((angle) => Math.abs(angle) > HALF_TURN));
     this.curves.panels = [this.panel()];
     this.later.run(this.curves.show(motion, pinned));
     this.move(this.clock.time);

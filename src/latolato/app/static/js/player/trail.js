@@ -60,17 +60,24 @@ function fillBand(context, points, half) {
     return [-share * (ways[one][1] + ways[other][1]), share * (ways[one][0] + ways[other][0])];
   };
   context.beginPath();
-  for (let i = 0; i < ways.length; i += 1) {
-    const [[x0, y0], [x1, y1]] = [along[i], along[i + 1]];
-    const [[a0, b0], [a1, b1]] = [across(i, i), across(i + 1, i)];
-    context.moveTo(x0 + a0, y0 + b0);
-    context.lineTo(x0 - a0, y0 - b0);
-    context.lineTo(x1 - a1, y1 - b1);
-    context.lineTo(x1 + a1, y1 + b1);
-    if (!isSharp(i)) continue;
-    const radius = Math.hypot(a0, b0);
-    context.moveTo(x0 + radius, y0);
-    context.arc(x0, y0, radius, 0, 2 * Math.PI);
+  let first = 0;
+  for (let end = 1; end <= ways.length; end += 1) {
+    if (end < ways.length && !isSharp(end)) continue;
+    // Pieces that share their corners have one outline: there on one side, and back on the other.
+    const edges = along.slice(first, end + 1).map(([x, y], k) => {
+      const [a, b] = across(first + k, Math.min(first + k, end - 1));
+      return { x, y, a, b };
+    });
+    const [{ x, y, a, b }] = edges;
+    context.moveTo(x - a, y - b);
+    for (const edge of edges) context.lineTo(edge.x - edge.a, edge.y - edge.b);
+    for (const edge of edges.reverse()) context.lineTo(edge.x + edge.a, edge.y + edge.b);
+    if (first) {
+      const radius = Math.hypot(a, b);
+      context.moveTo(x + radius, y);
+      context.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+    first = end;
   }
   context.fill();
 }

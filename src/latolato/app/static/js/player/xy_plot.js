@@ -83,12 +83,15 @@ export class XYPlot {
     this.place();
   }
 
-  /** Put the marks in their places. */
+  /** Put the marks in their places, but for those beyond the axes. */
   place() {
+    const { x, y } = this.plot.scales;
+    const isOn = (/** @type {{min?: number, max?: number}} */ { min = NaN, max = NaN }, /** @type {number} */ value) =>
+      value >= min && value <= max;
     this.dots.forEach((dot, k) => {
       const mark = this.marks[this.paints[k]];
-      dot.hidden = !mark;
-      if (!mark) return;
+      dot.hidden = !mark || !isOn(x, mark.x) || !isOn(y, mark.y);
+      if (dot.hidden) return;
       const [across, down] = [this.plot.valToPos(mark.x, "x"), this.plot.valToPos(mark.y, "y")];
       dot.style.transform = `translate(${across}px, ${down}px)`;
     });

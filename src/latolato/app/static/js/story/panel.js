@@ -1,7 +1,7 @@
 /** The panel of a story beside the view that it shows: it follows the address, and changes it. */
 
 import { InputError } from "../model/rules.js";
-import { el, tell } from "../page/dom.js";
+import { el, notify } from "../page/dom.js";
 import { openLink, openState } from "../page/links.js";
 import { sayLeft } from "../page/link_parts.js";
 import { inLanguage } from "../page/refusals.js";
@@ -143,7 +143,7 @@ export class StoryPanel {
   refuse(text) {
     const { messages, store } = this.page;
     store.drop(Object.keys(store.state.extra).filter(isOfStory));
-    messages.say("story", text, { isBad: true,
+    messages.show("story", text, { isBad: true,
       actions: [{ label: t("storyAll"), act: () => openState(this.page, this.list) }] });
   }
 
@@ -192,7 +192,7 @@ export class StoryPanel {
     const next = () => {
       if (!isLast) this.go(step + 1);
       else {
-        tell(t("storyFinished", { title: tr(title) }));
+        notify(t("storyFinished", { title: tr(title) }));
         openState(this.page, this.list);
       }
     };

@@ -1,7 +1,7 @@
 /** The menu from which the run on show is stored: numbers, picture, animation, scenario. */
 
 import { columnsTable, contactsTable, tomlOf } from "../model/run_files.js";
-import { el, tell } from "../page/dom.js";
+import { el, notify } from "../page/dom.js";
 import { fileOf, JobLine, saveFile } from "../page/jobs.js";
 import { Runner } from "../player/runner.js";
 import { speedMenu } from "../player/speed.js";
@@ -79,7 +79,7 @@ export class Downloads {
     const text = kind === "toml" ? tomlOf(registry, block, name)
       : kind === "csv" ? columnsTable(registry, block) : contactsTable(registry, block);
     saveFile(new Blob([text], { type: kind === "toml" ? "application/toml" : "text/csv" }), name);
-    tell(t("stored", { name }));
+    notify(t("stored", { name }));
   }
 
   async animate() {
@@ -89,7 +89,7 @@ export class Downloads {
     this.make.disabled = false;
     if (!block) return;
     saveFile(fileOf(block, "file", block.about.type), block.about.name);
-    tell(t("stored", { name: block.about.name }));
+    notify(t("stored", { name: block.about.name }));
   }
 
   /** Cancel an animation that is being made. */

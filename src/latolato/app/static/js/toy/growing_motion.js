@@ -1,7 +1,7 @@
 /** The motion of a toy that a hand holds, with what the stage and the curves ask of a run: it grows. */
 
 import { ballsOf } from "../model/run_block.js";
-import { fromBottom, isFelt, poseOf, SHOWN_RADIUS } from "../player/motion.js";
+import { fromBottom, isFelt, poseOf, range, SHOWN_RADIUS } from "../player/motion.js";
 import { Log } from "../player/events.js";
 
 /** @typedef {import("../player/motion.js").MotionBall} MotionBall */
@@ -141,7 +141,8 @@ export class GrowingMotion {
    * Let the box follow how high the balls went lately, and a shaken pivot.
    */
   rise() {
-    const largest = Math.max(...this.balls.flatMap(({ row }) => [...this.values("angle", row) ?? []].map(Math.abs)), 0);
+    const ends = this.balls.flatMap(({ row }) => range(this.values("angle", row) ?? []));
+    const largest = Math.max(...ends.map(Math.abs));
     const side = this.longest + Math.max(...this.balls.map((b) => this.radius(b)));
     const above = Math.min(Math.max(largest - Math.PI / 2, 0), Math.PI / 2);
     const needed = side * Math.sin(above) + this.reach;

@@ -355,7 +355,7 @@ export class Hand {
   /** Show what shakes the pivot now. */
   showShake() {
     this.parts.shake.setAttribute("aria-pressed", String(this.shake.isOn));
-    this.page.messages.say("shake", this.shake.text, { stays: true });
+    this.page.messages.show("shake", this.shake.text, { stays: true });
     if (!this.toy?.isShaken) this.rescale();
   }
 
@@ -384,7 +384,7 @@ export class Hand {
   returnToView() {
     this.pace.rest();
     if (this.isOn && this.player.clock.playing && !document.hidden)
-      this.page.messages.say("hidden", t("handHidden"));
+      this.page.messages.show("hidden", t("handHidden"));
   }
 
   push() {
@@ -439,6 +439,6 @@ export class Hand {
    * @param {string} text
    */
   say(text) {
-    this.page.messages.say("toy", text, { stays: true });
+    this.page.messages.show("toy", text, { stays: true });
   }
 }

@@ -65,8 +65,9 @@ class Table {
    * @param {number} [stride] from a row to the next one
    */
   column(place, first = 0, stride = 1) {
-    return Float64Array.from({ length: Math.max(0, Math.ceil((this.size - first) / stride)) },
-      (_, i) => this.numbers[(first + i * stride) * this.width + place]);
+    const values = new Float64Array(Math.max(0, Math.ceil((this.size - first) / stride)));
+    for (let i = 0; i < values.length; i += 1) values[i] = this.at(first + i * stride, place);
+    return values;
   }
 
   /**

@@ -245,7 +245,7 @@ export class ToyView {
       this.kept = block;
       store.set({ extra }, "extra");
     }
-    this.page.messages.say("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), { stays: true });
+    this.page.messages.show("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), { stays: true });
   }
 
   /**
@@ -255,7 +255,7 @@ export class ToyView {
    * @param {boolean} [isBad] whether the run was refused
    */
   note(text, actions, isBad) {
-    this.page.messages.say("run", text, { stays: true, actions, isBad });
+    this.page.messages.show("run", text, { stays: true, actions, isBad });
   }
 
   /** Say that a run is computed, and offer to stop it. */

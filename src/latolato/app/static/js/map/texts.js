@@ -43,7 +43,7 @@ export function cellText(grid, cell, k) {
   const column = cell % grid.width;
   const line = (cell - column) / grid.width;
   const variable = grid.variables[k];
-  const { value, why, status, exact } = grid.tell(cell, k);
+  const { value, why, status, exact } = grid.read(cell, k);
   let words = withUnit(variable, value);
   if (why) words = t(why === "noAnswer" ? "mapNone" : why, { status });
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";

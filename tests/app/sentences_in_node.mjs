@@ -1,4 +1,4 @@
-// What pages say of runs: node tell_in_node.mjs SITE REQUESTS ANSWERS
+// What pages say of runs: node sentences_in_node.mjs SITE REQUESTS ANSWERS
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
@@ -14,7 +14,7 @@ for (const { scenario, end, step } of JSON.parse(readFileSync(requests, "utf8"))
   const log = logOf(motion);
   const told = [];
   for (let from = 0; from + step <= end; from += step) {
-    const said = describe.tellOf(log, from, from + step);
+    const said = describe.bestSentence(log, from, from + step);
     if (said) told.push({ from, to: from + step, ...said, text: inText([said]) });
   }
   const angles = motion.balls.map((ball) => motion.values("angle", ball.row)
