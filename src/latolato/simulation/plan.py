@@ -26,7 +26,6 @@ from latolato.simulation.start import (
     checked_start,
     checked_system,
     kicks_of,
-    walls_of,
     warn_of_degrees,
 )
 
@@ -112,6 +111,9 @@ def make_run_plan(
     if law.fixed_step is not None and law.fixed_step > end:
         raise broken_rule("clamp_step", {"end": end}, parameter="clamp_step", value=law.fixed_step)
     step = choose_step(system, drive, start, tolerance, law, duration=end)
+    offset = None
+    if initial_offset is not None:  # checked with the start
+        offset = float(in_unit("initial_offset", initial_offset, "rad"))
     plan = RunPlan(
         system=system,
         drive=drive,
@@ -127,7 +129,7 @@ def make_run_plan(
         noise=noise,
         kick_times=kick_times,
         kick_sizes=kick_sizes,
-        offset=None if initial_offset is None else start.angles[0] - walls_of(system, law)[0],
+        offset=offset,
     )
     if isinstance(sensitivity_to, (list, tuple)) and not sensitivity_to:
         return plan

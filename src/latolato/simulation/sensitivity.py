@@ -2,7 +2,7 @@
 
 A parameter acts through the numbers that the engine reads: geometry of the contact, bodies, forces,
 drive and start. How these depend on it is a chain of smooth formulas without any motion in it
-(`numerics.prepare`, `Drive.write`). Its derivative is found by differences of eighth order, which
+(`numerics.prepare`, `Drive.write`). Its derivative is found by differences of sixth order, which
 are exact to some 1e-13 of it, for any law; all that follows in time is differentiated exactly.
 """
 
@@ -13,15 +13,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
+from latolato.core.quantities import Range
 from latolato.core.registry import suggest
 from latolato.numerics import records
 from latolato.numerics.engine import sensitivity as engine
 from latolato.numerics.integrate import Directions, Floats, Start, prepared_case
 from latolato.numerics.run_record import CHANGE, MOST_PARAMETERS
-from latolato.physics.contacts import ExactContact, PassThrough
+from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough
 from latolato.physics.drives import Drive
 from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import LatoLato, System, restoring_linear, restoring_sine
@@ -29,6 +31,9 @@ from latolato.simulation.vary import parameters_of, replaced
 
 if TYPE_CHECKING:
     from latolato.simulation.plan import RunPlan
+
+# What the engine reads of a run: records of `CHANGE` and of segments, and the start.
+Numbers = dict[str, NDArray[Any]]
 
 # Why derivatives are not known from some instant on.
 DOUBTS = {
@@ -40,10 +45,11 @@ DOUBTS = {
     "string was slack",
 }
 
-# Weights of values at x + k h for the first derivative, over h: k = -4..4, and k = 0..8.
-_CENTRAL = (1 / 280, -4 / 105, 1 / 5, -4 / 5, 0.0, 4 / 5, -1 / 5, 4 / 105, -1 / 280)
-_FORWARD = (-761 / 280, 8.0, -14.0, 56 / 3, -35 / 2, 56 / 5, -14 / 3, 8 / 7, -1 / 8)
-# The width h, as a share of the parameter's size: truncation and rounding are both below 1e-12.
+# Weights of values at x + k h for the first derivative, over h, of sixth order; the values at x
+# need none, as all are taken as differences to them.
+_CENTRAL = {-3: -1 / 60, -2: 3 / 20, -1: -3 / 4, 1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+_FORWARD = {1: 6.0, 2: -15 / 2, 3: 20 / 3, 4: -15 / 4, 5: 6 / 5, 6: -1 / 6}
+# The width h, as a share of the parameter's size: what it leaves is below rounding, some 1e-13.
 _WIDTH = 2e-3
 
 
@@ -77,7 +83,11 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
 
 def known_parameters(plan: RunPlan) -> dict[str, Parameter]:
     """Return the parameters of a run that are numbers of its laws or of its start."""
-    known = parameters_of(plan.system, plan.drive)
+    known = {
+        name: parameter
+        for name, parameter in parameters_of(plan.system, plan.drive).items()
+        if not name.startswith("initial_distance")  # strings are taut at the start
+    }
     if plan.offset is None:
         known.pop("initial_offset", None)
     else:
@@ -125,40 +135,44 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
     InputError
         If a parameter acts on nothing, as a mass without drag.
     """
-    segments = records.segment_records(plan.drive, plan.end)
-    changes = np.zeros(len(parameters), dtype=CHANGE)
-    segment_changes = np.zeros((len(parameters), len(segments)), dtype=segments.dtype)
-    start = np.zeros((4, len(parameters)))
-    for p, parameter in enumerate(parameters):
-        slopes = _slopes(plan, parameter)
-        change = changes[p]
-        change["bodies"] = _rows(slopes["bodies"], change["bodies"].dtype, (4,))
-        for name in ("gravity", "low", "high", "restitution", "string_restitution"):
-            change[name] = slopes[name]
-        change["offset_low"], change["offset_high"] = slopes["offset_low"], slopes["offset_high"]
-        change["radius"] = slopes["radius"]
-        own = slopes["segments"]
-        change["moves_pivot"] = bool(np.any(own))
-        segment_changes[p] = _rows(own, segments.dtype, segments.shape)
-        start[:, p] = slopes["start"]
-        if not _acts(plan, change, own, slopes["start"]):
+    slopes = []
+    for parameter in parameters:
+        value = _value_of(plan, parameter)
+        size = max(map(abs, parameter.suggested)) if parameter.suggested else 1.0
+
+        def numbers(value: float, name: str = parameter.name) -> Numbers:
+            return numbers_of(*_varied(plan, name, value), plan.end, plan.law, plan.step)
+
+        own = slopes_of(numbers, value, abs(value) or size, parameter.allowed)
+        if not _acts(plan, own):
             raise InputError(
                 f"names {parameter.name}, which does not act on this run",
                 parameter="sensitivity_to",
                 way_out="leave it out; a mass acts only through drag or on another ball",
-            )  # fmt: skip
-    return Directions(changes, segment_changes, start)
+            )
+        slopes.append(own)
+    return joined(slopes)
 
 
-def _acts(plan: RunPlan, change: Any, segments: Floats, start: Floats) -> bool:
+def joined(slopes: Sequence[Numbers]) -> Directions:
+    """Return the derivatives of a run's numbers with respect to several parameters together."""
+    return Directions(
+        np.array([each["changes"][0] for each in slopes]),
+        np.array([each["segments"] for each in slopes]),
+        np.column_stack([each["start"] for each in slopes]),
+    )
+
+
+def _acts(plan: RunPlan, slopes: Numbers) -> bool:
     """Return whether a parameter acts on a run: not all numbers matter to all systems."""
-    system, bodies = plan.system, change["bodies"]
+    system, change = plan.system, slopes["changes"][0]
     names = ["inverse_length", "damping_rate", "quadratic", "coulomb"]
     if system.angles == 2:
         names.append("inertia")
     if system.drag_frame == "lab":
         names += ["wind_drag", "wind_offset"]
-    seen = [bodies[name] for name in names] + [change["gravity"], segments, start]
+    seen = [change["bodies"][name] for name in names]
+    seen += [change["gravity"], change["moves_pivot"], slopes["start"]]
     if system.has_contacts and plan.law.meets:
         seen += [change[name] for name in ("low", "high", "restitution")]
     if system.suspension == "string":
@@ -166,37 +180,53 @@ def _acts(plan: RunPlan, change: Any, segments: Floats, start: Floats) -> bool:
     return any(np.any(values) for values in seen)
 
 
-def _rows(values: Floats, kind: np.dtype[Any], shape: tuple[int, ...]) -> Any:
-    """Return plain numbers as records of floats."""
-    return np.ascontiguousarray(values).view(kind).reshape(shape)
+def slopes_of(
+    numbers: Callable[[float], Numbers], value: float, size: float, allowed: Range
+) -> Numbers:
+    """Return the derivatives of the numbers of a run with respect to a parameter.
 
+    Parameters
+    ----------
+    numbers : callable
+        Returns those of `numbers_of` for a value of the parameter.
+    value, size : float
+        Where, and how large a parameter of its kind is.
+    allowed : Range
+        Values that the parameter may have.
 
-def _slopes(plan: RunPlan, parameter: Parameter) -> dict[str, Floats]:
-    """Return the derivatives of the numbers of a run with respect to a parameter, by name."""
-    value = _value_of(plan, parameter)
-    largest = max(abs(end) for end in parameter.suggested) if parameter.suggested else 1.0
-    width = _WIDTH * (abs(value) or largest)
-    at = _numbers(plan, parameter.name, value)
-    refusal = None
-    for weights, first, sign in ((_CENTRAL, -4, 1.0), (_FORWARD, 0, 1.0), (_FORWARD, 0, -1.0)):
-        places = [value + sign * (first + k) * width for k in range(len(weights))]
-        if not all(place in parameter.allowed for place in places):
+    Raises
+    ------
+    InputError
+        If the parameter has no room to change.
+    """
+    width, at, refusal = _WIDTH * size, numbers(value), None
+    for weights, sign in ((_CENTRAL, 1.0), (_FORWARD, 1.0), (_FORWARD, -1.0)):
+        places = [value + sign * k * width for k in weights]
+        if not all(place in allowed for place in places):
             continue
         try:
-            around = [_numbers(plan, parameter.name, place) for place in places]
+            around = [numbers(place) for place in places]
         except InputError as error:  # laws may forbid more, such as a radius beyond the length
             refusal = error
             continue
         slopes = {name: np.zeros_like(middle) for name, middle in at.items()}
-        for weight, each in zip(weights, around, strict=True):
+        for weight, each in zip(weights.values(), around, strict=True):
+            share = sign * weight / width
             for name, middle in at.items():
-                moves = each[name] != middle  # walls that balls never meet are infinite
-                slopes[name][moves] += sign * weight * (each[name][moves] - middle[moves]) / width
+                own, here, there = map(_floats, (slopes[name], middle, each[name]))
+                moves = there != here  # walls that balls never meet are infinite
+                own[moves] += share * (there[moves] - here[moves])
+        slopes["changes"]["moves_pivot"] = bool(np.any(_floats(slopes["segments"])))
         return slopes
     raise refusal or InputError(
-        f"names {parameter.name}, which its limits leave no room to change",
-        parameter="sensitivity_to",
+        "names a parameter that its limits leave no room to change", parameter="sensitivity_to"
     )
+
+
+def _floats(numbers: Any) -> Floats:
+    """Return the memory of numbers, of which all that differ are floats, as one row."""
+    row: Floats = np.ravel(numbers).view(np.float64)
+    return row
 
 
 def _value_of(plan: RunPlan, parameter: Parameter) -> float:
@@ -215,9 +245,7 @@ def _value_of(plan: RunPlan, parameter: Parameter) -> float:
     stem, ball = _ball_of(name)
     if stem == "initial_angle":
         return plan.start.angles[ball]
-    if stem == "initial_angular_velocity":
-        return plan.start.velocities[ball]
-    return float(plan.start.distances[ball] if plan.start.distances else system.balls[ball].length)
+    return plan.start.velocities[ball]
 
 
 def _ball_of(name: str) -> tuple[str, int]:
@@ -278,24 +306,27 @@ def _varied(plan: RunPlan, name: str, value: float) -> tuple[System, Drive, Star
     return system, drive, start
 
 
-def _numbers(plan: RunPlan, name: str, value: float) -> dict[str, Floats]:
-    """Return what the engine reads of a run in which one parameter has another value."""
-    system, drive, start = _varied(plan, name, value)
-    case = prepared_case(system, drive, start, plan.end, plan.law, plan.step)
-    settings, bodies, state = case["settings"][0], case["bodies"][0], case["state"][0]
-    segments = records.segment_records(drive, plan.end)
-    result = {
-        field: np.array(settings[field], dtype=np.float64)
-        for field in (
-            "gravity", "low", "high", "restitution", "string_restitution", "offset_low",
-            "offset_high", "radius",
-        )
-    }  # fmt: skip
-    result["bodies"] = bodies.view(np.float64).copy()
-    result["segments"] = segments.view(np.float64).copy()
+def numbers_of(
+    system: System, drive: Any, start: Start, end: float, law: ContactLaw, step: float,
+    segments: NDArray[Any] | None = None,
+) -> Numbers:  # fmt: skip
+    """Return what the engine reads of a run up to `end` [s]: changes, segments and start.
+
+    The segments of the drive are found if they are not given.
+    """
+    case = prepared_case(system, drive, start, end, law, step)
+    settings, state = case["settings"][0], case["state"][0]
+    changes = np.zeros(1, dtype=CHANGE)
+    changes["bodies"][0] = case["bodies"][0]
+    for name in CHANGE.names or ():
+        if name in settings.dtype.names:
+            changes[name][0] = settings[name]
     angles, velocities = state["angle"], state["velocity"]
-    result["start"] = np.array([angles[0], velocities[0], angles[1], velocities[1]])
-    return result
+    return {
+        "changes": changes,
+        "segments": records.segment_records(drive, end) if segments is None else segments,
+        "start": np.array([angles[0], velocities[0], angles[1], velocities[1]]),
+    }
 
 
 def batches_of(parameters: Sequence[Parameter]) -> list[Sequence[Parameter]]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from latolato.experiment.fits.least_squares import Floats
-from latolato.numerics.integrate import Start, integrate
+from latolato.numerics.integrate import Directions, Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL
 from latolato.physics.contacts import ContactLaw, PassThrough
@@ -83,17 +83,38 @@ def angles_at(
     law : ContactLaw
         What happens where balls meet.
     """
-    begin = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
-    end = max(float(times[-1]), 1e-9)
+    start = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
+    found, _ = angles_with_slopes(system, drive, start, times, None, step=step, law=law)
+    return found
+
+
+def angles_with_slopes(
+    system: System,
+    drive: Any,
+    start: Start,
+    times: Floats,
+    directions: Directions | None,
+    *,
+    step: float,
+    law: ContactLaw = _PASS_THROUGH,
+) -> tuple[Floats, Floats]:
+    """Return the same, and their derivatives in some directions.
+
+    Those have the shape (direction, angle, time); NaN where they do not exist.
+    """
     run = integrate(
         system,
         drive if drive is not None else FixedPivot(),
-        begin,
+        start,
         np.ascontiguousarray(times, dtype=np.float64),
-        end,
+        max(float(times[-1]), 1e-9),
         law=law,
         step=step,
         rest_speed=_REST_SPEED,
         contact_limit=10_000,
+        directions=directions,
     )
-    return run.samples[0 : 2 * system.angles : 2]
+    size = 2 * system.angles
+    count = 0 if directions is None else len(directions.changes)
+    rows = run.samples[len(run.samples) - size * count :].reshape(count, size, len(times))
+    return run.samples[0:size:2], rows[:, 0::2]

@@ -5,17 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.core.quantities import Range
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
-from latolato.experiment.fits.motion import LaterDrive, angles_at, step_of
+from latolato.experiment.fits.motion import LaterDrive, angles_at, angles_with_slopes, step_of
 from latolato.experiment.fits.sight import SEEN, Sight, drop_of
+from latolato.numerics.integrate import Start
+from latolato.numerics.run_record import MOST_PARAMETERS
 from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import System
+from latolato.simulation.sensitivity import Numbers, joined, numbers_of, slopes_of
 from latolato.simulation.start import between_walls, walls_of
 
 # Samples to either side from which the state at the start of a window is guessed.
@@ -26,6 +32,7 @@ _RELATIVE, _ABSOLUTE = 1e-5, 1e-6
 _WILD = 10.0
 # Parameters of the start of one angle in one window.
 START = ("initial_angle", "initial_angular_velocity")
+_EXACT = ExactContact()
 Laws = Callable[[Mapping[str, float]], tuple[System, Drive]]
 
 
@@ -75,7 +82,7 @@ class WindowedModel:
             name: k for k, _ in enumerate(self.windows) for j in range(self.angles)
             for name in start_names(k, j)
         }  # fmt: skip
-        self._held = not any(name.startswith("drive_") for name in shared)
+        self._held = not any(name in drive.__dataclass_fields__ for name in shared)
         self._drives = [self._later(drive, w) for w in self.windows] if self._held else []
         reach = max(self._drives, key=lambda d: d.largest_acceleration) if self._held else drive
         acceleration = system.gravity + reach.largest_acceleration
@@ -105,25 +112,89 @@ class WindowedModel:
         return self._seen(self._moved(p), p)
 
     def jacobian(self, p: Mapping[str, float], names: Sequence[str]) -> Floats:
-        """Return the derivatives of the angles, shape (sample, name)."""
-        motion = self._moved(p)
-        middle = self._seen(motion, p)
+        """Return the derivatives of the angles, shape (sample, name).
+
+        Those of the motion are exact (`simulation.sensitivity`), and so are those of how it is seen
+        but for their differences of plain formulas. Where a motion has no exact derivative, as
+        after a graze, differences of motions stand in.
+        """
         system, drives = self._laws(p)
-        matrix = np.zeros((len(self.data), len(names)))
+        motion = np.empty(len(self.data))
+        slopes = np.zeros((len(self.data), len(names)))
+        for k in range(len(self.windows)):
+            own = [i for i, name in enumerate(names) if self._window_of.get(name, k) == k]
+            moving = np.array([i for i in own if names[i] not in SEEN], dtype=np.int64)
+            self._run_with_slopes(motion, slopes, system, drives[k], p, k, names, moving)
+        middle = self._seen(motion, p)
+        above, below = self._seen(motion + _ABSOLUTE, p), self._seen(motion - _ABSOLUTE, p)
+        matrix = slopes * ((above - below) / (2.0 * _ABSOLUTE))[:, None]
         for i, name in enumerate(names):
-            size = max(_RELATIVE * abs(p[name]), _ABSOLUTE)
-            # Towards the inside of a bounded range.
-            high = self.shared[name].high if name in self.shared else math.inf
-            change = -size if p[name] + size > high else size
-            moved = {**p, name: p[name] + change}
-            out = motion.copy()
-            if name in self._window_of:
-                k = self._window_of[name]
-                self._run(out, system, drives[k], moved, k)
-            elif name not in SEEN:
-                out = self._moved(moved)
-            matrix[:, i] = (self._seen(out, moved) - middle) / change
+            moved, change = self._moved_by_a_little(p, name)
+            if np.isnan(slopes[:, i]).any():
+                matrix[:, i] = (self._seen(self._moved(moved), moved) - middle) / change
+            elif name not in self._window_of:
+                matrix[:, i] += (self._seen(motion, moved) - middle) / change
         return matrix
+
+    def _moved_by_a_little(
+        self, p: Mapping[str, float], name: str
+    ) -> tuple[dict[str, float], float]:
+        """Return parameters of which one is changed, and by how much."""
+        size = max(_RELATIVE * abs(p[name]), _ABSOLUTE)
+        # Towards the inside of a bounded range.
+        high = self.shared[name].high if name in self.shared else math.inf
+        change = -size if p[name] + size > high else size
+        return {**p, name: p[name] + change}, change
+
+    def _run_with_slopes(
+        self, out: Floats, slopes: Floats, system: System, drive: LaterDrive,
+        p: Mapping[str, float], k: int, names: Sequence[str], moving: NDArray[np.int64],
+    ) -> None:  # fmt: skip
+        """Write the angles of one window, and their derivatives by some of the parameters."""
+        window, state = self.windows[k], self._start(p, k)
+        if drive.acceleration not in CHANGES:
+            self._run(out, system, drive, p, k)
+            for places in window.places:
+                slopes[np.ix_(places, moving)] = math.nan
+            return
+        begun = Start(
+            tuple(_within_walls(system, state[:, 0]).tolist()), tuple(state[:, 1].tolist())
+        )
+        end = float(window.times[-1])
+
+        def numbers(value: float, name: str) -> Numbers:
+            law, moved = self.laws({**p, name: value})
+            if self._held:  # of a measured pivot there are thousands
+                return numbers_of(law, drive, begun, end, _EXACT, self.step, still["segments"])
+            return numbers_of(law, self._later(moved, window), begun, end, _EXACT, self.step)
+
+        still = numbers_of(system, drive, begun, end, _EXACT, self.step)
+        unchanged = {name: np.zeros_like(values) for name, values in still.items()}
+        units = [name for j in range(self.angles) for name in start_names(k, j)]
+        directions: list[Numbers] = []
+        for i in moving:
+            name, own = names[i], dict(unchanged)
+            if name in units:
+                own["start"] = np.eye(4)[units.index(name)]
+            else:
+                guess = self.shared[name]
+                allowed = Range(guess.low, guess.high)
+                size = max(abs(p[name]), 1e-3)
+                own = slopes_of(partial(numbers, name=name), p[name], size, allowed)
+            directions.append(own)
+        for first in range(0, max(len(moving), 1), MOST_PARAMETERS):
+            some = moving[first : first + MOST_PARAMETERS]
+            chosen = joined(directions[first : first + MOST_PARAMETERS]) if len(some) else None
+            angles, derivatives = angles_with_slopes(
+                system, drive, begun, window.times, chosen, step=self.step, law=_EXACT
+            )
+            wild = ~np.isfinite(angles)
+            for j in range(self.angles):
+                own_places, inside = window.places[j], window.inside[j]
+                out[own_places] = np.where(wild[j], _WILD, angles[j])[inside]
+                if len(some):
+                    found = np.where(wild[j], 0.0, derivatives[:, j])[:, inside].T
+                    slopes[np.ix_(own_places, some)] = found
 
     def _moved(self, p: Mapping[str, float]) -> Floats:
         """Return the true angles at the samples [rad]."""
@@ -189,7 +260,7 @@ class WindowedModel:
         """Return angles at instants, shape (angle, instant)."""
         begun = _within_walls(system, state[:, 0])
         start = begun.tolist(), state[:, 1].tolist()
-        angles = angles_at(system, drive, *start, times, step=self.step, law=ExactContact())
+        angles = angles_at(system, drive, *start, times, step=self.step, law=_EXACT)
         # A trial too wild to be followed to the end is a bad fit, not an error.
         return np.where(np.isfinite(angles), angles, _WILD)
 
@@ -237,7 +308,7 @@ def _within_walls(system: System, angles: Floats) -> Floats:
     """Return angles that noise has put beyond a wall, moved onto it."""
     if not system.has_contacts:
         return angles
-    return between_walls(angles, walls_of(system, ExactContact()))
+    return between_walls(angles, walls_of(system, _EXACT))
 
 
 def window_starts(data: Data, length: float, angles: int) -> Floats:
