@@ -161,7 +161,7 @@ def test_balls_without_radius_that_bounce_elastically_are_like_one_pendulum():
 def test_what_has_no_linear_stability_is_refused():
     ball = ll.Ball(length=1.0, mass=0.8, radius=0.1)
     refused = {
-        r"must be 0 for balls that hang straight down.*use ll\.Pendulum\(length=1": ll.LatoLato(
+        r"must be 0 for balls that hang straight down.*choose the system Pendulum": ll.LatoLato(
             length=1.0, mass=0.8, radius=0.1
         ),
         "radius must be 0 for balls that hang": ll.BallPair(right=ball, left=ball),

@@ -221,8 +221,6 @@ QUANTITIES: dict[str, Quantity] = {
     "mathieu_a": Quantity("1", "a", "Mathieu parameter a"),
     "mathieu_q": Quantity("1", "b", "Mathieu parameter q (the paper's b)"),
     # contacts
-    "parameter": Quantity("", "", "parameter"),
-    "parameter_unit": Quantity("", "", "unit of the parameter"),
     "angle_sensitivity": Quantity(
         "rad", r"\partial\theta/\partial p", "derivative of the angle, per unit of the parameter"
     ),

@@ -39,6 +39,12 @@ ON_STRINGS = ("distance", "radial_velocity", "slack")
 
 # The coordinate of two balls, and what it is called.
 BALLS, BALL = ("right", "left"), Quantity("1", "", "ball")
+# Coordinates that are words.
+_LABELS = {
+    "ball": BALL,
+    "parameter": Quantity("1", "", "parameter of the derivatives"),
+    "parameter_unit": Quantity("1", "", "its unit"),
+}
 # Variables whose long name adds whether they belong to one ball or to both.
 _OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
 # Variables whose long name says what the ball hangs on.
@@ -90,7 +96,7 @@ class Record:
         if two:
             coordinates["ball"] = (("ball",), np.array(BALLS))
         for name, (dimensions, values) in {**coordinates, **self.variables}.items():
-            attrs = (BALL if name == "ball" else QUANTITIES[name]).attributes
+            attrs = (_LABELS.get(name) or QUANTITIES[name]).attributes
             if name in _OF_RODS and self.system.suspension == "string":
                 attrs["long_name"] = attrs["long_name"].replace("of the rod", "of the string")
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
