@@ -67,6 +67,10 @@ def test_every_unit_of_the_glossary_is_known(unit):
     assert to_si("x", f"2 ({unit})", unit) == 2.0
 
 
+def test_a_byte_order_mark_within_a_text_is_a_space():
+    assert to_si("x", "\ufeff30 mm", "m") == 0.03
+
+
 @pytest.mark.parametrize("value", [0.245, 3, True, None, [1.0], math.nan])
 def test_what_is_not_text_is_left_to_the_checks_of_the_laws(value):
     assert to_si("x", value, "m") is value

@@ -131,7 +131,9 @@ def to_si(name: str, value: Any, unit: str) -> Any:
     """
     if not isinstance(value, str):
         return value
-    match = _TEXT.fullmatch(value.replace("\N{MINUS SIGN}", "-"))
+    # A byte order mark within a text is a space that nobody sees.
+    text = value.replace("\N{MINUS SIGN}", "-").replace("\ufeff", " ")
+    match = _TEXT.fullmatch(text)
     if match is None:
         raise _refusal(name, value, "", unit)
     number, written = float(match["number"]), (match["unit"] or "").strip()
