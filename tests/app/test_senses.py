@@ -23,7 +23,7 @@ WATCH = """() => {
   window.said = [];
   const line = document.querySelector(".narration");
   const { liveRegion } = window.latolato.views.toy.player.accessibility;
-  new MutationObserver(() => window.said.push([liveRegion.saidAt, line.textContent]))
+  new MutationObserver(() => window.said.push([liveRegion.announcedAt, line.textContent]))
     .observe(line, { childList: true, characterData: true, subtree: true });
 }"""
 # Listens to a run as the page plays it at 60 pictures a second, for some seconds and then without
