@@ -60,6 +60,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
     const buffer = kernels.take("f8", size);
     const kinds = kernels.take("i8", size);
     const values = kernels.take("f8", parts.length - 2, size);
+    // Pages ask for no derivatives, so nothing reads how segments change.
     kernels.fill(kernels.field(run, "words"), "arguments", {
       "timetable.segments": segments, "timetable.kick_times": kick_times,
       "timetable.kick_sizes": kick_sizes, "timetable.segment_changes": segments,

@@ -282,7 +282,7 @@ export class Toy {
     kernels.set(run, "state.kick", 0);
     kernels.fill(kernels.field(run, "words"), "arguments", {
       "timetable.segments": this.drive.segments,
-      "timetable.segment_changes": this.drive.segments,
+      "timetable.segment_changes": this.drive.segments, // not read: no derivatives are asked for
       "timetable.kick_times": kernels.copy(isKicked ? [this.time] : []),
       "timetable.kick_sizes": { ...kernels.copy(kick), shape: [kick.length, Number(isKicked)] },
       "output.sample_times": instants, "output.samples": samples,
