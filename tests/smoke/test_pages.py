@@ -47,7 +47,7 @@ def wait_for(page, end):
 # The ends of the axes of all pictures in Play.
 ENDS = """() => {
   const { curves, more } = window.latolato.views.toy.player;
-  return [more.phase, more.section, ...curves.charts, ...more.curves.charts]
+  return [more.plots.phase, more.plots.section, ...curves.charts, ...more.curves.charts]
     .flatMap(({ plot }) => [plot.scales.x, plot.scales.y]).map(({ min, max }) => [min, max]);
 }"""
 
