@@ -156,7 +156,8 @@ def kind_of(dataset: xr.Dataset) -> str:
     for kind in ("fit", "comparison", "analysis"):
         if kind in dataset.attrs:
             return kind
-    return "map" if "plan" in dataset.attrs and "time" not in dataset.dims else "run"
+    is_map = dataset.attrs.keys() & {"plan", "prediction"} and "time" not in dataset.dims
+    return "map" if is_map else "run"
 
 
 def module_of(kind: str, name: str) -> Any:

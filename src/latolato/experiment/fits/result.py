@@ -167,6 +167,13 @@ class Fit:
         return {name: self[name] for name in names if self.dataset[name].ndim == 0}
 
     @property
+    def draws(self) -> xr.Dataset | None:
+        """Draws of the unknown parameters by name, on chain and draw; None but for a posterior."""
+        names = [str(name) for name in self.estimates if f"{name}_draw" in self.dataset]
+        found = self.dataset[[f"{name}_draw" for name in names]]
+        return found.rename({f"{name}_draw": name for name in names}) if names else None
+
+    @property
     def drive(self) -> Drive | None:
         """The drive that was found or given, None for a pivot at rest."""
         from latolato.physics.drives import drives
