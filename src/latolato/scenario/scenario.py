@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
 
 # Entries of ``[run]`` that say how one run is sampled.
-_OF_ONE_RUN = ("times", "frame")
+_OF_ONE_RUN = ("times", "frame", "sensitivity_to")
 
 # A new value of one of these takes the place of the others.
 ALTERNATIVES = (
