@@ -425,6 +425,9 @@ def test_a_run_is_differentiated_by_what_its_scenario_names(names):
     assert result.parameter.values.tolist() == ([names] if isinstance(names, str) else names)
     again = Scenario.from_dict(scenario.to_dict()).simulate()
     np.testing.assert_array_equal(again.angle_sensitivity, result.angle_sensitivity)
+    wrong = Scenario.from_dict({"system": system, "run": {**run, "sensitivity_to": 3}})
+    with pytest.raises(InputError, match="sensitivity_to has no parameter 3"):
+        wrong.simulate()
     # Derivatives belong to one run, as its times do: a sweep leaves them out.
     sweep = {"axes": {"damping": [0.0, 0.1]}, "observables": ["largest_angle"]}
     many = Scenario.from_dict({"system": system, "run": run, "sweep": sweep}).sweep()
