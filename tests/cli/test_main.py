@@ -449,6 +449,34 @@ def test_a_saved_run_is_plotted_beside_its_file_by_default():
     assert Path("run.gif").exists()
 
 
+def test_a_run_is_differentiated_by_each_parameter_that_is_named():
+    names = ["restitution", "length", "initial_offset"]
+    options = [part for name in names for part in ("--sensitivity-to", name)]
+    start = ["zeno", "--duration", "1", "--initial-offset", "0.3"]
+    printed = run("simulate", *start, *options, "--output", "a.nc").stdout
+    assert "derivatives      known" in printed
+    first = ll.load("a.nc")
+    assert set(first.coords) == {"time", "parameter", "parameter_unit"}
+    assert first.parameter.values.tolist() == names
+    assert first.parameter_unit.values.tolist() == ["1", "m", "rad"]
+    assert (abs(first.angle_sensitivity[:, -1]) > 0.0).all()
+    assert simulate("--from", "a.nc", "--output", "b.nc")["sensitivity_status"] == "known"
+    np.testing.assert_array_equal(ll.load("b.nc").angle_sensitivity, first.angle_sensitivity)
+
+
+@pytest.mark.parametrize(
+    "name, message",
+    [
+        ("lenght", "sensitivity_to has no parameter 'lenght': did you mean 'length'?"),
+        ("length", "sensitivity_to names length twice"),
+        ("string_restitution", "as a rod never goes slack"),
+    ],
+)
+def test_a_parameter_without_derivatives_is_refused(name, message, capsys):
+    options = ["--sensitivity-to", "length", "--sensitivity-to", name]
+    assert message in refused(capsys, "simulate", *TOY, *options, "--output", "run.nc")
+
+
 def test_without_json_the_summary_is_for_reading():
     printed = run("simulate", *TOY).stdout
     assert "status           complete" in printed

@@ -416,6 +416,24 @@ def test_an_error_in_a_file_names_the_file_and_keeps_its_parts(tmp_path):
     assert str(error) == "heavy.toml: length must lie in (0, inf) m, got -3; give more than 0"
 
 
+@pytest.mark.parametrize("names", ["length", ["length", "damping"]])
+def test_a_run_is_differentiated_by_what_its_scenario_names(names):
+    system = {"kind": "pendulum", "length": 1, "mass": 1, "damping": 0.1}
+    run = {"initial_angle": 0.1, "duration": 0.5, "sensitivity_to": names}
+    scenario = Scenario.from_dict({"system": system, "run": run})
+    result = scenario.simulate()
+    assert result.parameter.values.tolist() == ([names] if isinstance(names, str) else names)
+    again = Scenario.from_dict(scenario.to_dict()).simulate()
+    np.testing.assert_array_equal(again.angle_sensitivity, result.angle_sensitivity)
+    wrong = Scenario.from_dict({"system": system, "run": {**run, "sensitivity_to": 3}})
+    with pytest.raises(InputError, match="sensitivity_to has no parameter 3"):
+        wrong.simulate()
+    # Derivatives belong to one run, as its times do: a sweep leaves them out.
+    sweep = {"axes": {"damping": [0.0, 0.1]}, "observables": ["largest_angle"]}
+    many = Scenario.from_dict({"system": system, "run": run, "sweep": sweep}).sweep()
+    assert set(many.data_vars) == {"largest_angle", "status"}
+
+
 @pytest.mark.parametrize("contact", ["clamp", "exact", "none"])
 def test_a_contact_law_is_refused_where_nothing_meets_and_the_default_is_none(contact):
     system = {"kind": "pendulum", "length": 1, "mass": 1}

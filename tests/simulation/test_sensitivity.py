@@ -265,17 +265,79 @@ def test_a_bouncing_ball_is_elementary():
 
 
 def test_ratios_change_what_they_stand_for():
-    run = record(
-        TOY, HARMONIC, times=TIMES, **ONE,
-        sensitivity_to=(
-            "frequency_ratio", "drive_frequency", "amplitude_ratio", "drive_amplitude",
-            "drive_acceleration_ratio",
-        ),
-    )  # fmt: skip
-    ratio, frequency, amplitude_ratio, amplitude, lift = run["angle_sensitivity"]
+    def slopes(*names):
+        run = record(TOY, HARMONIC, times=TIMES, sensitivity_to=names, **ONE)
+        return run["angle_sensitivity"]
+
+    frequency, amplitude = slopes("drive_frequency", "drive_amplitude")
+    ratio, amplitude_ratio = slopes("frequency_ratio", "amplitude_ratio")
+    (lift,) = slopes("drive_acceleration_ratio")
     assert ratio == pytest.approx(frequency * TOY.natural_frequency, rel=1e-9)
     assert amplitude_ratio == pytest.approx(amplitude * TOY.length, rel=1e-9)
     assert lift == pytest.approx(amplitude * TOY.gravity / HARMONIC.drive_frequency**2, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "ratios",
+    [
+        ("frequency_ratio",),
+        ("amplitude_ratio",),
+        ("drive_acceleration_ratio",),
+        ("frequency_ratio", "drive_acceleration_ratio"),
+        ("frequency_ratio", "amplitude_ratio"),
+    ],
+)
+@pytest.mark.parametrize(
+    "system, start, length", [(TOY, ONE, "length"), (PAIR, TWO, "right_length")]
+)
+def test_ratios_that_are_named_are_held_as_along_the_axes_of_a_sweep(system, start, length, ratios):
+    """The derivatives of a sweep's final angle along one axis, with the ratios as further ones."""
+    rate = system.natural_frequency
+    lift = HARMONIC.drive_amplitude * HARMONIC.drive_frequency**2 / system.gravity
+    values = {
+        "frequency_ratio": HARMONIC.drive_frequency / rate,
+        "amplitude_ratio": HARMONIC.drive_amplitude / system.balls[0].length,
+        "drive_acceleration_ratio": lift,
+    }
+    names = (length, "gravity", "drive_phase", *ratios)
+    run = record(system, HARMONIC, duration=2.5, tolerance=1e-13, sensitivity_to=names, **start)
+    found = run["angle_sensitivity"].reshape(len(names), system.angles, -1)[:, 0, -1]
+    places = np.arange(-4, 5)
+    for p, name in enumerate(names):
+        middle = values.get(name) or value_of(system, HARMONIC, start, name)
+        axes = {ratio: [values[ratio]] for ratio in ratios} | {name: middle * (1 + 2e-5 * places)}
+        ends = ll.sweep(
+            system, HARMONIC, axes=axes, observables="final_angle", duration=2.5, tolerance=1e-13,
+            **start,
+        ).final_angle  # fmt: skip
+        right = ends.isel(ball=0) if "ball" in ends.dims else ends
+        weights = np.array([-w for w in reversed(_WEIGHTS)] + [0.0, *_WEIGHTS])
+        wanted = weights @ right.values.ravel() / (2e-5 * middle)
+        assert found[p] == pytest.approx(wanted, rel=ENOUGH), name
+
+
+@pytest.mark.parametrize(
+    "names, words",
+    [
+        (["length"], "name frequency_ratio too to keep the ratio, or drive_frequency to keep"),
+        (["gravity", "damping"], "names gravity, which sets the natural frequency"),
+        (["length", "frequency_ratio"], ""),
+        (["length", "drive_frequency"], ""),
+        (["damping"], ""),
+    ],
+)
+def test_a_scenario_given_by_a_ratio_says_what_is_held(names, words):
+    tables = {
+        "system": {"kind": "pendulum", "length": 1.0, "mass": 1.0, "damping": 0.1},
+        "drive": {"kind": "harmonic", "drive_amplitude": 0.1, "frequency_ratio": 2.0},
+        "run": {"initial_angle": 0.1, "duration": 0.5, "sensitivity_to": names},
+    }
+    if words:
+        with pytest.raises(InputError, match=words):
+            ll.Scenario.from_dict(tables)
+    else:
+        run = ll.Scenario.from_dict(tables).simulate()
+        assert run.attrs["sensitivity_status"] == "known"
 
 
 def test_ten_parameters_are_carried_by_two_runs():
@@ -347,11 +409,19 @@ class TestRefusals:
             ("mass", ll.Pendulum(length=1.0, mass=1.0), {}, "does not act"),
             ("restitution", TOY, {"contact": None}, "does not act"),
             ("string_restitution", TOY, {}, "string"),
+            (["frequency_ratio", "drive_frequency"], TOY, {}, "both set drive_frequency"),
+            (["amplitude_ratio", "drive_acceleration_ratio"], TOY, {}, "both set drive_amplitude"),
             ("length", TOY, {"contact": "clamp"}, "exact contact"),
             ("length", TOY, {"noise": ll.VelocityKicks(noise_strength=1e-3)}, "noise"),
             (3, TOY, {}, "no parameter 3"),
+            ([["length"]], TOY, {}, "no parameter"),
         ],
     )
     def test_say_what_is_wrong(self, names, system, more, words):
         with pytest.raises(InputError, match=words):
-            ll.simulate(system, duration=1.0, sensitivity_to=names, **ONE, **more)
+            ll.simulate(system, HARMONIC, duration=1.0, sensitivity_to=names, **ONE, **more)
+
+    def test_an_acceleration_of_a_drive_at_frequency_zero_is_no_parameter(self):
+        drive = replace(HARMONIC, drive_frequency=0.0)
+        with pytest.raises(InputError, match="sets no amplitude at frequency 0"):
+            ll.simulate(TOY, drive, duration=1.0, sensitivity_to="drive_acceleration_ratio", **ONE)

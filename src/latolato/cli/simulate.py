@@ -15,11 +15,11 @@ from latolato.cli.options import JsonOption, PlotOption, ScenarioArgument, with_
 from latolato.cli.output import Animation, Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
-from latolato.scenario.options import changes
+from latolato.scenario.options import SENSITIVITY, changes
 from latolato.scenario.scenario import Scenario, changed_tables, find
 
 
-@with_law_options()
+@with_law_options(further=[SENSITIVITY])
 def simulate(
     scenario: ScenarioArgument = None,
     rerun: Annotated[
@@ -85,7 +85,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     angle, energy = summary["largest_angle"], summary["largest_energy"]
     residual = summary["energy_residual"]
     known = residual is not None and energy is not None
-    return {
+    lines = {
         "run": f"{summary['system']}, drive {summary['drive']}, {summary['duration']:g} s",
         "status": summary["status"],
         "largest angle": f"{angle:.6g} rad" if angle is not None else "unknown",
@@ -93,6 +93,9 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         "energy residual": f"{residual:.2g} J of {energy:.3g} J" if known else "unknown",
         "wall time": f"{summary['wall_time']:.2f} s",
     }
+    if "sensitivity_status" in summary:
+        lines["derivatives"] = summary["sensitivity_status"]
+    return lines
 
 
 @contextmanager

@@ -292,6 +292,8 @@ def _netcdf_of(record: Record) -> bytes:
             made = file.create_variable(name, dimensions, kind, values, fillvalue=fill)
             made.attrs.update(attrs if fill is None else {"_FillValue": fill, **attrs})
         file.attrs.update({**record.attrs, "format": FORMAT})
+        if "parameter_unit" in record:  # the name under which xarray lists further coordinates
+            file.attrs["coordinates"] = "parameter_unit"
     return memory.getvalue()
 
 

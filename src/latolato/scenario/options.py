@@ -15,6 +15,9 @@ from latolato.physics.pendulum import systems
 from latolato.scenario.tables import RATIOS, RUN_OPTIONS, run_options
 from latolato.scenario.units import to_si_list
 
+# Only the command of a single run takes it: neither pages nor sweeps show derivatives.
+SENSITIVITY = RUN_OPTIONS["sensitivity_to"]
+
 
 @lru_cache(maxsize=1)
 def law_options() -> dict[str, Parameter]:
@@ -44,7 +47,9 @@ def law_options() -> dict[str, Parameter]:
             default=None,
             suggested=(0.0, 5.0),
         )
-    return result | run_options() | {p.name: p for p in law_parameters(VelocityKicks, "noise")}
+    of_noise = {p.name: p for p in law_parameters(VelocityKicks, "noise")}
+    of_run = {name: option for name, option in run_options().items() if name != SENSITIVITY.name}
+    return result | of_run | of_noise
 
 
 def flat_options(tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -61,7 +66,7 @@ def flat_options(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 def table_value(parameter: Parameter, value: Any) -> Any:
     """Return the entries for a scenario's table; paths are relative to the working directory."""
-    if not parameter.several:
+    if not parameter.several or parameter.kind is str:
         return value
     return to_si_list(parameter.name, value, parameter.unit)
 
@@ -69,7 +74,7 @@ def table_value(parameter: Parameter, value: Any) -> Any:
 def changes(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the tables of a scenario's changes that options ask for, those not given left out."""
     result: dict[str, dict[str, Any]] = {}
-    for name, option in law_options().items():
+    for name, option in (law_options() | {SENSITIVITY.name: SENSITIVITY}).items():
         if values.get(name) is None:
             continue
         *inner, key = option.path

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
 
 # Entries of ``[run]`` that say how one run is sampled.
-_OF_ONE_RUN = ("times", "frame")
+_OF_ONE_RUN = ("times", "frame", "sensitivity_to")
 
 # A new value of one of these takes the place of the others.
 ALTERNATIVES = (
@@ -128,6 +128,7 @@ class Scenario:
         if "noise" in tables:
             table = checked_table(tables["noise"], "noise")
             run["noise"] = build_from(VelocityKicks, table, folder)
+        _check_ratios(tables.get("drive", {}), run.get("sensitivity_to", ()))
         texts = {name: tables[name].strip() for name in ("name", *_TEXTS) if name in tables}
         return cls(system=system, drive=drive, run=run, varied=varied, **texts)
 
@@ -340,6 +341,22 @@ def _replaced(arguments: dict[str, Any], overrides: Mapping[str, Any]) -> dict[s
         if group & overrides.keys():
             kept = {k: v for k, v in kept.items() if k not in group}
     return {**kept, **overrides}
+
+
+def _check_ratios(drive: Mapping[str, Any], names: Any) -> None:
+    """Raise InputError if it is open whether a drive given by a ratio moves with a parameter."""
+    named = names if isinstance(names, (list, tuple)) else [names]
+    moving = [name for name in named if name in ("length", "right_length", "gravity")]
+    for ratio, plain in RATIOS.items():
+        if ratio in drive and moving and ratio not in named and plain not in named:
+            raise InputError(
+                f"names {moving[0]}, which sets the natural frequency, and the drive is given by "
+                f"{ratio}",
+                parameter="sensitivity_to",
+                way_out=f"name {ratio} too to keep the ratio, or {plain} to keep the frequency"
+                if ratio == "frequency_ratio"
+                else f"give {plain} instead",
+            )
 
 
 @lru_cache(maxsize=1)

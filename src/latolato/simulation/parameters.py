@@ -73,6 +73,12 @@ _PARAMETERS = (
         kind=int, allowed=COUNT,
     ),
     _of(
+        "run", "sensitivity_to",
+        "parameter by which the motion is differentiated, such as length; may be given several "
+        "times",
+        kind=str, several=True,
+    ),
+    _of(
         "sweep", "transient", "time after which observables begin",
         unit="s", allowed=NON_NEGATIVE,
     ),

@@ -267,5 +267,10 @@ def attributes_of(plan: RunPlan) -> dict[str, Any]:
             noise_seed=noise.noise_seed,
             noise_stream=noise.noise_stream,
         )
+    if plan.sensitivity_to:
+        scenario["run"]["sensitivity_to"] = [parameter.name for parameter in plan.sensitivity_to]
+        if plan.offset is not None:  # such a start moves with its wall
+            del scenario["run"]["initial_angle"]
+            scenario["run"]["initial_offset"] = plan.offset
     attributes["scenario"] = json.dumps(scenario)
     return attributes

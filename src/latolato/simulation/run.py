@@ -102,7 +102,9 @@ def simulate(
     sensitivity_to : str or sequence of str
         Parameters with respect to which the motion is differentiated, by the names that axes of
         sweeps have: ``"restitution"``, ``"right_mass"``, ``"drive_phase"``, ``"frequency_ratio"``,
-        ``"initial_angle_left"``. All others keep their values; see Notes.
+        ``"initial_angle_left"``. All others keep their values. A ratio among them, such as
+        ``"frequency_ratio"``, keeps its value too, so that the drive moves with the length or the
+        gravity as it does in a sweep with these axes; see Notes.
     progress : callable, optional
         Called with the fraction done, now and then.
 
@@ -136,9 +138,11 @@ def simulate(
 
     Derivatives with respect to parameters are exact through impacts, rest, lift-off and slack: they
     follow the variational equation of the very steps, and jump at events. Walls move with radius
-    and length, and a start at an `initial_offset` moves with its wall. They are NaN, and the
-    attribute `sensitivity_status` says since when and why, once they do not exist or cannot be
-    trusted: after a graze, two events at one instant, or a capture of two balls. Of the start of
+    and length, and a start at an `initial_offset` moves with its wall. The derivative by the length
+    is that at a fixed `drive_frequency` [rad/s] and `drive_amplitude` [m], unless `sensitivity_to`
+    names a ratio that sets one of them: it is then that at this fixed ratio. Derivatives are NaN,
+    and the attribute `sensitivity_status` says since when and why, once they do not exist or cannot
+    be trusted: after a graze, two events at one instant, or a capture of two balls. Of the start of
     rest by capture `contact_time_sensitivity` alone is NaN.
     A contact is missed if the ball dips into a wall and returns within a quarter of a step while
     its acceleration keeps its sign at the ends; the depth of such a dip is below the step's error.

@@ -8,7 +8,7 @@ are exact to some 1e-13 of it, for any law; all that follows in time is differen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough
 from latolato.physics.drives import Drive
 from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import LatoLato, System, restoring_linear, restoring_sine
-from latolato.simulation.vary import parameters_of, replaced
+from latolato.simulation.vary import DERIVED, parameters_of, replaced
 
 if TYPE_CHECKING:
     from latolato.simulation.plan import RunPlan
@@ -71,7 +71,7 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
         wanted = [names]
     known = known_parameters(plan)
     for name in wanted:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise InputError(
                 f"has no parameter {name!r}: {suggest(str(name), list(known))}",
                 parameter="sensitivity_to",
@@ -79,6 +79,21 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
     if len(set(wanted)) < len(wanted):
         repeated = next(name for i, name in enumerate(wanted) if name in wanted[:i])
         raise InputError(f"names {repeated} twice", parameter="sensitivity_to")
+    setters: dict[str, str] = {}
+    for name in wanted:
+        other = setters.setdefault(DERIVED.get(name, name), name)
+        if other != name:
+            raise InputError(
+                f"names {other} and {name}, which both set {DERIVED.get(name, name)}",
+                parameter="sensitivity_to",
+                way_out="leave one out",
+            )
+    if "drive_acceleration_ratio" in wanted and plan.drive.drive_frequency == 0.0:  # type: ignore[attr-defined]
+        raise InputError(
+            "names drive_acceleration_ratio, which sets no amplitude at frequency 0",
+            parameter="sensitivity_to",
+            way_out="leave it out",
+        )
     _check_run(plan)
     return tuple(known[name] for name in wanted)
 
@@ -132,6 +147,8 @@ def _check_run(plan: RunPlan) -> None:
 def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
     """Return how all numbers of a run change per unit of each parameter.
 
+    Ratios among all parameters of the plan keep their values while the others change.
+
     Raises
     ------
     InputError
@@ -139,12 +156,15 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
     """
     slopes = []
     middle = numbers_of(plan.system, plan.drive, plan.start, plan.end, plan.law, plan.step)
+    ratios = [each for each in plan.sensitivity_to if each.name in _RATIOS]
+    held = {ratio.name: _value_of(plan, ratio) for ratio in ratios}
     for parameter in parameters:
         value = _value_of(plan, parameter)
         size = max(map(abs, parameter.suggested)) if parameter.suggested else 1.0
 
         def numbers(value: float, name: str = parameter.name) -> Numbers:
-            return numbers_of(*_varied(plan, name, value), plan.end, plan.law, plan.step)
+            varied = _varied(plan, name, value, held)
+            return numbers_of(*varied, plan.end, plan.law, plan.step)
 
         own = slopes_of(numbers, middle, value, abs(value) or size, parameter.allowed)
         if not _acts(plan, own):
@@ -276,7 +296,8 @@ def _lift(system: System, drive: Any) -> float:
     return lifted / system.gravity
 
 
-# Ratios that stand for a number of the drive: which, the ratio, and that number for a ratio.
+# Ratios that stand for a number of the drive: which, the ratio, and that number for a ratio. An
+# amplitude may follow from the frequency, which stands first.
 _RATIOS: dict[str, tuple[str, Callable[..., float], Callable[..., float]]] = {
     "frequency_ratio": (
         "drive_frequency",
@@ -296,23 +317,29 @@ _RATIOS: dict[str, tuple[str, Callable[..., float], Callable[..., float]]] = {
 }
 
 
-def _varied(plan: RunPlan, name: str, value: float) -> tuple[System, Drive, Start]:
-    """Return the laws and the start of a run in which one parameter has another value."""
+def _varied(
+    plan: RunPlan, name: str, value: float, held: Mapping[str, float]
+) -> tuple[System, Drive, Start]:
+    """Return the laws and the start of a run in which one parameter has another value.
+
+    The ratios `held` keep theirs: numbers of the drive follow.
+    """
     system, drive, start = plan.system, plan.drive, plan.start
     parameter = parameters_of(system, drive)[name]
-    if name in _RATIOS:
-        target, _, number = _RATIOS[name]
-        drive = replace(drive, **{target: number(system, drive, value)})
-    elif parameter.owner == "system":
+    if parameter.owner == "system":
         system = replaced(system, {parameter.path: value})
-    elif parameter.owner == "drive":
+    elif parameter.owner == "drive" and name not in _RATIOS:
         drive = replaced(drive, {parameter.path: value})
-    elif name != "initial_offset":
+    elif parameter.owner == "run" and name != "initial_offset":
         stem, ball = _ball_of(name)
         field = {"initial_angle": "angles", "initial_angular_velocity": "velocities"}[stem]
         numbers = list(getattr(start, field))
         numbers[ball] = value
         start = replace(start, **{field: tuple(numbers)})
+    for ratio, (target, _, number) in _RATIOS.items():
+        if ratio in held:
+            own = value if ratio == name else held[ratio]
+            drive = replace(drive, **{target: number(system, drive, own)})
     if plan.offset is not None:
         assert isinstance(system, LatoLato)
         offset = value if name == "initial_offset" else plan.offset

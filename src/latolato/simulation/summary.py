@@ -25,6 +25,7 @@ _COPIED = (
     "first_slack",
     "slack_fraction",
     "largest_string_impulse",
+    "sensitivity_status",
 )
 
 

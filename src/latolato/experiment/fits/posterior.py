@@ -612,7 +612,7 @@ def _verdict(estimates: Mapping[str, Estimate], about: Mapping[str, Any]) -> str
 
 
 def _less(about: Mapping[str, Any]) -> str:
-    """Return what is to be said of samples that scatter less than they should, "" of others."""
+    """Return what is to be said about samples that scatter less than they should, "" of others."""
     if not about["shares_errors"]:
         return ""
     return (
