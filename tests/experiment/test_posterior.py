@@ -214,6 +214,8 @@ def test_bad_input_is_refused_with_the_reason(swing):
             fit_posterior(swing, SWING, unknown=["length"], prior=prior)
     with pytest.raises(InputError, match="draws"):
         fit_posterior(swing, SWING, draws=0)
+    with pytest.raises(InputError, match="chains"):  # one has nothing to agree with
+        fit_posterior(swing, SWING, chains=1)
 
 
 def test_a_posterior_is_stored_drawn_and_made_by_a_command(tmp_path, capsys):

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, import_extra
+from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.experiment.fits.least_squares import (
     MOST_CORRELATION,
@@ -77,8 +78,8 @@ def fit_posterior(
     start: Annotated[float | None, "s"] = None,
     end: Annotated[float | None, "s"] = None,
     window: Annotated[float | None, "s"] = None,
-    draws: int = 500,
-    chains: int = 4,
+    draws: Annotated[int, Range(10)] = 500,
+    chains: Annotated[int, Range(2)] = 4,
     seed: int = 0,
 ) -> Fit:
     """Return draws of a system's unknown parameters given measured angles.
@@ -144,7 +145,8 @@ def fit_posterior(
     the track allows is a normal factor of the change that it makes.
     """
     sampling_module("nutpie")
-    count, paths = checked_count("draws", draws), checked_count("chains", chains)
+    count = checked_count("draws", draws, Range(10))
+    paths = checked_count("chains", chains, Range(2))
     found = described(
         table, system, drive, unknown, ball=ball, start=start, end=end, window=window,
         prior=prior, fits_pivot=True,
