@@ -78,7 +78,7 @@ def fit_posterior(
     start: Annotated[float | None, "s"] = None,
     end: Annotated[float | None, "s"] = None,
     window: Annotated[float | None, "s"] = None,
-    draws: Annotated[int, Range(10)] = 500,
+    draws: Annotated[int, Range(10)] = 1000,
     chains: Annotated[int, Range(2)] = 4,
     seed: int = 0,
 ) -> Fit:

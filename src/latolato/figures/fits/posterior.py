@@ -43,6 +43,8 @@ def draw(dataset: xr.Dataset) -> Figure:
             own.time, -half, half, color=style.PALE_BLUE, lw=0.0, label="95 % of the draws"
         )
         draw_residual(residual, own, "angle_residual")
+        reach = max(residual.get_ylim()[1], 1.1 * float(half.max()))
+        residual.set_ylim(-reach, reach)
         residual.legend(**style.ABOVE, ncols=2)
         angle.set_xlabel("")
         if len(balls) > 1:
