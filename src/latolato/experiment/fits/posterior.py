@@ -525,8 +525,8 @@ def _fit_of(found: Described, density: Density, samples: Floats, broken: NDArray
     curves = found.curves | {
         "angle_fit": ("sample", middle),
         "angle_residual": ("sample", data.values - middle),
-        "angle_low": ("sample", middle - _TWO_SIDED * width),
-        "angle_high": ("sample", middle + _TWO_SIDED * width),
+        "band_low": ("sample", middle - _TWO_SIDED * width),
+        "band_high": ("sample", middle + _TWO_SIDED * width),
     }
     about = found.attributes | {
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),

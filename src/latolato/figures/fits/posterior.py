@@ -38,7 +38,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         angle, residual = panels[f"angle{ball}"], panels[f"residual{ball}"]
         angle.sharex(residual)
         draw_curve(angle, own, "angle", "angle_fit")
-        half = 500.0 * (own.angle_high - own.angle_low).values
+        half = 500.0 * (own.band_high - own.band_low).values
         residual.fill_between(
             own.time, -half, half, color=style.PALE_BLUE, lw=0.0, label="95 % of the draws"
         )
