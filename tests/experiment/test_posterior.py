@@ -138,6 +138,7 @@ def test_few_draws_and_chains_that_disagree_are_no_result(swing, quick):
     few = fit_posterior(swing, SWING, draws=40)
     assert not few.describes
     assert few.dataset.attrs["break"] in ("chains", "draws")
+    assert few.verdict.endswith("Its values are kept for inspection.")
 
     def apart(values, broken, names):
         values[0, :, names.index("length")] += 2.0 * values[..., names.index("length")].std()
@@ -196,6 +197,7 @@ def test_a_model_that_does_not_describe_its_record_is_no_result(quick):
     got = fit_posterior(table, SWING)
     assert not got.describes
     assert "does not describe this record" in got.verdict
+    assert "give start and end" in got.verdict
 
 
 def test_bad_input_is_refused_with_the_reason(swing):

@@ -582,6 +582,7 @@ def _doubt_of_chains(
             f"The chains do not agree: R-hat is {rhat[name]:.3g} for {name}, and should be at "
             f"most {_LARGEST_RHAT}. More draws may help.",
             "chains",
+            is_in_record=False,
         )
     name = min(effective, key=lambda each: effective[each])
     if not effective[name] >= _FEWEST:
@@ -589,6 +590,7 @@ def _doubt_of_chains(
             f"The draws are too few: those of {name} tell as much as {effective[name]:.0f} "
             f"independent ones, and should as {_FEWEST}. Take more draws.",
             "draws",
+            is_in_record=False,
         )
     share = float(broken.mean())
     if share > _MOST_BROKEN:
@@ -596,6 +598,7 @@ def _doubt_of_chains(
             f"The sampler lost its way on {100.0 * share:.2g} % of its paths, so there may be "
             "values that it could not reach.",
             "divergences",
+            is_in_record=False,
         )
     return Adequacy()
 
