@@ -4,8 +4,8 @@ Least squares give a value and a standard deviation, which is the whole truth wh
 parameters nearly linearly. Where they do not, as near a restitution of 1 or where a contact may or
 may not happen, the probability of parameters given the samples is wanted itself. It is sampled here
 with the No-U-Turn sampler (Hoffman & Gelman 2014) of nutpie, which follows the gradient of the
-density. The gradient is exact: derivatives of the motion go through its impacts
-(`latolato.simulation.sensitivity`).
+density. That comes from derivatives of the motion which go through its impacts
+(`latolato.simulation.sensitivity`), and is exact but for the straight lines of `Lines`.
 
 Where the order of contacts changes with a parameter, angles stay continuous but have a kink, and on
 it a derivative does not exist. The sampler stays right there. Its steps, a kick along the gradient
@@ -37,7 +37,14 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.model import Described, described, doubt_of, drive_to_keep
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
+from latolato.experiment.fits.result import (
+    TWO_SIDED,
+    Adequacy,
+    Estimate,
+    Fit,
+    make_fit,
+    quantity_of,
+)
 from latolato.experiment.fits.sight import SEEN
 from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System, systems
@@ -61,8 +68,6 @@ _LARGEST_RHAT, _FEWEST, _MOST_BROKEN = 1.02, 400, 0.01
 _MUCH_LESS = 0.5
 # Draws whose angles make the band.
 _BAND = 200
-# Half the width of a 95 percent band in standard deviations.
-_TWO_SIDED = 1.959964
 # The noise of the samples: its size over the sigmas, and the correlation of neighbours.
 NOISE_SCALE, NOISE_CORRELATION = "noise_scale", "noise_correlation"
 
@@ -461,7 +466,7 @@ def _standardised(guesses: Mapping[str, Guess], information: Floats) -> tuple[Fl
         widths.append(width)
     # In units of what each number would be known to by itself.
     values, vectors = np.linalg.eigh(information * np.outer(sizes, sizes))
-    floor = 1e-12 * values.max()
+    floor = 1e-12 * values.max()  # below that is rounding: numbers that nothing tells apart
     root = np.array(widths)[:, None] * vectors / np.sqrt(np.maximum(values, floor))
     return np.array(centre), root
 
@@ -518,15 +523,15 @@ def _fit_of(found: Described, density: Density, samples: Floats, broken: NDArray
     flat = samples.reshape(-1, len(density.names))
     middle, width = _band(density, flat)
     data = found.data
-    inside = np.abs(data.values - middle) <= _TWO_SIDED * width
+    inside = np.abs(data.values - middle) <= TWO_SIDED * width
     share = float(np.mean(inside[found.solution.kept]))
     mean = dict(zip(density.names, flat.mean(axis=0).tolist(), strict=True))
     best, best_drive = found.laws(mean)
     curves = found.curves | {
         "angle_fit": ("sample", middle),
         "angle_residual": ("sample", data.values - middle),
-        "band_low": ("sample", middle - _TWO_SIDED * width),
-        "band_high": ("sample", middle + _TWO_SIDED * width),
+        "band_low": ("sample", middle - TWO_SIDED * width),
+        "band_high": ("sample", middle + TWO_SIDED * width),
     }
     about = found.attributes | {
         "system": systems.name_of(best), "drive": drives.name_of(best_drive),
