@@ -45,7 +45,8 @@ def plot(
         `latolato.analysis` returned.
     variable : str, optional
         What to draw of a sweep, by default the first; of an analysis a variable in place of its
-        picture; of a run the only thing to draw, over time, such as ``"tension"``.
+        picture; of a run the only thing to draw, over time, such as ``"tension"`` or
+        ``"angle_sensitivity"``.
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
